@@ -23,6 +23,7 @@ from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import FieldFound, Found
 from talaia.model.site import SignalType
 from talaia.wire.frames import (
+    CommandCancel,
     CommandPhase,
     CommandRequest,
     CommandState,
@@ -112,6 +113,14 @@ devices:
         target: /add
         type: diagnostic_msgs/srv/AddDiagnostics
         arguments: {space: {type: text, field: load_namespace, max_length: 2000}}
+      count:
+        name: Count
+        kind: action
+        target: /count
+        type: test_msgs/action/Fibonacci
+        progress: sequence[0]
+        progress_end: 1000
+        arguments: {order: {type: integer, field: order}}
       order:
         name: Order
         kind: topic
@@ -377,6 +386,32 @@ async def test_a_service_of_a_type_that_is_not_installed_is_called(bench: Bench)
         good = CommandPhase.SUCCEEDED if space.startswith("/") else CommandPhase.FAILED
         assert (ended.phase, ended.message) == (good, f"asked for {space[:20]}")
         assert bench.peer.heard("added")[-1] == space
+
+
+async def test_a_goal_of_a_type_that_is_not_installed_ends_as_the_robot_says(bench: Bench) -> None:
+    ended = await ask(bench, "count", 1, order=3)
+    assert ended.phase is CommandPhase.SUCCEEDED
+    ended = await ask(bench, "count", 2, order=0)
+    assert (ended.phase, ended.message) == (
+        CommandPhase.REFUSED,
+        "the robot does not accept it",
+    )
+    assert bench.peer.heard("goal") == [3]
+
+
+async def test_such_a_goal_tells_its_progress_and_is_cancelled(bench: Bench) -> None:
+    hub = bench.hub
+    await hub.send(
+        CommandRequest(
+            id="long", device="arm", command="count", args={"order": 1000}, ttl_ms=5000, who="Ada"
+        )
+    )
+    await hub.next(CommandState, lambda state: state.id == "long" and state.progress > 0.004)
+    await hub.send(CommandCancel(id="long", device="arm", who="Ada"))
+    ended = await hub.next(
+        CommandState, lambda state: state.id == "long" and state.phase is CommandPhase.CANCELLED
+    )
+    assert 0 < ended.progress < 0.9
 
 
 async def test_a_message_of_a_type_that_is_not_installed_is_published(bench: Bench) -> None:

@@ -8,17 +8,22 @@ from __future__ import annotations
 import json
 import sys
 import threading
+import time
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from diagnostic_msgs.srv import AddDiagnostics
 from nav_msgs.msg import Path
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import String
+from test_msgs.action import Fibonacci
 from test_msgs.msg import BoundedSequences, MultiNested, WStrings
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -57,8 +62,31 @@ class Peer:
         self.node.create_subscription(
             MultiNested, "/own/orders", lambda got: say(order=self.words_of(got)), 10
         )
+        self.counting = ActionServer(
+            self.node,
+            Fibonacci,
+            "/count",
+            self.count,
+            goal_callback=lambda goal: (
+                GoalResponse.REJECT if goal.order == 0 else GoalResponse.ACCEPT
+            ),
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+            callback_group=ReentrantCallbackGroup(),
+        )
         self.node.create_service(AddDiagnostics, "/add", self.add)
         self.silent.create_service(AddDiagnostics, "/silent/add", self.add)
+
+    def count(self, goal: ServerGoalHandle) -> Fibonacci.Result:
+        """Count until the order, or, of a great one, until it is cancelled."""
+        say(goal=goal.request.order)
+        for number in range(goal.request.order):
+            goal.publish_feedback(Fibonacci.Feedback(sequence=[number + 1]))
+            if goal.is_cancel_requested:
+                goal.canceled()
+                return Fibonacci.Result()
+            time.sleep(0.02)
+        goal.succeed()
+        return Fibonacci.Result(sequence=[goal.request.order])
 
     @staticmethod
     def words_of(message: MultiNested) -> list[object]:
@@ -141,7 +169,7 @@ class Peer:
 def main() -> None:
     rclpy.init()
     peer = Peer()
-    executor = SingleThreadedExecutor()
+    executor = MultiThreadedExecutor(2)
     executor.add_node(peer.node)
     executor.add_node(peer.silent)
 

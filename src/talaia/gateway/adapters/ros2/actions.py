@@ -7,10 +7,12 @@ one of rclpy's executors, and `WaitThread` is none.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import uuid
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy.qos import QoSProfile
@@ -26,11 +28,12 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.gateway.adapters.ros2.made_types.packageless_calls import PackagelessCalls
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
-__all__ = ["ActionGoal", "Ros2Action"]
+__all__ = ["ActionForm", "ActionGoal", "Ros2Action", "installed_form"]
 
 FEEDBACK_DEPTH = 10
 # Goals whose end never came are forgotten beyond so many; their callers have long given up.
@@ -48,28 +51,67 @@ class ActionGoal:
         self.unwanted = False
 
 
+class ActionForm(NamedTuple):
+    """How the messages of one action are written and read, installed or not.
+
+    Attributes:
+        send: calls ``send_goal``.
+        result: calls ``get_result``.
+        read: gives a feedback message's fields; raises `FieldError` for what is no such message.
+
+    """
+
+    send: ServiceCalls | PackagelessCalls
+    result: ServiceCalls | PackagelessCalls
+    read: Callable[[bytes], Any]
+
+
+def installed_form(command: Command, kind: Any, node: Any, thread: WaitThread) -> ActionForm:  # noqa: ANN401
+    """Give the form of an action whose class is installed."""
+    name = f"{command.target}/_action"
+    message = kind.Impl.FeedbackMessage
+    return ActionForm(
+        ServiceCalls(node, kind.Impl.SendGoalService, f"{name}/send_goal", thread),
+        ServiceCalls(node, kind.Impl.GetResultService, f"{name}/get_result", thread),
+        lambda raw: deserialize_message(raw, message),
+    )
+
+
 class Ros2Action:
     """One command that is an action."""
 
-    def __init__(self, command: Command, kind: Any, node: Any, thread: WaitThread) -> None:  # noqa: ANN401
-        """Make its clients and hear its feedback."""
+    def __init__(self, command: Command, form: ActionForm, node: Any, thread: WaitThread) -> None:  # noqa: ANN401
+        """Make its other client; feedback is heard from `hear_feedback` on."""
         self._command, self._node, self._thread = command, node, thread
         self._goals: dict[bytes, ActionGoal] = {}
-        name = f"{command.target}/_action"
-        self._send = ServiceCalls(node, kind.Impl.SendGoalService, f"{name}/send_goal", thread)
-        self._result = ServiceCalls(node, kind.Impl.GetResultService, f"{name}/get_result", thread)
-        self._cancel = ServiceCalls(node, CancelGoal, f"{name}/cancel_goal", thread)
-        message = kind.Impl.FeedbackMessage
+        self._send, self._result, self._read = form
+        self._cancel = ServiceCalls(
+            node, CancelGoal, f"{command.target}/_action/cancel_goal", thread
+        )
         self._progress = compile_getter(command.progress) if command.progress else None
+        # None until it is heard, and for good where it cannot be.
+        self._subscription: Any = None
+        self._closed = False
+
+    def hear_feedback(self, message: Any) -> None:  # noqa: ANN401
+        """Hear feedback, by the class of its messages."""
+        if self._closed:
+            return
 
         def on_feedback(raw: bytes, _: Any) -> None:  # noqa: ANN401
-            self._feedback(deserialize_message(raw, message))
+            # What cannot be read tells no progress; the goal goes on.
+            with contextlib.suppress(FieldError):
+                self._feedback(self._read(raw))
 
         # Kept, because a subscription that nobody holds is destroyed.
-        self._subscription = node.create_subscription(
-            message, f"{name}/feedback", _never, QoSProfile(depth=FEEDBACK_DEPTH), raw=True
+        self._subscription = self._node.create_subscription(
+            message,
+            f"{self._command.target}/_action/feedback",
+            _never,
+            QoSProfile(depth=FEEDBACK_DEPTH),
+            raw=True,
         )
-        thread.add_subscription(self._subscription.handle, message, on_feedback)
+        self._thread.add_subscription(self._subscription.handle, message, on_feedback)
 
     @property
     def ready(self) -> bool:
@@ -80,8 +122,10 @@ class Ros2Action:
         """End its clients; goals under way end as ``outcome``."""
         for calls in (self._send, self._result, self._cancel):
             calls.close()
-        self._thread.remove_subscription(self._subscription.handle)
-        self._node.destroy_subscription(self._subscription)
+        self._closed = True
+        if self._subscription is not None:
+            self._thread.remove_subscription(self._subscription.handle)
+            self._node.destroy_subscription(self._subscription)
         self.cut(outcome)
 
     def cut(self, outcome: CommandOutcome) -> None:
@@ -99,7 +143,7 @@ class Ros2Action:
         """
         request = self._send.request()
         fill(request.goal, fields)
-        request.goal_id.uuid = list(goal.id.bytes)
+        request.goal_id.uuid = _uuid_of(goal)
         if not self._send.ready:
             target = self._command.target
             goal.done(
@@ -109,7 +153,11 @@ class Ros2Action:
         if len(self._goals) >= MAX_GOALS:
             self._goals.pop(next(iter(self._goals)))
         self._goals[goal.id.bytes] = goal
-        self._send.send(request, lambda answer: self._answered(goal, answer))
+        self._send.send(
+            request,
+            lambda answer: self._answered(goal, answer),
+            lambda outcome: self._fail(goal, outcome),
+        )
 
     def cancel(self, goal: ActionGoal) -> None:
         """Ask the robot to end a goal; what becomes of it is told as its result."""
@@ -118,7 +166,7 @@ class Ros2Action:
             # It is asked for as soon as the robot has accepted it; if it ended, there is no need.
             return
         request = self._cancel.request()
-        request.goal_info.goal_id.uuid = list(goal.id.bytes)
+        request.goal_info.goal_id.uuid = _uuid_of(goal)
 
         def answered(answer: Any) -> None:  # noqa: ANN401
             if answer.return_code != CancelGoal.Response.ERROR_NONE:
@@ -136,10 +184,19 @@ class Ros2Action:
             return
         goal.accepted = True
         request = self._result.request()
-        request.goal_id.uuid = list(goal.id.bytes)
-        self._result.send(request, lambda result: self._ended(goal, result))
+        request.goal_id.uuid = _uuid_of(goal)
+        self._result.send(
+            request,
+            lambda result: self._ended(goal, result),
+            # It was accepted: whatever came between says nothing of what became of it.
+            lambda outcome: self._fail(goal, CommandOutcome(CommandPhase.UNKNOWN, outcome.message)),
+        )
         if goal.unwanted:
             self.cancel(goal)
+
+    def _fail(self, goal: ActionGoal, outcome: CommandOutcome) -> None:
+        if self._goals.pop(goal.id.bytes, None) is not None:
+            goal.done(outcome)
 
     def _feedback(self, message: Any) -> None:  # noqa: ANN401
         goal = self._goals.get(bytes(message.goal_id.uuid))
@@ -170,6 +227,10 @@ class Ros2Action:
                 )
             case _:
                 goal.done(CommandOutcome(CommandPhase.UNKNOWN, "the robot knows no more of it"))
+
+
+def _uuid_of(goal: ActionGoal) -> Any:  # noqa: ANN401
+    return np.frombuffer(goal.id.bytes, np.uint8)
 
 
 def _never(_: object) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.gateway.adapters.ros2.actions import ActionGoal, Ros2Action
+from talaia.gateway.adapters.ros2.actions import ActionGoal, Ros2Action, installed_form
+from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error
+from talaia.gateway.adapters.ros2.made_types.packageless_action import packageless_action
 from talaia.gateway.adapters.ros2.made_types.packageless_publisher import PackagelessPublisher
 from talaia.gateway.adapters.ros2.nodes.lifecycle import LifecycleTransition
 from talaia.gateway.adapters.ros2.nodes.parameters import as_set, parameters_of
@@ -85,6 +87,8 @@ class Ros2Commands:
             if command.kind is CommandKind.SERVICE and self._packageless.knows_type(command.type):
                 self._without_package.add(address)
                 return
+            if command.kind is CommandKind.ACTION and self._make_bare_action(address, command):
+                return
             if command.kind is CommandKind.TOPIC:
                 bare = PackagelessPublisher(command, self._node, self._thread, self._types)
                 self._bare_publishers[address] = bare
@@ -96,7 +100,10 @@ class Ros2Commands:
             publisher = self._node.create_publisher(kind, command.target, 10)
             self._publishers[address] = (publisher, kind)
         elif command.kind is CommandKind.ACTION:
-            self._actions[address] = Ros2Action(command, kind, self._node, self._thread)
+            form = installed_form(command, kind, self._node, self._thread)
+            action = Ros2Action(command, form, self._node, self._thread)
+            self._actions[address] = action
+            action.hear_feedback(kind.Impl.FeedbackMessage)
         else:
             target = f"{command.target}/set_parameters" if sets else command.target
             client = _Client(self._node.create_client(kind, target), kind, {})
@@ -105,6 +112,25 @@ class Ros2Commands:
             self._thread.add_client(
                 client.entity.handle, kind.Response, _response_reader(client, read)
             )
+
+    def _make_bare_action(self, address: str, command: Command) -> bool:
+        """Make an action whose type is not installed; tell whether it is known at all."""
+        found = packageless_action(command, self._node, self._thread, self._packageless)
+        if found is None:
+            return False
+        form, feedback, feedback_hash = found
+        action = Ros2Action(command, form, self._node, self._thread)
+        self._actions[address] = action
+
+        def hear() -> None:
+            # Not known for a second: types that are not installed are tried first.
+            kind = self._types.class_for(feedback, command.target, feedback_hash)
+            if kind is not None:
+                action.hear_feedback(kind)
+                forget_error()
+
+        self._types.when_tried(hear)
+        return True
 
     def rejoin(self, device: str) -> None:
         """Make a device's clients and publishers anew; calls under way end as *unknown*."""

@@ -33,10 +33,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from talaia.gateway.adapters.ros2.type_definitions.action_definition import ActionDefinition
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
-__all__ = ["PackagelessServices"]
+__all__ = ["CarriedRequest", "PackagelessServices"]
 
 log = logging.getLogger(__name__)
 # Beyond a command's own time, for the process to begin and to find the service.
@@ -54,13 +55,33 @@ class _ServiceCodec(NamedTuple):
     read: Callable[[bytes], object]
 
 
+class CarriedRequest(NamedTuple):
+    """A request that is written already.
+
+    Attributes:
+        timeout_s: its answer takes no longer; none where it may take for ever.
+
+    """
+
+    service: str
+    type_name: str
+    type_hash: str
+    raw: bytes
+    timeout_s: float | None
+
+
 class _OpenCall:
     """A call under way."""
 
     def __init__(
-        self, done: Callable[[CommandOutcome], None], read: Callable[[bytes], object]
+        self,
+        done: Callable[[CommandOutcome], None],
+        read: Callable[[bytes], object],
+        deliver: Callable[[object], None] | None = None,
     ) -> None:
         self.done, self.read = done, read
+        # Gets the answer itself; none where that ends a command.
+        self.deliver = deliver
         self.sent = False
         self.timer: threading.Timer | None = None
 
@@ -122,7 +143,43 @@ class PackagelessServices:
         """Call a command's service; see `CommandTarget.act` for ``done``."""
         self._worker.submit(self._prepare_call, command, dict(fields), done)
 
+    def carry_request(
+        self,
+        request: CarriedRequest,
+        read: Callable[[bytes], object],
+        deliver: Callable[[object], None],
+        failed: Callable[[CommandOutcome], None],
+    ) -> None:
+        """Call a service; from another thread either the answer is told, or why there is none."""
+        self._worker.submit(self._carry, request, _OpenCall(failed, read, deliver))
+
     # ── on the worker ──
+
+    def _carry(self, request: CarriedRequest, call: _OpenCall) -> None:
+        if problem := problem_here() or self_test_problem():
+            missing = TypeMissing(request.type_name, request.service, problem)
+            call.done(CommandOutcome(CommandPhase.REFUSED, str(missing)))
+            return
+        order = {
+            "service": request.service,
+            "type": request.type_name,
+            "hash": request.type_hash,
+            "request": base64.b64encode(request.raw).decode(),
+        }
+        self._send_order(order, call, request.timeout_s)
+
+    def find_action(self, type_name: str) -> tuple[ActionDefinition, dict[str, str]] | None:
+        """Give an action's definition in files, and the hashes of its services by their names.
+
+        None where there is none. Reads files.
+        """
+        finder = self._known_finder()
+        try:
+            found = finder.find_action(type_name, "")
+        except (TypeMissing, BadDefinition):
+            return None
+        services = (found.send_goal, found.get_result)
+        return found, {service.name: finder.hash_of_service(service) for service in services}
 
     def _prepare_call(
         self, command: Command, fields: dict[str, Scalar], done: Callable[[CommandOutcome], None]
@@ -151,9 +208,7 @@ class PackagelessServices:
     def _codec_of(self, type_name: str, used_by: str) -> _ServiceCodec:
         found = self._codecs.get(type_name)
         if found is None:
-            if self._finder is None:
-                self._finder = DefinitionFinder(self._named)
-            service, type_hash = self._finder.find_service(type_name, used_by)
+            service, type_hash = self._known_finder().find_service(type_name, used_by)
             found = _ServiceCodec(
                 type_hash,
                 MessageEncoder(service.request),
@@ -162,14 +217,20 @@ class PackagelessServices:
             self._codecs[type_name] = found
         return found
 
-    def _send_order(self, order: dict[str, Any], call: _OpenCall, timeout_s: float) -> None:
+    def _known_finder(self) -> DefinitionFinder:
+        if self._finder is None:
+            self._finder = DefinitionFinder(self._named)
+        return self._finder
+
+    def _send_order(self, order: dict[str, Any], call: _OpenCall, timeout_s: float | None) -> None:
         with self._lock:
             child = self._child or self._begin_child()
             number = next(self._numbers)
             self._open[number] = call
-            call.timer = threading.Timer(timeout_s + _SLACK_S, self._end_hung, [child, number])
-            call.timer.daemon = True
-            call.timer.start()
+            if timeout_s is not None:
+                call.timer = threading.Timer(timeout_s + _SLACK_S, self._end_hung, [child, number])
+                call.timer.daemon = True
+                call.timer.start()
         assert child.stdin is not None  # noqa: S101 - it is a pipe
         try:
             child.stdin.write(json.dumps({"number": number, **order}).encode() + b"\n")
@@ -225,7 +286,11 @@ class PackagelessServices:
             self._end_call(call, CommandOutcome(CommandPhase.REFUSED, told["refused"]))
             return
         try:
-            outcome = outcome_of(call.read(base64.b64decode(told["answer"])))
+            message = call.read(base64.b64decode(told["answer"]))
+            if call.deliver is not None:
+                self._deliver(call, message)
+                return
+            outcome = outcome_of(message)
         except FieldError as error:
             outcome = CommandOutcome(CommandPhase.UNKNOWN, f"its answer cannot be read: {error}")
         self._end_call(call, outcome)
@@ -237,6 +302,13 @@ class PackagelessServices:
         if late:
             log.warning("the process that calls services does not answer; it is ended")
             child.kill()
+
+    @staticmethod
+    def _deliver(call: _OpenCall, message: object) -> None:
+        if call.timer is not None:
+            call.timer.cancel()
+        if call.deliver is not None:
+            call.deliver(message)
 
     @staticmethod
     def _end_call(call: _OpenCall, outcome: CommandOutcome) -> None:

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
+    from talaia.gateway.ports import CommandOutcome
 
 __all__ = ["MAX_CALLS", "ServiceCalls"]
 
@@ -36,8 +37,13 @@ class ServiceCalls:
         """Give an empty request."""
         return self._kind.Request()
 
-    def send(self, request: Any, answer: Callable[[Any], None]) -> None:  # noqa: ANN401
-        """Call; ``answer`` gets the response, if one comes."""
+    def send(
+        self,
+        request: Any,  # noqa: ANN401
+        answer: Callable[[Any], None],
+        _failed: Callable[[CommandOutcome], None] | None = None,
+    ) -> None:
+        """Call; ``answer`` gets the response, if one comes; nothing is told if none does."""
         if len(self._pending) >= MAX_CALLS:
             self._pending.pop(next(iter(self._pending)))
         self._pending[self._entity.handle.send_request(request)] = answer

@@ -5,6 +5,13 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from talaia.gateway.adapters.ros2.type_definitions.action_definition import (
+    ACTION_PARTS,
+    TIME,
+    UUID,
+    ActionDefinition,
+    action_definition,
+)
 from talaia.gateway.adapters.ros2.type_definitions.definition_files import (
     DefinitionSource,
     FolderDefinitions,
@@ -131,6 +138,33 @@ class DefinitionFinder:
                 service = ServiceDefinition(type_name, parts[0], parts[1])
                 return service, service_hash(service, info)
         raise TypeMissing(type_name, used_by, "; ".join(problems))
+
+    def find_action(self, type_name: str, used_by: str) -> ActionDefinition:
+        """Give the first definition of ``package/action/Name`` in files.
+
+        Raises:
+            TypeMissing: nothing is known of it.
+            BadDefinition: what is known defines no action.
+
+        """
+        problems = [self.problem] if self.problem else []
+        uuid, time = installed_definition(UUID), installed_definition(TIME)
+        for source in (self._files, self._named):
+            if source is None or uuid is None or time is None:
+                continue
+            found = [
+                next(_read(partial(source.find, f"{type_name}_{part}"), problems), None)
+                for part in ACTION_PARTS
+            ]
+            parts = tuple(part for part in found if part is not None)
+            if len(parts) == len(found):
+                return action_definition(type_name, parts, uuid, time)
+        raise TypeMissing(type_name, used_by, "; ".join(problems))
+
+    def hash_of_service(self, service: ServiceDefinition) -> str:
+        """Give the hash of a service's type; empty where this ROS has none."""
+        info = installed_definition(EVENT_INFO)
+        return "" if info is None else service_hash(service, info)
 
     def _candidates(
         self, type_name: str, described: TypeDefinition | None, problems: list[str]
