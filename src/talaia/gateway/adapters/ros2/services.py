@@ -1,4 +1,7 @@
-"""Commands as ROS 2 service calls, publications, actions and transitions of nodes."""
+"""Commands as ROS 2 service calls, publications, actions and transitions of nodes.
+
+Long, because a device's commands of every kind are made, begun, cut and closed together.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 Requests and answers are written and read here, by the definitions in files; `service_caller` only
 carries bytes. If that process hangs it is ended with SIGKILL, and what it had sent is *unknown*.
+Long, because who orders, reads and ends a call share one process and one lock.
 """
 
 from __future__ import annotations
