@@ -462,8 +462,11 @@ async def taps_drive() -> list[Figure]:
     ages: dict[bool, list[np.ndarray]] = {False: [], True: []}
     async with stack.running(1, tapped=True) as here:
         target = here.folder / "driven.txt"
-        more = ("--listen", str(target), "--clouds", "20")
-        async with stack.publisher(here, 1, 20.0, *more):
+        # Clouds of another process: what writes them is not to hold up who listens.
+        async with (
+            stack.publisher(here, 1, 20.0, "--listen", str(target)),
+            stack.publisher(here, 0, 1, "--clouds", "20"),
+        ):
             session, address = await clients.cookie(here), await taps.open_door(here)
             for _ in range(2):
                 ages[False].append(await link.driven(here, session, target, 150))
