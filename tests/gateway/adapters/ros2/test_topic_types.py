@@ -295,6 +295,8 @@ async def test_a_probe_describes_what_only_the_robot_knows(bench: Bench) -> None
     services = {service.service: service for service in found.services}
     assert services["/add"].fields == (FieldFound("load_namespace", "text"),)
     assert services["/add"].problem == ""
+    actions = {action.action: action for action in found.actions}
+    assert actions["/count"].fields == (FieldFound("order", "integer"),)
     site = propose_description(found, "robot", "Robot", "UTC").site
     motor = site.devices["diagnostics"].signals["motor_left"]
     assert (motor.type, motor.states[2]) == (SignalType.STATE, "Error")

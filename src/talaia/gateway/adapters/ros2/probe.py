@@ -24,7 +24,7 @@ from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, is_made
 from talaia.gateway.adapters.ros2.nodes.probed_nodes import ProbedNodes
-from talaia.gateway.adapters.ros2.probed_types import ProbedTypes, asked_of, request_of
+from talaia.gateway.adapters.ros2.probed_types import ProbedTypes, goal_of, request_of
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import DefinitionMismatch
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import BadDefinition
@@ -257,7 +257,7 @@ class _Look:
 
     def _actions(self) -> Iterable[ActionFound]:
         for action, types in sorted(get_action_names_and_types(self._node)):
-            shape, problem = asked_of(types[0], action, "Goal", ".action")
+            shape, problem = goal_of(types[0], action, self._types)
             yield ActionFound(action, types[0], shape.fields, problem)
 
 

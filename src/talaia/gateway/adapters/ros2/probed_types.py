@@ -23,6 +23,7 @@ from talaia.gateway.adapters.ros2.type_definitions.installed_package import inst
 from talaia.gateway.adapters.ros2.type_definitions.message_decoder import decoder_of
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     BadDefinition,
+    TypeDefinition,
     type_hash,
 )
 from talaia.gateway.adapters.ros2.type_definitions.message_encoder import MessageEncoder
@@ -39,9 +40,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.gateway.adapters.message_fields import RosMessageType
-    from talaia.gateway.adapters.ros2.type_definitions.message_definition import TypeDefinition
 
-__all__ = ["ProbedType", "ProbedTypes", "asked_of", "request_of"]
+__all__ = ["ProbedType", "ProbedTypes", "asked_of", "goal_of", "request_of"]
 
 
 class ProbedType(NamedTuple):
@@ -151,14 +151,16 @@ class ProbedTypes:
         service, _ = self._known_finder().find_service(type_name, used_by)
         if problem := problem_here() or self_test_problem():
             raise TypeMissing(type_name, used_by, problem)
-        parts = DefinedParts(service.request)
-        return shape_of(
-            kind=parts.kind_of_part(f"{type_name}_Request"),
-            type_name=f"{type_name}.srv",
-            find=parts.kind_named,
-            message=MessageEncoder(service.request).new_message(),
-            comment_of=parts.comment_of,
-        )
+        return _shape_of_part(service.request, f"{type_name}.srv")
+
+    def find_goal(self, type_name: str, used_by: str) -> ReadableFields:
+        """Give what the goal of an action holds whose type is not installed; see `find_request`."""
+        action = self._known_finder().find_action(type_name, used_by)
+        if problem := problem_here() or self_test_problem():
+            raise TypeMissing(type_name, used_by, problem)
+        # Commands fill the goal itself, and not the request that it is sent with.
+        goal = TypeDefinition(f"{type_name}_Goal", action.send_goal.request.parts)
+        return _shape_of_part(goal, f"{type_name}.action")
 
     def _known_finder(self) -> DefinitionFinder:
         if self._finder is None:
@@ -178,6 +180,29 @@ def _installed_hash(type_name: str) -> str:
     except BadDefinition:
         return ""
     return "" if definition is None else type_hash(definition)
+
+
+def _shape_of_part(definition: TypeDefinition, file: str) -> ReadableFields:
+    parts = DefinedParts(definition)
+    return shape_of(
+        kind=parts.kind_of_part(definition.name),
+        type_name=file,
+        find=parts.kind_named,
+        message=MessageEncoder(definition).new_message(),
+        comment_of=parts.comment_of,
+    )
+
+
+def goal_of(type_name: str, used_by: str, types: ProbedTypes) -> tuple[ReadableFields, str]:
+    """Read what an action's goal holds, whether or not its type is installed."""
+    try:
+        class_of(type_name, used_by)
+    except TypeMissing:
+        try:
+            return _without_lists(types.find_goal(type_name, used_by))
+        except (TypeMissing, BadDefinition) as error:
+            return ReadableFields((), ()), str(error)
+    return asked_of(type_name, used_by, "Goal", ".action")
 
 
 def request_of(type_name: str, used_by: str, types: ProbedTypes) -> tuple[ReadableFields, str]:
