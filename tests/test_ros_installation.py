@@ -95,7 +95,7 @@ def test_the_wheels_libraries_are_in_the_same_order_at_every_start(libraries: li
 @pytest.mark.parametrize(
     ("found", "environment", "words"),
     [
-        (NOTHING, sourced("3.10"), "python3.10 -m venv --system-site-packages"),
+        (NOTHING, sourced("3.10"), "a gateway uses it by a process of its own"),
         (
             NOTHING._replace(installations=["/opt/ros/jazzy"]),
             {},

@@ -241,8 +241,8 @@ def _wheels_environment(
 def _remedy(found: FoundRos, other: str) -> str:
     if other:
         return (
-            f"the sourced ROS 2 is for Python {other} and this is Python {found.python}: make "
-            f"Talaia's environment with `python{other} -m venv --system-site-packages`"
+            f"the sourced ROS 2 is for Python {other} and this is Python {found.python}: a gateway "
+            "uses it by a process of its own, all else needs `pip install 'talaia[ros2]'` (x86_64)"
         )
     if found.installations:
         setup = f"{found.installations[0]}/setup.bash"

@@ -24,11 +24,12 @@ PACKAGES = (
 
 
 def run_tests(file: str, cache: str, **more: str) -> list[str]:
-    """Run a file of tests, those that failed once more; give the name of each."""
+    """Run a file of tests, those that failed up to three times more; give the name of each."""
     # Its messages come by a longer way: who publishes once, just when discovery ends, is too early.
-    words = [sys.executable, "-m", "pytest", "-v", "-o", f"cache_dir={cache}", str(FOLDER / file)]
+    words = [sys.executable, "-m", "pytest", "-v", "--timeout", "60", str(FOLDER / file)]
+    words += ["-o", f"cache_dir={cache}"]
     said, code = "", 1
-    for again in ([], ["--last-failed"]):
+    for again in ([], *[["--last-failed"]] * 3):
         done = subprocess.run(
             [*words, *again],
             env={**os.environ, **more},
@@ -66,8 +67,8 @@ def main() -> None:
     table.write_text(
         "# A gateway with another Python's ROS 2\n\n"
         f"Made by `make proofs ONLY=bridge`: a gateway of Python {mine}, and rclpy {rclpy} of "
-        f"Python {version} in its bridge. Each of these held, at the second try where the first "
-        f"came too early for discovery:\n\n{text}\n"
+        f"Python {version} in its bridge. Each of these held, again where the first "
+        f"try came too early for discovery:\n\n{text}\n"
     )
 
 
