@@ -112,7 +112,8 @@ class Peer:
             case "show":
                 self.show(order)
             case "listeners":
-                say(listeners=self.number.get_subscription_count())
+                publisher = getattr(self, str(order.get("of", "number")))
+                say(listeners=publisher.get_subscription_count())
 
     def count(self, first: int, last: int, hz: float) -> None:
         began = time.monotonic()

@@ -77,6 +77,9 @@ async def test_samples_reach_the_hub_once_each_across_lost_links(hub: FakeHub, p
 
 
 async def test_every_kind_of_signal_arrives(hub: FakeHub, peer: Peer) -> None:
+    # Each is published once, and not kept for who subscribes later.
+    for publisher in ("metric", "odom"):
+        await peer.until_heard_by(1, of=publisher)
     await peer.do("mode", text="auto ✓")
     await peer.do("metric", text="{'name': 'speed1', 'magnitude': 1.4}")
     await peer.do("metric", text='{"name": "other9", "magnitude": 3}')
