@@ -270,6 +270,8 @@ def start_ancestor(path: Path) -> subprocess.Popen[bytes]:
 
 def fork_servers(listening: socket.socket) -> socket.socket:
     """Fork a server for each that connects; returns in each of them, with its channel."""
+    # However the run ends.
+    _follow_parent()
     for command in LATER:
         import_for(["-m", "talaia", command])
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
