@@ -107,8 +107,9 @@ async def standstill(stack: Stack, at: int) -> float:
     """Wait until the robot hears nothing any more; give when it was told zero after ``at`` (ms)."""
 
     def silent() -> bool:
+        # A motion is not the last: zeros follow it, however late a busy machine sends them.
         heard = stack.heard("/cmd_vel", at)
-        return bool(heard) and now() - heard[-1].t > SILENCE_NS
+        return bool(heard) and not moving(heard[-1:]) and now() - heard[-1].t > SILENCE_NS
 
     await until(silent, what="silence after the zeros")
     heard = stack.heard("/cmd_vel", at)
