@@ -275,12 +275,13 @@ def fork_servers(listening: socket.socket) -> socket.socket:
     for command in LATER:
         import_for(["-m", "talaia", command])
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    ancestor = os.getpid()
     while True:
         channel, _ = listening.accept()
         with channel:
             if fork_with_tracing() == 0:
                 os.setsid()
-                _follow_parent()
+                end_with(ancestor)
                 listening.close()
                 channel.send(CODE.pack(os.getpid()))
                 return channel.dup()
@@ -296,6 +297,7 @@ class Order(NamedTuple):
 
 def serve(channel: socket.socket) -> Order:
     """Fork whenever that is asked for; returns in each fork, with what it is to run."""
+    server = os.getpid()
     children: dict[int, int] = {}
     wakes, wake = socket.socketpair()
     wake.setblocking(False)  # noqa: FBT003 - the signature is the library's
@@ -318,7 +320,7 @@ def serve(channel: socket.socket) -> Order:
         if (pid := fork_with_tracing()) == 0:
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            become_program(files)
+            become_program(server, files)
             for fd in (*children.values(), *fds):
                 os.close(fd)
             for each in (channel, wakes, wake):
@@ -365,6 +367,14 @@ def report_ended(children: dict[int, int]) -> None:
         os.close(told)
 
 
+def end_with(parent: int) -> None:
+    """End when ``parent`` does, from which this process was forked."""
+    _follow_parent()
+    # It may have ended before that was said.
+    if os.getppid() != parent:
+        os._exit(1)
+
+
 def import_for(words: list[str]) -> None:
     """Import what a program imports at its start."""
     names: list[str] = []
@@ -389,10 +399,10 @@ def import_for(words: list[str]) -> None:
     gc.enable()
 
 
-def become_program(files: list[int]) -> None:
+def become_program(server: int, files: list[int]) -> None:
     """Leave the server's terminal and session; ``files`` become the first three."""
     os.setsid()
-    _follow_parent()
+    end_with(server)
     for number, mine in enumerate(files):
         os.dup2(mine, number)
 

@@ -19,7 +19,7 @@ from talaia.hub.store.tables import audit, users
 from ..everyone.routes import RECIPES
 from ..everyone.story import everything, listen, settle
 from ..everyone.world import NOW, PASSWORD
-from .clients.prometheus_server import EVERYWHERE, token
+from .clients import prometheus_server
 
 INJECTIONS = [
     "' OR 1=1 --",
@@ -52,7 +52,7 @@ async def test_no_filter_and_no_name_in_a_path_becomes_sql(
     # Nothing is changed by asking, so one world does for all of these words.
     world = shared_world
     client = await world.admin()
-    by_token = await token(world.hub, EVERYWHERE)
+    by_token = await prometheus_server.token(world.hub, prometheus_server.EVERYWHERE)
     before = await world.state()
     asked = 0
     for path, methods in described.items():
