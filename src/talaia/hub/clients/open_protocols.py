@@ -13,7 +13,7 @@ from talaia.hub.errors import StoreDown
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.hub.store.clients.protocols import ClientDriver, ClientProtocols, ProtocolState
+    from talaia.hub.store.clients.protocols import ClientProtocols, ProtocolState
 
 __all__ = ["OpenProtocols"]
 
@@ -31,6 +31,8 @@ _SHUT = "an admin has shut this protocol"
 _ORIGIN = "an admin has taken this origin from those that are let in"
 # A reading that takes longer than this counts as failed (s).
 _READ_S = 5.0
+# So many times longer between two looks while nobody is connected.
+_SELDOM = 4
 
 
 class OpenProtocols:
@@ -89,10 +91,8 @@ class OpenProtocols:
             StoreDown: it cannot be read; all stays as it is.
 
         """
-        # Both before either is used: a failure leaves all as it was.
-        states, drivers = await self._store.read_states(), await self._store.read_drivers()
+        states, self._drivers = await self._store.read_permitted()
         self._states = {state.protocol: state for state in states}
-        self._drivers = frozenset(map(_driver_key, drivers))
         for protocol, clients in self._connected.items():
             shut = not self.is_open(protocol)
             # A copy: a client that ends leaves the list.
@@ -103,10 +103,15 @@ class OpenProtocols:
                     client.end(_ORIGIN)
 
     async def watch(self, every_s: float) -> None:
-        """Follow what other processes write into the table, until cancelled."""
+        """Follow what other processes write into the table, until cancelled.
+
+        This hub's own changes are read at once. While nobody is connected whom a change would end,
+        it looks more seldom.
+        """
         failing = False
         while True:
-            await asyncio.sleep(every_s)
+            anybody = any(self._connected.values())
+            await asyncio.sleep(every_s if anybody else every_s * _SELDOM)
             try:
                 async with asyncio.timeout(_READ_S):
                     await self.reload_table()
@@ -118,7 +123,3 @@ class OpenProtocols:
                 if failing:
                     _LOG.warning("client protocols are read again")
                 failing = False
-
-
-def _driver_key(driver: ClientDriver) -> tuple[int, str, str]:
-    return driver.user, driver.site, driver.device

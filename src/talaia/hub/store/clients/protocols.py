@@ -12,6 +12,8 @@ from talaia.hub.store.tables import client_drivers, client_protocols, users
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from sqlalchemy.ext.asyncio import AsyncConnection
+
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
@@ -63,20 +65,23 @@ class ClientProtocols:
             StoreDown: the database does not answer.
 
         """
-        chosen = select(client_protocols).order_by(client_protocols.c.protocol)
         async with self._database.read() as connection:
-            rows = (await connection.execute(chosen)).all()
-        # Booleans are numbers in MariaDB and SQLite.
-        return [
-            ProtocolState(
-                row.protocol,
-                bool(row.is_open),
-                tuple(json.loads(row.origins)),
-                row.changed_by,
-                row.changed_us,
-            )
-            for row in rows
-        ]
+            return await _states_in(connection)
+
+    async def read_permitted(self) -> tuple[list[ProtocolState], frozenset[tuple[int, str, str]]]:
+        """Give the protocols, and who may drive: an account's number, a site and a device each.
+
+        In one transaction and without names, for it is asked again and again.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        drivers = select(client_drivers.c.user_id, client_drivers.c.site, client_drivers.c.device)
+        async with self._database.read() as connection:
+            states = await _states_in(connection)
+            rows = (await connection.execute(drivers)).all()
+        return states, frozenset((row.user_id, row.site, row.device) for row in rows)
 
     async def set_state(
         self, protocol: str, *, is_open: bool, origins: Sequence[str], who: str
@@ -157,3 +162,18 @@ class ClientProtocols:
                     )
                 )
         return str(name)
+
+
+async def _states_in(connection: AsyncConnection) -> list[ProtocolState]:
+    chosen = select(client_protocols).order_by(client_protocols.c.protocol)
+    # Booleans are numbers in MariaDB and SQLite.
+    return [
+        ProtocolState(
+            row.protocol,
+            bool(row.is_open),
+            tuple(json.loads(row.origins)),
+            row.changed_by,
+            row.changed_us,
+        )
+        for row in (await connection.execute(chosen)).all()
+    ]
