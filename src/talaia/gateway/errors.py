@@ -9,6 +9,7 @@ GatewayError
 ├── SettingsError       the gateway was started with settings that do not fit
 ├── CameraRefused       a camera leads where no camera may be (adapters.video.relay)
 ├── FetchFailed         a server gives no answer that can be read (adapters.http.fetching)
+├── ProgramRefused      a request is not served (adapters.socketio.asgi_requests)
 ├── EnrolRefused        the hub does not take the one-time code
 └── LinkLost            the hub cannot be reached
     ├── HubUnreachable    it could not be asked, when enrolling

@@ -24,6 +24,7 @@ from talaia.model.connections.ros1 import Ros1Connection, Ros1Rules
 from talaia.model.connections.ros2 import Ros2Connection, Ros2Rules, Ros2Settings
 from talaia.model.connections.rosbridge import RosbridgeConnection, RosbridgeRules
 from talaia.model.connections.rules import ConnectionRules, SourceT, keys_given, own_keys
+from talaia.model.connections.socketio import SocketioConnection, SocketioRules, SocketioSource
 from talaia.model.connections.video import VideoConnection, VideoRules, VideoSource
 from talaia.model.derivation.source import DerivedSource
 from talaia.model.detection import DetectionSource
@@ -52,6 +53,8 @@ __all__ = [
     "Ros2Settings",
     "RosSource",
     "RosbridgeConnection",
+    "SocketioConnection",
+    "SocketioSource",
     "Source",
     "SourceShape",
     "VideoConnection",
@@ -73,6 +76,7 @@ Connection = (
     | VideoConnection
     | MqttConnection
     | HttpConnection
+    | SocketioConnection
     | ExtensionConnection
 )
 
@@ -85,6 +89,7 @@ Source = (
     | VideoSource
     | MqttSource
     | HttpSource
+    | SocketioSource
     | ExtensionSource
     | DetectionSource
     | DerivedSource
@@ -99,6 +104,7 @@ _ALL_RULES: tuple[type[ConnectionRules], ...] = (
     VideoRules,
     MqttRules,
     HttpRules,
+    SocketioRules,
     ExtensionKindRules,
 )
 RULES = {rules.kind: rules for rules in _ALL_RULES}
@@ -124,6 +130,8 @@ def rules_of(connection: Connection) -> ConnectionRules:
             return MqttRules(connection)
         case HttpConnection():
             return HttpRules(connection)
+        case SocketioConnection():
+            return SocketioRules(connection)
         case ExtensionConnection():
             return ExtensionKindRules(connection)
 

@@ -20,6 +20,7 @@ from talaia.model.connection import (
     MqttSource,
     ProcessSource,
     RosSource,
+    SocketioSource,
 )
 
 if TYPE_CHECKING:
@@ -168,6 +169,8 @@ def _origin_text(source: Source) -> str:
             return f"{name} · {element}" if element else name
         case MqttSource(topic=place, path=path) | HttpSource(get=place, path=path):
             return f"{place} · {path}" if path else place
+        case SocketioSource(namespace=place, name=name, path=path):
+            return " · ".join(part for part in (place, name, path) if part)
         case ProcessSource(run=line) | DerivedSource(expression=line):
             return line
         case _:

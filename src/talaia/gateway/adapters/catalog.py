@@ -17,6 +17,7 @@ from talaia.model.connection import (
     Ros1Connection,
     Ros2Connection,
     RosbridgeConnection,
+    SocketioConnection,
     VideoConnection,
 )
 from talaia.ros_installation import ForeignRos
@@ -56,6 +57,8 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
             make = _make_mqtt
         case HttpConnection():
             make = _make_http
+        case SocketioConnection():
+            make = _make_socketio
         case ExtensionConnection():
             make = _make_extension
     try:
@@ -120,6 +123,14 @@ def _make_http(scope: ConnectionScope, context: AdapterContext, status: AdapterS
     from talaia.gateway.adapters.http.adapter import HttpAdapter
 
     return HttpAdapter(scope, context, status)
+
+
+def _make_socketio(
+    scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
+) -> Adapter:
+    from talaia.gateway.adapters.socketio.adapter import SocketioAdapter
+
+    return SocketioAdapter(scope, context, status)
 
 
 def _make_extension(

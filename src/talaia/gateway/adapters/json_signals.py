@@ -221,14 +221,20 @@ class JsonSignals:
             fresh: it is of now; else nobody knows of when it is, and interlocks get no reading.
 
         """
-        rows, read = self._rows.get(key, []), False
         try:
             payload = parse_payload(data)
         except FieldError as error:
-            for row in rows:
+            for row in self._rows.get(key, []):
                 self._report_unreadable(row.address, key, error)
             return False
-        for row in rows:
+        return self.read_parsed(key, payload, time_us, mono_ns, fresh=fresh)
+
+    def read_parsed(
+        self, key: str, payload: JsonText, time_us: int, mono_ns: int, *, fresh: bool = True
+    ) -> bool:
+        """Read what came as values already; see `read_payload`."""
+        read = False
+        for row in self._rows.get(key, []):
             try:
                 value = signal_value(row.signal, row.path, payload)
             except FieldError as error:
@@ -258,9 +264,11 @@ class JsonSignals:
         """Give what was gathered, and begin anew; none if that is nothing."""
         return self._gathered.take_columns()
 
-    def forget_readings(self) -> None:
-        """Have no reading of anything until it is heard anew."""
-        self.latest.clear()
+    def forget_readings(self, device: str = "") -> None:
+        """Have no reading of a device, or of anything, until it is heard anew."""
+        gone = [at for at in self.latest if not device or at.startswith(f"{device}/")]
+        for address in gone:
+            self.latest.pop(address, None)
 
     def _report_unreadable(self, address: str, key: str, error: FieldError) -> None:
         if address not in self._unreadable:

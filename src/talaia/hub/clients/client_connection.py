@@ -11,9 +11,9 @@ import asyncio
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.clock import SECOND
+from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.client_driving import ClientDriving
-from talaia.hub.live.first_completed import until_first
 from talaia.hub.live.pages.outbox import MessageFrame
 
 if TYPE_CHECKING:

@@ -18,6 +18,7 @@ class ConnectionKind(StrEnum):
     VIDEO = "video"
     MQTT = "mqtt"
     HTTP = "http"
+    SOCKETIO = "socketio"
     # Whatever an installed extension speaks; see docs/how-to/extend.
     EXTENSION = "extension"
 

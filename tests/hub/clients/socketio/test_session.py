@@ -116,7 +116,7 @@ async def test_each_transport_carries_events_both_ways(shared_world, kind, trans
         await client.hear("sensedata", lambda said: said["magnitude"] == value + 59)
         answer = await client.ask("/sensedata", "metric", {"name": "speed1", "magnitude": 1.4})
         assert answer["accepted"] is False
-        assert "not taken in over Socket.IO" in answer["reason"]
+        assert "send them to the robot's gateway" in answer["reason"]
 
 
 async def permit(world, device: str, *, allowed: bool) -> None:

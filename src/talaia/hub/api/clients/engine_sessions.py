@@ -7,11 +7,11 @@ import logging
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Protocol
 
+from talaia.engineio.engine_connection import EngineConnection
 from talaia.hub.api.access import address_of
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.rate_limits import MOST_SOCKETS
 from talaia.hub.clients.catalog import CLIENT_PROTOCOLS, SOCKETIO
-from talaia.hub.clients.socketio.engine_connection import EngineConnection
 from talaia.hub.clients.socketio.founding_words import read_wishes
 from talaia.wire.socketio.engine_packets import EngineRevision
 

@@ -6,33 +6,28 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, Response, WebSocket
-from starlette.websockets import WebSocketDisconnect
 
+from talaia.engineio.engine_carrier import serve_socket
+from talaia.engineio.engine_connection import LineGone
+from talaia.first_completed import until_first
 from talaia.hub.api.access import deny_socket, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem
 from talaia.hub.clients.catalog import SOCKETIO
-from talaia.hub.clients.socketio.engine_connection import LineGone
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.first_completed import until_first
 from talaia.hub.live.pages.page_transport import GONE
 from talaia.wire.errors import PeerError
 from talaia.wire.socketio.engine_packets import (
-    EngineKind,
     EnginePacket,
     EngineRevision,
     decode_body,
-    decode_frame,
     encode_body,
-    encode_frame,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
+    from talaia.engineio.engine_connection import EngineConnection
     from talaia.hub.api.clients.client_admission import ClientAdmission
     from talaia.hub.api.clients.engine_sessions import EngineSessions
-    from talaia.hub.clients.socketio.engine_connection import EngineConnection
 
 __all__ = ["SocketioRoutes"]
 
@@ -117,17 +112,11 @@ class SocketioRoutes:
             return
         try:
             await socket.accept()
-            if "sid" in socket.query_params:
-                await _take_over(socket, line)
-            else:
-                await line.end_upgrade(done=True)
-                await _send_packets(socket, line, [line.opening_packet(upgrades=False)])
-            if line.is_on_socket:
-                await _carry_line(socket, line)
-        finally:
-            # A polled session whose upgrade came to nothing goes on without.
-            if line.is_on_socket or "sid" not in socket.query_params:
+        except GONE:
+            if "sid" not in socket.query_params:
                 await line.close_line()
+            return
+        await serve_socket(_HubSocket(socket), line, polled="sid" in socket.query_params)
 
     async def _admit_socket(self, socket: WebSocket) -> EngineConnection:
         """Give the line that a socket is to carry.
@@ -146,79 +135,37 @@ class SocketioRoutes:
         return self._sessions.begin_session(who, socket)
 
 
-async def _carry_line(socket: WebSocket, line: EngineConnection) -> None:
-    results = await until_first(_read_socket(socket, line), _write_socket(socket, line))
-    for result in results:
-        if isinstance(result, PeerError):
-            await line.close_line(result.code)
-        elif isinstance(result, Exception) and not isinstance(result, GONE):
-            raise result
-    await _close_socket(socket, line.close_code)
+class _HubSocket:
+    """A `FrameSocket`."""
 
+    def __init__(self, socket: WebSocket) -> None:
+        self._socket = socket
 
-async def _take_over(socket: WebSocket, line: EngineConnection) -> None:
-    """Let a WebSocket carry a session that was polled, if it does as the protocol says."""
-    offered = done = False
-    try:
-        answer = await line.offer_upgrade(await _receive_packet(socket, line))
-        offered = True
-        await _send_packets(socket, line, [answer])
-        done = (await _receive_packet(socket, line)).kind is EngineKind.UPGRADE
-    except (PeerError, *GONE):
-        # The polled session is as good as before.
-        pass
-    finally:
-        if offered:
-            await line.end_upgrade(done=done)
-    if not done:
-        await _close_socket(socket, 1002)
+    async def receive_frame(self) -> str | bytes:
+        """Wait for a frame."""
+        event = await self._socket.receive()
+        if event["type"] == "websocket.disconnect":
+            raise LineGone
+        data: bytes | None = event.get("bytes")
+        return str(event.get("text", "")) if data is None else data
 
+    async def send_frame(self, frame: str | bytes) -> None:
+        """Send one."""
+        try:
+            if isinstance(frame, str):
+                await self._socket.send_text(frame)
+            else:
+                await self._socket.send_bytes(frame)
+        except GONE as gone:
+            raise LineGone from gone
 
-async def _read_socket(socket: WebSocket, line: EngineConnection) -> None:
-    while not line.is_closed:
-        await line.receive_packet(await _receive_packet(socket, line))
-
-
-async def _write_socket(socket: WebSocket, line: EngineConnection) -> None:
-    try:
-        while True:
-            await _send_packets(socket, line, await line.pull_packets())
-    except LineGone:
-        return
-
-
-async def _receive_packet(socket: WebSocket, line: EngineConnection) -> EnginePacket:
-    """Read one frame.
-
-    Raises:
-        WebSocketDisconnect: the client has gone.
-        PeerError: it is no packet.
-
-    """
-    event = await socket.receive()
-    if event["type"] == "websocket.disconnect":
-        raise WebSocketDisconnect(event.get("code", 1005))
-    data = event.get("bytes")
-    return decode_frame(event.get("text", "") if data is None else data, line.revision)
-
-
-async def _send_packets(
-    socket: WebSocket, line: EngineConnection, packets: Iterable[EnginePacket]
-) -> None:
-    for packet in packets:
-        frame = encode_frame(packet, line.revision)
-        if isinstance(frame, str):
-            await socket.send_text(frame)
-        else:
-            await socket.send_bytes(frame)
-
-
-async def _close_socket(socket: WebSocket, code: int) -> None:
-    try:
-        await socket.close(code)
-    except GONE:
-        # The client was quicker.
-        return
+    async def close_socket(self, code: int) -> None:
+        """Close it."""
+        try:
+            await self._socket.close(code)
+        except GONE:
+            # The client was quicker.
+            return
 
 
 async def _gone(request: Request) -> None:

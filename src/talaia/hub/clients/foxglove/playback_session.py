@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from talaia import __version__
 from talaia.clock import SECOND
+from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
 from talaia.hub.clients.foxglove.offer import make_foxglove_offer
@@ -15,7 +16,6 @@ from talaia.hub.clients.foxglove.playback_position import PlaybackPosition
 from talaia.hub.clients.foxglove.playback_reader import PlaybackReader
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.live.first_completed import until_first
 from talaia.wire.browser import RequestError, SessionEnded, SiteUpdate
 from talaia.wire.errors import UnknownKind
 from talaia.wire.foxglove import client_messages as said

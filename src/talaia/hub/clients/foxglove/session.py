@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia import __version__
+from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
 from talaia.hub.clients.foxglove.asset_requests import AssetRequests
@@ -20,7 +21,6 @@ from talaia.hub.clients.foxglove.published_channels import PublishedChannels
 from talaia.hub.clients.foxglove.schemas import encode_answer, encode_picture
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
-from talaia.hub.live.first_completed import until_first
 from talaia.wire.browser import (
     CommandUpdate,
     PageCommand,

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from talaia.first_completed import until_first
 from talaia.hub.clients.catalog import MQTT
 from talaia.hub.clients.mqtt.broker_client import (
     connect_broker,
@@ -15,7 +16,6 @@ from talaia.hub.clients.mqtt.broker_client import (
 from talaia.hub.clients.mqtt.broker_keeper import FAREWELL_S, BrokerKeeper
 from talaia.hub.clients.mqtt.site_publisher import SitePublisher
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.first_completed import until_first
 from talaia.wire.mqtt.payloads import OFFLINE, ONLINE
 from talaia.wire.mqtt.topic_tree import TopicTree
 

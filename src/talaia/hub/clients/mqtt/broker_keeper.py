@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import aiomqtt
 
+from talaia.first_completed import until_first
 from talaia.hub.auth.rate_limiter import RateLimiter
 from talaia.hub.clients.catalog import MQTT
 from talaia.hub.clients.mqtt.broker_settings import read_secret
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.first_completed import until_first
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection

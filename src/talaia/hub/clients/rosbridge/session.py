@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
+from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.key_velocity import read_key
 from talaia.hub.clients.published_velocity import read_velocity
@@ -18,7 +19,6 @@ from talaia.hub.clients.rosbridge.output import RosbridgeOutput
 from talaia.hub.clients.rosbridge.rosapi import ROSAPI, NoSuchThing, Rosapi
 from talaia.hub.clients.rosbridge.topic_delivery import TopicDelivery
 from talaia.hub.clients.rosbridge.wanted_topics import absolute_name
-from talaia.hub.live.first_completed import until_first
 from talaia.model.site import DriveMessage
 from talaia.wire.browser import (
     CommandUpdate,

@@ -8,21 +8,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 __all__ = [
-    "CONFIGURATION",
-    "NAMESPACES",
-    "PICTURES_IN",
-    "PICTURES_OUT",
-    "SENSED",
     "STOP_WORD",
     "ClientWishes",
     "read_control",
     "read_wishes",
 ]
 
-CONFIGURATION, PICTURES_IN, PICTURES_OUT = "/dynamicDB", "/cv2server", "/server2web"
-# The founding designs spell it in two ways.
-SENSED = ("/sensedData", "/sensedata")
-NAMESPACES = ("/", CONFIGURATION, *SENSED, PICTURES_IN, PICTURES_OUT)
 STOP_WORD = "stop"
 _KEYS = frozenset("wxads")
 # A text is packed at the most so: in a list, of a ``std_msgs/String``.

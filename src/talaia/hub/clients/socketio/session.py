@@ -5,25 +5,25 @@ from __future__ import annotations
 import base64
 from typing import TYPE_CHECKING
 
+from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.signal_subscriptions import SignalSubscriptions
 from talaia.hub.clients.socketio.control_keys import ControlKeys
-from talaia.hub.clients.socketio.founding_words import (
-    CONFIGURATION,
-    NAMESPACES,
-    PICTURES_IN,
-    PICTURES_OUT,
-    SENSED,
-    read_control,
-)
+from talaia.hub.clients.socketio.founding_words import read_control
 from talaia.hub.clients.socketio.offer import (
     SocketioOffer,
     make_socketio_offer,
     sensor_magnitude,
 )
-from talaia.hub.live.first_completed import until_first
 from talaia.wire.browser import RequestError, SessionEnded, SiteUpdate, Values
 from talaia.wire.socketio.engine_packets import EngineRevision
+from talaia.wire.socketio.founding_namespaces import (
+    CONFIGURATION,
+    NAMESPACES,
+    PICTURES_IN,
+    PICTURES_OUT,
+    SENSED,
+)
 from talaia.wire.socketio.socket_packets import (
     SocketAssembly,
     SocketKind,
@@ -34,9 +34,9 @@ from talaia.wire.socketio.socket_packets import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from talaia.engineio.engine_connection import EngineConnection
     from talaia.hub.clients.client_cameras import ClientCameras
     from talaia.hub.clients.client_connection import ClientConnection
-    from talaia.hub.clients.socketio.engine_connection import EngineConnection
     from talaia.hub.clients.socketio.founding_words import ClientWishes
     from talaia.wire.browser import CameraPicture, ToBrowser
 
@@ -45,8 +45,8 @@ __all__ = ["SocketioSession"]
 # The event by which a client is told why something is not done.
 _REFUSED = "refused"
 _NOT_TAKEN_IN = (
-    "sensed data and pictures are not taken in over Socket.IO: a gateway takes them from the robot"
-    " (/metric and /images of ROS, or another protocol of the site's description)"
+    "the hub takes in no sensed data and no pictures: send them to the robot's gateway, by a"
+    " connection of kind socketio in the site's description"
 )
 
 

@@ -10,13 +10,13 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from talaia.first_completed import until_first
 from talaia.hub.clients.catalog import MQTT
 from talaia.hub.clients.mqtt.broker_client import connect_broker, subscribe_commands
 from talaia.hub.clients.mqtt.broker_keeper import FAREWELL_S, BrokerKeeper
 from talaia.hub.clients.sparkplug.device_metrics import STOP_METRIC
 from talaia.hub.clients.sparkplug.site_metrics import SiteMetrics
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.first_completed import until_first
 from talaia.wire.errors import PeerError
 from talaia.wire.sparkplug.payloads import (
     SparkplugMetric,

@@ -11,8 +11,8 @@ from talaia.hub.clients.socketio.session import SocketioSession
 from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:
+    from talaia.engineio.engine_connection import EngineConnection
     from talaia.hub.clients.client_connection import ClientConnection
-    from talaia.hub.clients.socketio.engine_connection import EngineConnection
     from talaia.hub.clients.socketio.founding_words import ClientWishes
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
     from talaia.hub.features.feature import Core

@@ -22,8 +22,8 @@ from zlib import crc32
 
 from starlette.websockets import WebSocketDisconnect
 
+from talaia.first_completed import until_first
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.first_completed import until_first
 from talaia.hub.store.sites.recordings import Recorded, RecordingState
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (

@@ -13,8 +13,8 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia import __version__
 from talaia.errors import TalaiaError
+from talaia.first_completed import until_first
 from talaia.hub.errors import HubBusy
-from talaia.hub.live.first_completed import until_first
 from talaia.hub.live.gateways.channel_maps import ChannelMaps
 from talaia.hub.live.gateways.description_intake import Redescription, source_of
 from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, DuplicateGateways

@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
-from talaia.hub.live.first_completed import until_first
 from talaia.hub.live.pages.message_authorizer import STORE
 from talaia.hub.live.pages.outbox import Outbox
 from talaia.hub.live.pages.page_transport import GONE

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from starlette.websockets import WebSocketDisconnect
 
-from talaia.hub.live.first_completed import until_first
+from talaia.first_completed import until_first
 from talaia.hub.live.pages.page_connections import SESSION_OVER
 from talaia.hub.live.pictures.picture_pacing import PicturePacing
 from talaia.wire.browser import (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from starlette.websockets import WebSocketDisconnect
 
-from talaia.hub.live.first_completed import until_first
+from talaia.first_completed import until_first
 from talaia.hub.live.gateways.link import GatewayLink
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (

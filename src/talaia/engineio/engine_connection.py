@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import asyncio
 import json
+import secrets
 from collections import deque
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import MS, SECOND
-from talaia.hub.auth.tokens import new_token
 from talaia.wire.errors import PeerError
 from talaia.wire.socketio.engine_packets import (
     MAX_SOCKETIO_BODY,
@@ -42,7 +42,7 @@ class EngineTimes(NamedTuple):
     """How the two sides know of each other, as the client is told.
 
     Attributes:
-        ping_ns: the one whose turn it is pings so often: an old client, or the hub.
+        ping_ns: the one whose turn it is pings so often: an old client, or we.
         timeout_ns: what was not heard for so long beside that is gone.
 
     """
@@ -53,7 +53,7 @@ class EngineTimes(NamedTuple):
 
 
 class LineGone(ConnectionError):
-    """The client has gone, or the hub has closed its line."""
+    """The client has gone, or we have closed its line."""
 
 
 class EngineConnection:
@@ -62,7 +62,8 @@ class EngineConnection:
     Attributes:
         revision: the client's.
         sid: names it in the client's requests; it is a secret, like a session.
-        user: whose token opened it; those of others cannot use it.
+        user: whose token opened it; those of others cannot use it. A server without accounts has
+            one for all.
         as_text: the client reads polled bytes as base64 alone.
         close_code: for a WebSocket, once it is closed.
 
@@ -72,14 +73,15 @@ class EngineConnection:
         self,
         revision: EngineRevision,
         *,
-        user: int,
+        user: int = 0,
         clock: Clock,
         as_text: bool = False,
         times: EngineTimes | None = None,
     ) -> None:
         """Begin with a new ``sid``."""
         self.revision = revision
-        self.sid = new_token()
+        # 256 bits: whoever knows it may speak as this client.
+        self.sid = secrets.token_urlsafe(32)
         self.user = user
         self.as_text = as_text
         self.close_code = 1000
@@ -171,7 +173,7 @@ class EngineConnection:
         return self._read.get_nowait()
 
     async def keep_alive(self) -> None:
-        """Ping where that is the hub's part; return when the client was not heard for too long."""
+        """Ping where that is our part; return when the client was not heard for too long."""
         while True:
             silent_ns = self._clock.monotonic_ns() - self._heard_ns
             left_ns = self._times.ping_ns + self._times.timeout_ns - silent_ns

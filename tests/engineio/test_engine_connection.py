@@ -8,7 +8,7 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import MS, SystemClock
-from talaia.hub.clients.socketio.engine_connection import (
+from talaia.engineio.engine_connection import (
     EngineConnection,
     EngineTimes,
     LineGone,

@@ -1,0 +1,1 @@
+"""Programs of a robot that send by Socket.IO, to a server of the gateway's own."""
