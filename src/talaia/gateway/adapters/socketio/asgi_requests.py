@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AsgiSocket",
-    "ProgramRefused",
     "EngineRequest",
+    "ProgramRefused",
     "read_body",
     "read_request",
     "send_answer",

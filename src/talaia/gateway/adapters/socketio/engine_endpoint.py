@@ -14,8 +14,8 @@ from talaia.engineio.engine_connection import EngineConnection, LineGone
 from talaia.first_completed import until_first
 from talaia.gateway.adapters.socketio.asgi_requests import (
     AsgiSocket,
-    ProgramRefused,
     EngineRequest,
+    ProgramRefused,
     read_body,
     read_request,
     send_answer,
@@ -40,7 +40,8 @@ __all__ = ["EngineEndpoint"]
 
 log = logging.getLogger(__name__)
 _PATHS = {"/socket.io", "/socket.io/"}
-_MOST_PROGRAMS = 16
+# More than a robot has: one that went without a word counts until it was not heard for 45 s.
+_MOST_PROGRAMS = 32
 # After a wrong token everybody with a wrong one waits: a guesser gets one try a second.
 _WRONG_S = 1.0
 _MOST_WRONG = 8  # Who stand in that line; the others are sent away at once.
@@ -170,7 +171,9 @@ class EngineEndpoint:
             raise ProgramRefused(HTTPStatus.BAD_REQUEST, error.problem) from error
         except TimeoutError:
             await line.close_line()
-            raise ProgramRefused(HTTPStatus.BAD_REQUEST, "answers wait and are not fetched") from None
+            raise ProgramRefused(
+                HTTPStatus.BAD_REQUEST, "answers wait and are not fetched"
+            ) from None
         return b"ok"
 
     # ── WebSockets ──
@@ -238,5 +241,3 @@ def _body_of(line: EngineConnection, packets: list[EnginePacket]) -> tuple[bytes
     binary = line.revision is EngineRevision.OLD and not line.as_text
     kind = "application/octet-stream" if binary else "text/plain; charset=UTF-8"
     return encode_body(packets, line.revision, as_text=line.as_text), kind
-
-

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["serve_application"]
 
 # TCP connections at once; those over it are answered 503.
-_MOST_CONNECTIONS = 64
+_MOST_CONNECTIONS = 128
 # To send a whole head (s): who drips bytes must not hold a connection.
 _HEAD_S = 15.0
 # Until a connection without a request is closed (s).
