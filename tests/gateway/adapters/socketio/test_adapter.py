@@ -6,12 +6,14 @@ import asyncio
 import base64
 import itertools
 import json
+import ssl
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import httpx
 import pytest
 import pytest_asyncio
 import simplejpeg
+from certificates import Certificates
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import addresses_of, running
 from patience import LOOK_S, PATIENCE_S
@@ -30,6 +32,7 @@ from ...video.scenes import scene
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from pathlib import Path
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -201,3 +204,20 @@ async def test_programs_over_the_limit_are_told_and_the_others_go_on(bench: Benc
         async with asyncio.timeout(PATIENCE_S):
             while (await raw.get()).status_code != 200:  # noqa: ASYNC110 - it is another's answer
                 await asyncio.sleep(LOOK_S)
+
+
+async def test_programs_come_in_by_tls_where_there_is_a_certificate(tmp_path: Path) -> None:
+    certificates, port = Certificates(tmp_path), free_port()
+    (tmp_path / "token").write_text(TOKEN)
+    chain = f"certificate: {certificates.cert}, key: {certificates.key}, token_file"
+    text = SITE.replace("PORT", str(port)).replace("token_file", chain)
+    text = text.replace("TOKEN", str(tmp_path / "token"))
+    trust = ssl.create_default_context(cafile=str(certificates.ca))
+    query = {"token": TOKEN, "EIO": "4", "transport": "polling"}
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", text):
+        await hub.next(DeviceState, lambda state: state.device == "weather")
+        async with httpx.AsyncClient(trust_env=False, verify=trust) as program:
+            answer = await program.get(f"https://127.0.0.1:{port}/socket.io/", params=query)
+            assert json.loads(answer.text[1:])["upgrades"] == ["websocket"]
+            with pytest.raises(httpx.RemoteProtocolError):
+                await program.get(f"http://127.0.0.1:{port}/socket.io/", params=query)
