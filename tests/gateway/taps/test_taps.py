@@ -13,14 +13,9 @@ from fake_hub import FakeHub, fake_hub
 from gateway_bench import Peer, addresses_of, running
 from patience import PATIENCE_S
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from tapped_hub import newest_list, pieces, whole
 
-from talaia.wire.frames import (
-    TapError,
-    TapMessage,
-    TapSchema,
-    TapSubscription,
-    TopicList,
-)
+from talaia.wire.frames import TapError, TapSchema, TapSubscription
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -50,29 +45,6 @@ async def bench(data: Path, takes: tuple[str, ...] = ("topic_list",)) -> AsyncIt
         async with running(hub.url, data, SITE):
             await hub.until(lambda: hub.links and hub.media, "both connections")
             yield hub
-
-
-def newest_list(hub: FakeHub) -> dict[str, tuple[int, str, bool]]:
-    lists = [said for said in hub.taps if isinstance(said, TopicList)]
-    entries = lists[-1].topics if lists else []
-    return {entry.topic: (entry.number, entry.type, entry.latched) for entry in entries}
-
-
-def pieces(hub: FakeHub, topic: str) -> list[TapMessage]:
-    entry = newest_list(hub).get(topic)
-    number = None if entry is None else entry[0]
-    return [said for said in hub.taps if isinstance(said, TapMessage) and said.number == number]
-
-
-def whole(hub: FakeHub, topic: str) -> list[bytes]:
-    """Put the messages of a topic together."""
-    found: dict[int, bytes] = {}
-    for piece in pieces(hub, topic):
-        before = found.setdefault(piece.seq, b"")
-        assert piece.at == len(before)
-        found[piece.seq] = before + piece.data
-        assert len(found[piece.seq]) <= piece.size
-    return list(found.values())
 
 
 async def listeners(robot: Peer, topic: str) -> list[str]:

@@ -58,7 +58,9 @@ def test_transforms_scans_maps_paths_clouds_and_diagnostics_are_open_to_those_wh
     assert patterns == ["/tf", "/tf_static", "/diagnostics", "/t0", "/t1"]
     assert {rule.right for rule in site.topics} == {TopicRight.VIEW}
     assert load_site(write_description(site)) == site
-    other = propose_description(found(*topics, protocol="ros1"), "robot", "Robot", "UTC").site
+    older = propose_description(found(*topics, protocol="ros1"), "robot", "Robot", "UTC").site
+    assert older.topics == site.topics
+    other = propose_description(found(*topics, protocol="mqtt"), "robot", "Robot", "UTC").site
     assert other.topics == ()
 
 

@@ -28,8 +28,8 @@ _ALWAYS = ("/tf", "/tf_static", "/diagnostics")
 
 
 def topics_to_open(found: Found) -> tuple[TopicRule, ...]:
-    """Open transforms, scans, maps, paths, clouds and diagnostics; nothing but ROS 2 has taps."""
-    if found.protocol != "ros2":
+    """Open transforms, scans, maps, paths, clouds and diagnostics, where topics can be tapped."""
+    if found.protocol not in {"ros1", "ros2"}:
         return ()
     seen = sorted(topic.topic for topic in found.topics if topic.type in _TYPES)
     return tuple(

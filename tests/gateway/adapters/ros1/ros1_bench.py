@@ -73,11 +73,13 @@ def master(port: int, home: Path) -> Iterator[subprocess.Popen[bytes]]:
 
 
 @asynccontextmanager
-async def robot(port: int, home: Path, name: str = "robot_peer") -> AsyncIterator[Peer]:
+async def robot(
+    port: int, home: Path, name: str = "robot_peer", script: str = "ros1_peer.py"
+) -> AsyncIterator[Peer]:
     """The robot; killed at the end, for its master may be gone."""
     process = await asyncio.create_subprocess_exec(
         PYTHON,
-        str(HERE / "ros1_peer.py"),
+        str(HERE / script),
         name,
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,

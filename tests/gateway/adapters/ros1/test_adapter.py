@@ -29,7 +29,12 @@ from ports import free_port
 
 from talaia.cli.importing.decoding import decoder_of
 from talaia.cli.importing.mcap_file import McapFile
-from talaia.gateway.adapters.ros1.frames import FrameSplitter, ReceivedMessage, frame_of
+from talaia.gateway.adapters.ros1.frames import (
+    FrameSplitter,
+    ReceivedMessage,
+    TappedPiece,
+    frame_of,
+)
 from talaia.gateway.adapters.ros1.node import environment_of
 from talaia.gateway.errors import AdapterLost
 from talaia.wire.frames import (
@@ -511,7 +516,8 @@ def test_frames_are_read_however_the_pipe_cuts_them(said: list, cut: int) -> Non
 def test_any_bytes_are_frames_or_a_lost_adapter(data: bytes) -> None:
     with suppress(AdapterLost):
         assert all(
-            isinstance(each, ReceivedMessage | dict) for each in FrameSplitter().split_data(data)
+            isinstance(each, ReceivedMessage | TappedPiece | dict)
+            for each in FrameSplitter().split_data(data)
         )
 
 

@@ -51,3 +51,27 @@ async def test_raw_topic_is_sent_as_cdr_with_its_schema_to_those_who_may_tap_it(
     await gateway.hear(frames.TapSubscription, lambda asked: not asked.topics)
     assert b"/scan" not in repr(guest.frames).encode()
     await guest.close()
+
+
+async def test_topic_of_ros_1_is_offered_by_the_names_of_ros_1(world) -> None:
+    taps = world.hub.hub.core.taps
+    gateway = await world.connect("agv", DESCRIPTIONS["agv"] + TOPICS)
+    taps.receive("agv", frames.TopicList(topics=[SCAN]))
+    driver = await client_of(world, "driver")
+    assert "/scan" not in await topics_of(driver)
+    await gateway.hear(frames.TapSubscription, lambda asked: asked.types)
+    schema = frames.TapSchema(
+        type=SCAN.type, encoding="ros1msg", definition="float32 x", message_encoding="ros1"
+    )
+    taps.receive("agv", schema)
+    said = await driver.hear("advertise")
+    (channel,) = said["channels"]
+    assert {**channel, "id": 0} == {
+        "id": 0,
+        "topic": "/scan",
+        "encoding": "ros1",
+        "schemaName": "sensor_msgs/LaserScan",
+        "schemaEncoding": "ros1msg",
+        "schema": "float32 x",
+    }
+    await driver.close()

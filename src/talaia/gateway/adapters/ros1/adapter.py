@@ -17,7 +17,7 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.adapters.ros1.endpoints import await_endpoints
-from talaia.gateway.adapters.ros1.frames import ReceivedMessage
+from talaia.gateway.adapters.ros1.frames import ReceivedMessage, TappedPiece
 from talaia.gateway.adapters.ros1.master import RosMaster
 from talaia.gateway.adapters.ros1.node import NodeProcess
 from talaia.gateway.adapters.ros1.node_calls import NodeCalls
@@ -25,6 +25,7 @@ from talaia.gateway.adapters.ros1.node_requests import command_frames, site_fram
 from talaia.gateway.adapters.ros1.node_signs import NodeSigns
 from talaia.gateway.adapters.ros1.numbered_topics import NumberedTopics
 from talaia.gateway.adapters.ros1.presence import Ros1Presence
+from talaia.gateway.adapters.ros1.taps import Ros1TopicSource
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import TypeMissing
@@ -38,7 +39,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.ros1.frames import ReceivedFrame
     from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
+    from talaia.gateway.tap_ports import TopicDefinition
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros1Adapter"]
@@ -68,6 +71,7 @@ class Ros1Adapter:
         uri = settings.master or os.environ.get("ROS_MASTER_URI") or _DEFAULT_MASTER
         self._master = RosMaster(uri)
         self._topics = NumberedTopics(scope, context, self._unreadable)
+        self._source = Ros1TopicSource(context.taps, self._master)
         self._calls = NodeCalls()
         # Cameras that somebody looks at, whether or not the node is there.
         self._watched: frozenset[str] = frozenset()
@@ -94,7 +98,8 @@ class Ros1Adapter:
         def fail(why: str) -> None:
             loop.call_soon_threadsafe(_settle_future, failed, why)
 
-        node = attending = None
+        node = None
+        beside: list[asyncio.Future[None]] = []
         try:
             node = NodeProcess(
                 settings=self._settings,
@@ -112,14 +117,16 @@ class Ros1Adapter:
             self._status.up()
             presence = Ros1Presence(self._scope, self._master, self._clock, self._on_presence)
             self._topics.write_arrivals(presence.heard_ns)
-            attending = asyncio.ensure_future(presence.run())
+            beside = [
+                asyncio.ensure_future(part) for part in (presence.run(), self._source.run(node))
+            ]
             await signs.watch_node(node, name, failed)
         finally:
             self._node = None
             self._topics.write_arrivals(None)
-            if attending is not None:
-                attending.cancel()
-                await asyncio.gather(attending, return_exceptions=True)
+            for part in beside:
+                part.cancel()
+            await asyncio.gather(*beside, return_exceptions=True)
             self._topics.latest.clear()
             self._calls.lose_all()
             if node is not None:
@@ -144,6 +151,14 @@ class Ros1Adapter:
                 self._listen(node, number)
             elif address in before and address not in self._watched:
                 node.send_frame(op="leave", topic=number)
+
+    def tap_topics(self, topics: frozenset[str]) -> None:
+        """See `TopicSource.tap_topics`."""
+        self._source.tap_topics(topics)
+
+    def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
+        """See `TopicSource.define_type`."""
+        self._source.define_type(type_name, done)
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`."""
@@ -220,12 +235,16 @@ class Ros1Adapter:
 
     def _read_frame(
         self,
-        frame: ReceivedMessage | dict[str, Any],
+        frame: ReceivedFrame,
         pass_on: Callable[[dict[str, Any]], object],
     ) -> None:
         # Messages are read here, so that the event loop (driving, STOP) never waits for them.
         if isinstance(frame, ReceivedMessage):
             self._topics.read_message(frame)
+        elif isinstance(frame, TappedPiece):
+            self._source.read_piece(frame)
+        elif frame["op"] in {"tapped_kind", "tap_problem"}:
+            self._source.read_frame(frame)
         elif frame["op"] == "type":
             # Here, too: the messages behind it are of that type.
             self._topics.learn_type(frame)

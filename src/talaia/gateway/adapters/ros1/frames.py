@@ -2,8 +2,10 @@
 
 A frame is its length (u32, of what follows), its kind (u8) and its body, little-endian. Kind 0 is
 a JSON object with ``op``; kind 1 is a message: the number of its topic (u16), when it came (i64,
-µs since the epoch) and its bytes as ROS 1 serialized them. `rospy_bridge.pipe_frames` has the other
-end.
+µs since the epoch) and its bytes as ROS 1 serialized them. Kind 2 is a piece of a message for the
+hub: the number of its tap (u32) and of the kind of its publisher (u16), when it came (i64), the
+bytes of the whole message and of the pieces before this one (u32 each), and its bytes.
+`rospy_bridge.pipe_frames` has the other end.
 """
 
 from __future__ import annotations
@@ -17,11 +19,19 @@ from talaia.gateway.errors import AdapterLost
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["MAX_FRAME", "FrameSplitter", "ReceivedMessage", "frame_of"]
+__all__ = [
+    "MAX_FRAME",
+    "FrameSplitter",
+    "ReceivedFrame",
+    "ReceivedMessage",
+    "TappedPiece",
+    "frame_of",
+]
 
 _HEAD = struct.Struct("<IB")
 _STAMP = struct.Struct("<Hq")
-_JSON, _MESSAGE = 0, 1
+_PIECE = struct.Struct("<IHqII")
+_JSON, _MESSAGE, _TAPPED = 0, 1, 2
 MAX_FRAME = 16 * 1024 * 1024
 
 
@@ -31,6 +41,20 @@ class ReceivedMessage(NamedTuple):
     topic: int
     time_us: int
     raw: bytes
+
+
+class TappedPiece(NamedTuple):
+    """A piece of a message of a tap; its kind is as ``tapped_kind`` told it before."""
+
+    tap: int
+    kind: int
+    time_us: int
+    size: int
+    at: int
+    data: bytes
+
+
+ReceivedFrame = ReceivedMessage | TappedPiece | dict[str, Any]
 
 
 def frame_of(said: dict[str, object]) -> bytes:
@@ -46,7 +70,7 @@ class FrameSplitter:
         """Start with nothing waiting."""
         self._waiting = bytearray()
 
-    def split_data(self, data: bytes) -> Iterator[ReceivedMessage | dict[str, Any]]:
+    def split_data(self, data: bytes) -> Iterator[ReceivedFrame]:
         """Take what came and give the frames that are whole.
 
         Raises:
@@ -70,7 +94,10 @@ class FrameSplitter:
             del self._waiting[:start]
 
 
-def _read_frame(kind: int, body: bytes) -> ReceivedMessage | dict[str, Any]:
+def _read_frame(kind: int, body: bytes) -> ReceivedFrame:
+    if kind == _TAPPED and len(body) >= _PIECE.size:
+        tap, of, time_us, size, at = _PIECE.unpack_from(body)
+        return TappedPiece(tap, of, time_us, size, at, body[_PIECE.size :])
     if kind == _MESSAGE and len(body) >= _STAMP.size:
         topic, time_us = _STAMP.unpack_from(body)
         return ReceivedMessage(topic, time_us, body[_STAMP.size :])

@@ -19,20 +19,29 @@ from talaia.gateway.errors import AdapterLost
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["GraphState", "RosMaster"]
+__all__ = [
+    "WAIT_S",
+    "GraphState",
+    "RosMaster",
+    "Transport",
+    "fields_of",
+    "header_of",
+    "read_rest",
+]
 
-_WAIT_S = 1.0
+# For each answer (s).
+WAIT_S = 1.0
 _MAX_HEADER = 64 * 1024
 _SIZE = struct.Struct("<I")
 
 
-class _Transport(xmlrpc.client.Transport):
+class Transport(xmlrpc.client.Transport):
     """HTTP that does not wait for ever."""
 
     def make_connection(self, host: tuple[str, dict[str, str]] | str) -> http.client.HTTPConnection:
         """Make one, and keep it so that it can be closed."""
         connection = http.client.HTTPConnection(
-            host if isinstance(host, str) else host[0], timeout=_WAIT_S
+            host if isinstance(host, str) else host[0], timeout=WAIT_S
         )
         self._connection = host, connection
         return connection
@@ -56,7 +65,7 @@ class RosMaster:
     def _call_master(self, method: str, *words: str) -> tuple[int, object]:
         try:
             # Anew for each question: an old connection may hang on a master that is gone.
-            with xmlrpc.client.ServerProxy(self.uri, transport=_Transport()) as proxy:
+            with xmlrpc.client.ServerProxy(self.uri, transport=Transport()) as proxy:
                 answer = getattr(proxy, method)("/talaia", *words)
             code, _, value = cast("tuple[int, str, object]", answer)
         except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
@@ -83,6 +92,16 @@ class RosMaster:
         """
         return self._call_master("lookupNode", node)[0] == 1
 
+    def find_node(self, node: str) -> str:
+        """Give a node's own address; empty when the master knows none.
+
+        Raises:
+            AdapterLost: the master is not there.
+
+        """
+        code, where = self._call_master("lookupNode", node)
+        return str(where) if code == 1 else ""
+
     def ping_node(self, node: str) -> bool:
         """Ask a node itself, at the address that the master has of it.
 
@@ -92,11 +111,11 @@ class RosMaster:
             AdapterLost: the master is not there.
 
         """
-        code, where = self._call_master("lookupNode", node)
-        if code != 1:
+        where = self.find_node(node)
+        if not where:
             return False
         try:
-            with xmlrpc.client.ServerProxy(str(where), transport=_Transport()) as proxy:
+            with xmlrpc.client.ServerProxy(where, transport=Transport()) as proxy:
                 proxy.getPid("/talaia")
         except (OSError, ValueError, http.client.HTTPException, xmlrpc.client.Error):
             return False
@@ -144,15 +163,15 @@ class RosMaster:
         try:
             if code != 1 or not where.hostname or not where.port:
                 return ""
-            with socket.create_connection((where.hostname, where.port), _WAIT_S) as asked:
+            with socket.create_connection((where.hostname, where.port), WAIT_S) as asked:
                 # ``probe``: only the header is exchanged, nothing is called.
                 asked.sendall(
                     header_of(
                         {"callerid": "/talaia", "md5sum": "*", "probe": "1", "service": service}
                     )
                 )
-                size = _SIZE.unpack(_read_exactly(asked, _SIZE.size))[0]
-                said = fields_of(_read_exactly(asked, min(size, _MAX_HEADER)))
+                size = _SIZE.unpack(read_rest(asked, _SIZE.size))[0]
+                said = fields_of(read_rest(asked, min(size, _MAX_HEADER)))
         except (OSError, ValueError, struct.error):
             return ""
         return said.get("type", "")
@@ -177,7 +196,8 @@ def fields_of(body: bytes) -> dict[str, str]:
     return found
 
 
-def _read_exactly(asked: socket.socket, size: int) -> bytes:
+def read_rest(asked: socket.socket, size: int) -> bytes:
+    """Read so many bytes; an `OSError` where they do not come."""
     data = b""
     while len(data) < size:
         more = asked.recv(size - len(data))

@@ -9,7 +9,7 @@ import select
 import subprocess
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.ros1.frames import FrameSplitter, frame_of
 from talaia.gateway.errors import AdapterLost
@@ -17,7 +17,7 @@ from talaia.gateway.errors import AdapterLost
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from talaia.gateway.adapters.ros1.frames import ReceivedMessage
+    from talaia.gateway.adapters.ros1.frames import ReceivedFrame
     from talaia.model.connection import Ros1Connection
 
 __all__ = ["NodeProcess", "environment_of"]
@@ -51,7 +51,7 @@ class NodeProcess:
         *,
         settings: Ros1Connection,
         uri: str,
-        heard: Callable[[ReceivedMessage | dict[str, Any]], None],
+        heard: Callable[[ReceivedFrame], None],
         turned: Callable[[], None],
         failed: Callable[[str], None],
     ) -> None:

@@ -38,6 +38,7 @@ from talaia.model.discovery.probe_report import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from talaia.gateway.adapters.ros1.frames import ReceivedFrame
     from talaia.gateway.adapters.ros1.master import GraphState
 
 __all__ = ["DEFAULT_MASTER", "probe_graph"]
@@ -136,10 +137,10 @@ class _Look:
             self._ended = self._ended or why
             loop.call_soon_threadsafe(self._changed.set)
 
-        def hear(frame: ReceivedMessage | dict[str, Any]) -> None:
+        def hear(frame: ReceivedFrame) -> None:
             if isinstance(frame, ReceivedMessage):
                 self._heard[frame.topic].count_message(frame)
-            else:
+            elif isinstance(frame, dict):
                 self._handle_message(frame)
                 loop.call_soon_threadsafe(self._changed.set)
 

@@ -107,8 +107,11 @@ class TappedChannels:
             schema = self._schemas.get(topic.type)
             # Without a definition no client could read it.
             if schema is not None and schema.definition:
+                # ROS 1 itself, and what reads its messages, knows no middle part.
+                ros1 = schema.encoding == "ros1msg"
+                name = topic.type.replace("/msg/", "/") if ros1 else topic.type
                 offered[topic.topic] = NamedSchema(
-                    topic.type, schema.definition, schema.encoding, schema.message_encoding
+                    name, schema.definition, schema.encoding, schema.message_encoding
                 )
         # A list that says the same, such as after a lost link, is no news for the client.
         if offered != self.offered:

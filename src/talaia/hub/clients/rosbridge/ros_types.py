@@ -24,6 +24,8 @@ __all__ = ["MessageUnreadable", "TypeText", "describe_fields", "describe_type", 
 
 # Types in one definition; a robot's largest has some dozens.
 _MOST_TYPES = 500
+# What reads ROS 1's own ``time`` and ``duration``, as types of ROS 2.
+_ROS1_TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 
 
 class MessageUnreadable(TalaiaError):
@@ -142,9 +144,13 @@ def _read_definitions(text: TypeText) -> Typesdict:
     try:
         if text.encoding == "ros2idl":
             return get_types_from_idl(text.definition)
-        return get_types_from_msg(text.definition, text.type)
+        found = get_types_from_msg(text.definition, text.type)
     except (TypesysError, SyntaxError, RecursionError) as error:
         raise MessageUnreadable(f"{text.type}: {str(error)[:300]}") from error
+    if text.encoding == "ros1msg":
+        # There they are no messages, so no definition has them.
+        found = {**{name: _brought_types()[name] for name in _ROS1_TIMES}, **found}
+    return found
 
 
 @cache
@@ -158,6 +164,8 @@ def _plain_fields(message: Any) -> dict[str, object]:  # noqa: ANN401 - of a cla
     return {
         field.name: _plain_value(getattr(message, field.name))
         for field in dataclasses.fields(message)
+        # No field of the message, though its class has it so.
+        if field.name != "__msgtype__"
     }
 
 

@@ -16,6 +16,7 @@ import rospy
 from .commands import CommandRunner
 from .message_paths import message_class, service_class
 from .pipe_frames import FrameWriter, read_frames
+from .taps import TapRunner
 from .topics import RawSubscription, ZeroEndedPublisher
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ class RospyBridge:
         # By the name under which the gateway has it published. Also read by other threads.
         self._publishers: dict[str, ZeroEndedPublisher] = {}
         self._commands = CommandRunner(out, self._publishers)
+        self._taps = TapRunner(out, self._hears)
         # Parameters whose values are told.
         self._parameters: list[str] = []
         self._ended = threading.Event()
@@ -80,6 +82,14 @@ class RospyBridge:
         topic = self._topics.pop(asked["topic"], None)
         if topic is not None:
             topic.close()
+
+    def on_tap(self, asked: dict[str, Any]) -> None:
+        """Subscribe a topic for the hub, under a number of its own."""
+        self._taps.order_tap(asked)
+
+    def on_untap(self, asked: dict[str, Any]) -> None:
+        """Unsubscribe it."""
+        self._taps.order_tap(asked)
 
     def on_voice(self, asked: dict[str, Any]) -> None:
         """Advertise under a name."""
@@ -134,6 +144,15 @@ class RospyBridge:
 
     # ── what goes on by itself ──
 
+    def start_threads(self) -> None:
+        """Begin what goes on beside the gateway's frames."""
+        threading.Thread(target=self.watch, daemon=True).start()
+        self._taps.start_threads()
+
+    def _hears(self, name: str) -> bool:
+        # A copy: the main thread adds to it.
+        return name in {topic.name for topic in list(self._topics.values())}
+
     def watch(self) -> None:
         """End velocities that nobody renews, and read parameters. On a thread of its own."""
         due = 0.0
@@ -182,7 +201,7 @@ def main() -> None:
     rospy.init_node(first["node"], disable_signals=True, disable_rosout=True)
     out.send_frame(op="ready", node=rospy.get_name())
     bridge = RospyBridge(out)
-    threading.Thread(target=bridge.watch, daemon=True).start()
+    bridge.start_threads()
     try:
         for asked in frames:
             bridge.handle_frame(asked)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 HEAD = struct.Struct("<IB")
 STAMP = struct.Struct("<Hq")
-JSON, MESSAGE = 0, 1
+PIECE = struct.Struct("<IHqII")
+JSON, MESSAGE, TAPPED = 0, 1, 2
 MAX_FRAME = 16 * 1024 * 1024
 
 

@@ -22,12 +22,17 @@ class RawSubscription:
     """A subscription by raw bytes, so that a type need not be known here.
 
     Before the first message of a type goes out, the type has: the gateway decodes by it.
+
+    Attributes:
+        name: its absolute name.
+
     """
 
     def __init__(self, *, out: FrameWriter, number: int, name: str, rate: float, deep: int) -> None:
         """Subscribe; with ``rate`` (Hz) messages that come sooner are left."""
         self._out = out
         self._number, self._name = number, name
+        self.name = rospy.resolve_name(name)
         self._period = 1.0 / rate if rate else 0.0
         # When the next one may go out (monotonic, s).
         self._due = 0.0

@@ -1,0 +1,33 @@
+"""What a hub of the tests has heard of raw topics."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.wire.frames import TapMessage, TopicList
+
+if TYPE_CHECKING:
+    from fake_hub import FakeHub
+
+
+def newest_list(hub: FakeHub) -> dict[str, tuple[int, str, bool]]:
+    lists = [said for said in hub.taps if isinstance(said, TopicList)]
+    entries = lists[-1].topics if lists else []
+    return {entry.topic: (entry.number, entry.type, entry.latched) for entry in entries}
+
+
+def pieces(hub: FakeHub, topic: str) -> list[TapMessage]:
+    entry = newest_list(hub).get(topic)
+    number = None if entry is None else entry[0]
+    return [said for said in hub.taps if isinstance(said, TapMessage) and said.number == number]
+
+
+def whole(hub: FakeHub, topic: str) -> list[bytes]:
+    """Put the messages of a topic together."""
+    found: dict[int, bytes] = {}
+    for piece in pieces(hub, topic):
+        before = found.setdefault(piece.seq, b"")
+        assert piece.at == len(before)
+        found[piece.seq] = before + piece.data
+        assert len(found[piece.seq]) <= piece.size
+    return list(found.values())
