@@ -65,7 +65,9 @@ class TopicsPeer:
         say(written=written)
 
     def do_count(self, asked: dict) -> None:
-        say(count=self.publishers[asked["topic"]].get_num_connections())
+        """Say who is connected, but for who asked for the definition and has hung up."""
+        found = self.publishers[asked["topic"]].impl.connections
+        say(count=len([one for one in found if one.endpoint_id != "/talaia"]))
 
 
 def main() -> None:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 from fake_hub import FakeHub, fake_hub
-from gateway_bench import Peer, addresses_of, running
+from gateway_bench import Peer, addresses_of, command, running
 from patience import PATIENCE_S
 from ports import free_port
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from tapped_hub import newest_list, pieces, whole
 
-from talaia.wire.frames import TapError, TapSchema, TapSubscription
+from talaia.wire.frames import CommandPhase, TapError, TapSchema, TapSubscription
 
 from . import ros1_bench
 
@@ -33,6 +33,16 @@ connections:
   old: {kind: ros1, master: "http://127.0.0.1:%d"}
 devices:
   base: {name: Base}
+"""
+COUNT = """
+    name: Base
+    commands:
+      count:
+        name: Count
+        kind: action
+        target: /count
+        type: actionlib/action/Test
+        arguments: {to: {type: integer, field: goal, minimum: 0, maximum: 100}}
 """
 TEXT, ODOMETRY = "std_msgs/msg/String", "nav_msgs/msg/Odometry"
 
@@ -132,7 +142,6 @@ async def test_a_topic_is_heard_only_while_it_is_wanted_and_its_bytes_are_those_
         # Who asks for a definition subscribes nothing.
         assert robot.subscribers("/pose") == []
         await hub.send(TapSubscription(topics={"/pose": 0}))
-        await hub.until(lambda: robot.subscribers("/pose"), "a subscriber")
         await robot.until_count("/pose", 1)
         written = await robot.publish("/pose", 1.0, 2.5)
         await hub.until(lambda: len(whole(hub, "/pose")) == 2, "two messages")
@@ -223,3 +232,25 @@ async def test_a_publisher_that_comes_back_with_another_definition_is_read_by_th
         read = read_by(schemas(hub)[1], whole(hub, "/odd")[1])
         assert (read.count, read.data) == (0, "two")
         assert hub.taps.index(schemas(hub)[1]) < hub.taps.index(pieces(hub, "/odd")[1])
+
+
+async def test_topics_of_an_action_are_tapped_beside_its_command(
+    port: int, ros1_home: Path, tmp_path: Path
+) -> None:
+    """The node hears them already, as what they are: rospy has one way for all of a node."""
+    feedback, status = "/count/feedback", "/count/status"
+    site = SITE.replace(" {name: Base}\n", COUNT) % port
+    async with ros1_bench.robot(port, ros1_home), fake_hub(addresses_of) as hub:
+        hub.takes = ["topic_list"]
+        async with running(hub.url, tmp_path, site):
+            await hub.until(lambda: feedback in newest_list(hub), "the topics in the list")
+            await hub.send(TapSubscription(types=["actionlib/msg/TestActionFeedback"]))
+            await hub.until(lambda: schemas(hub), "the schema")
+            await hub.send(TapSubscription(topics={feedback: 0, status: 0}))
+            # It comes all the time, and begins behind the other.
+            await hub.until(lambda: whole(hub, status), "the status")
+            done = await command(hub, "count", "one", to=3)
+            assert (done.phase, done.message) == (CommandPhase.SUCCEEDED, "counted")
+            await hub.until(lambda: len(whole(hub, feedback)) == 3, "what the command hears, too")
+            read = [read_by(schemas(hub)[0], data) for data in whole(hub, feedback)]
+            assert [message.feedback.feedback for message in read] == [0, 1, 2]

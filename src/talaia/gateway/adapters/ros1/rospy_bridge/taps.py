@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import rospy
 
 from .pipe_frames import MAX_FRAME, PIECE, TAPPED
+from .topics import serialized_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -139,21 +140,24 @@ class TapRunner:
     def _obey(self) -> None:
         while True:
             asked = self._orders.get()
-            number = asked["tap"]
             try:
-                if asked["op"] == "tap":
-                    self._taps[number] = TappedSubscription(
-                        out=self._out,
-                        lines=self._lines,
-                        number=number,
-                        name=asked["name"],
-                        shared=self._read_elsewhere(asked["name"]),
-                    )
-                elif number in self._taps:
-                    self._taps.pop(number).close()
-                    self._lines.forget_tap(number)
+                self._begin_or_end(asked)
             except Exception as error:  # noqa: BLE001 - rospy names none; the others must go on
-                self._out.send_frame(op="tap_problem", tap=number, problem=str(error)[:500])
+                self._out.send_frame(op="tap_problem", tap=asked["tap"], problem=str(error)[:500])
+
+    def _begin_or_end(self, asked: dict[str, Any]) -> None:
+        number = asked["tap"]
+        if asked["op"] == "tap":
+            self._taps[number] = TappedSubscription(
+                out=self._out,
+                lines=self._lines,
+                number=number,
+                name=asked["name"],
+                shared=self._read_elsewhere(asked["name"]),
+            )
+        elif number in self._taps:
+            self._taps.pop(number).close()
+            self._lines.forget_tap(number)
 
 
 class TappedSubscription:
@@ -185,7 +189,7 @@ class TappedSubscription:
     def _forward_message(self, message: Any) -> None:
         at_us = time.time_ns() // 1000
         header = message._connection_header  # noqa: SLF001 - rospy has no other way
-        raw = message._buff  # noqa: SLF001
+        raw = serialized_bytes(message)
         latched = header.get("latching", "0") == "1"
         key = header.get("type", ""), header.get("md5sum", ""), latched
         kind = self._kinds.get(key)

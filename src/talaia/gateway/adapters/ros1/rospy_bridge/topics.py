@@ -3,6 +3,7 @@
 # ruff: noqa: ANN401 - rospy ships no types
 from __future__ import annotations
 
+import io
 import threading
 import time
 from typing import TYPE_CHECKING
@@ -16,6 +17,19 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .pipe_frames import FrameWriter
+
+
+def serialized_bytes(message: Any) -> bytes:
+    """Give a message as it came.
+
+    rospy gives all of a node's subscriptions of a topic the class of the first: who comes behind an
+    action's client, or behind rospy's own subscription of ``/clock``, gets messages that are read.
+    """
+    if isinstance(message, rospy.AnyMsg):
+        return message._buff  # type: ignore[no-any-return]  # noqa: SLF001 - rospy has no other way
+    into = io.BytesIO()
+    message.serialize(into)
+    return into.getvalue()
 
 
 class RawSubscription:
@@ -66,7 +80,7 @@ class RawSubscription:
             self._out.send_frame(
                 op="type", topic=self._number, type=kind, md5=known, definition=text
             )
-        raw = message._buff  # noqa: SLF001
+        raw = serialized_bytes(message)
         if len(raw) + STAMP.size < MAX_FRAME:
             self._out.write_frame(MESSAGE, STAMP.pack(self._number, at_us) + raw)
         else:
