@@ -15,6 +15,7 @@ from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 
+from talaia.gateway.adapters.ros2.nodes.node_readings import NodeReadings
 from talaia.gateway.adapters.ros2.nodes.service_calls import ServiceCalls
 from talaia.gateway.adapters.topic_readers import lifecycle_plans_of
 from talaia.gateway.errors import FieldError
@@ -25,11 +26,9 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
-    from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan
-    from talaia.gateway.ports import ChannelReading
+    from talaia.gateway.adapters.topic_readers import TopicPlan
     from talaia.wire.frames import Scalar
 
 __all__ = ["LifecycleStates", "LifecycleTransition"]
@@ -54,53 +53,32 @@ class _Watched(NamedTuple):
     plans: list[TopicPlan]  # Emptied and filled anew with another description.
 
 
-class LifecycleStates:
+class LifecycleStates(NodeReadings[_Watched]):
     """The states that signals are made of."""
-
-    def __init__(
-        self,
-        *,
-        scope: ConnectionScope,
-        node: Any,  # noqa: ANN401 - rclpy ships no types
-        thread: WaitThread,
-        clock: Clock,
-        gathered: SampleBuffer,
-        latest: dict[str, ChannelReading],
-        complain: Callable[[str, str], None],
-    ) -> None:
-        """Ask and hear each node that has any."""
-        # Where samples go, with the times of their arrival.
-        self._clock, self._gathered = clock, gathered
-        self._node, self._thread = node, thread
-        self._latest, self._complain = latest, complain
-        # By node; a node stays while any signal is of it.
-        self._watched: dict[str, _Watched] = {}
-        self.plans: list[TopicPlan] = []
-        self.redescribe(scope)
 
     def redescribe(self, scope: ConnectionScope) -> None:
         """Read the states of this scope; nodes that are watched already stay so."""
         before = {plan.channel: plan for plan in self.plans}
         self.plans = lifecycle_plans_of(scope, self._latest, self._complain)
-        for name in self._watched.keys() - {plan.topic for plan in self.plans}:
-            watched = self._watched.pop(name)
+        for name in self._nodes.keys() - {plan.topic for plan in self.plans}:
+            watched = self._nodes.pop(name)
             watched.calls.close()
             self._thread.remove_subscription(watched.subscription.handle)
             self._node.destroy_subscription(watched.subscription)
         # Answers that are under way find the new plans.
-        for watched in self._watched.values():
+        for watched in self._nodes.values():
             watched.plans.clear()
         for plan in self.plans:
             # What was held back goes on, and what was told of is not told again.
             if (was := before.get(plan.channel)) is not None:
                 plan.take_over(was)
-            if plan.topic not in self._watched:
-                self._watched[plan.topic] = self._watch_node(plan.topic)
-            self._watched[plan.topic].plans.append(plan)
+            if plan.topic not in self._nodes:
+                self._nodes[plan.topic] = self._watch_node(plan.topic)
+            self._nodes[plan.topic].plans.append(plan)
 
     def ask(self) -> None:
         """Ask every node that is there."""
-        for watched in self._watched.values():
+        for watched in self._nodes.values():
             # Of one that is not there nobody would answer.
             if watched.calls.ready:
                 on_state = partial(self._on_state, watched.plans)

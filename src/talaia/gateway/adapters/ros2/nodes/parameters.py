@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from rcl_interfaces.msg import Parameter, ParameterType
 from rcl_interfaces.srv import GetParameters
 
+from talaia.gateway.adapters.ros2.nodes.node_readings import NodeReadings
 from talaia.gateway.adapters.topic_readers import parameter_plans_of
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
@@ -15,11 +16,8 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
-    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
-    from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan
-    from talaia.gateway.ports import ChannelReading
+    from talaia.gateway.adapters.topic_readers import TopicPlan
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Parameters", "as_set", "parameters_of"]
@@ -71,27 +69,8 @@ class _Node(NamedTuple):
     asked: dict[int, tuple[str, ...]]
 
 
-class Ros2Parameters:
+class Ros2Parameters(NodeReadings[_Node]):
     """The parameters that signals are made of."""
-
-    def __init__(
-        self,
-        *,
-        scope: ConnectionScope,
-        node: Any,  # noqa: ANN401 - rclpy ships no types
-        thread: WaitThread,
-        clock: Clock,
-        gathered: SampleBuffer,
-        latest: dict[str, ChannelReading],
-        complain: Callable[[str, str], None],
-    ) -> None:
-        """Make a client for each node that has any."""
-        self._clock, self._gathered = clock, gathered
-        self._node, self._thread = node, thread
-        self._latest, self._complain = latest, complain
-        self._nodes: dict[str, _Node] = {}
-        self.plans: list[TopicPlan] = []
-        self.redescribe(scope)
 
     def redescribe(self, scope: ConnectionScope) -> None:
         """Ask for the parameters of this scope; nodes that are asked already stay so."""
