@@ -8,9 +8,15 @@ from pathlib import Path
 import pytest
 import report_progress
 from hypothesis import HealthCheck, settings
+from many_examples import examples
 
 # How long an example takes says how busy the machine is; timings are `bench/`'s matter.
-settings.register_profile("talaia", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "talaia",
+    deadline=None,
+    max_examples=examples(25, many=1000),
+    suppress_health_check=[HealthCheck.too_slow],
+)
 settings.load_profile("talaia")
 
 # What a test that is marked as pure does not do: it would not belong to the quick ring.

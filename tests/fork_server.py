@@ -283,6 +283,9 @@ def fork_servers(listening: socket.socket) -> socket.socket:
                 os.setsid()
                 end_with(ancestor)
                 listening.close()
+                # For whom: nothing else says it to those who look at processes.
+                asking = channel.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, CODE.size)
+                name_process(f"for {CODE.unpack(asking)[0]}")
                 channel.send(CODE.pack(os.getpid()))
                 return channel.dup()
 
@@ -407,11 +410,16 @@ def become_program(server: int, files: list[int]) -> None:
         os.dup2(mine, number)
 
 
+def name_process(name: str) -> None:
+    """Say what `ps` and the like call this process."""
+    ctypes.CDLL(None).prctl(PR_SET_NAME, name.encode())
+
+
 def run_program(order: Order) -> None:
     """Do what Python does with the words behind its name."""
-    # What `ps` and the like call it: the last words of a path or a command.
-    name = " ".join(order.words[1:4] if order.words[0] == "-m" else order.words[:1])
-    ctypes.CDLL(None).prctl(PR_SET_NAME, name.rpartition("/")[2].encode())
+    # What `ps` and the like call it: a module and its command, or a script.
+    module = order.words[0] == "-m"
+    name_process(" ".join(order.words[1:3]) if module else Path(order.words[0]).name)
     os.environ.clear()
     os.environ.update(order.environment)
     # Chosen by the environment of before, where a module has asked for it.

@@ -25,6 +25,22 @@ print(libc.mallinfo2().fordblks)
 """
 
 
+# Pieces as raw topics of a megabyte need them, again and again: how many pages are mapped for them.
+PIECES = """
+import resource
+from talaia.allocator import keep_little_free_memory
+assert keep_little_free_memory()
+def pass_on():
+    for _ in range(20):
+        copies = [bytes(1_000_000) for _ in range(3)]
+        assert copies
+pass_on()
+before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+pass_on()
+print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
+"""
+
+
 def free_after(mode: str) -> int:
     """Give what the C library holds that nobody uses (bytes)."""
     done = subprocess.run(
@@ -37,3 +53,12 @@ def free_after(mode: str) -> int:
 def test_what_was_read_is_given_back_though_something_after_it_is_kept() -> None:
     assert free_after("set") < 2_000_000
     assert free_after("not set") > 9_000_000
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
+def test_pieces_of_a_megabyte_are_not_mapped_anew_each_time() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", PIECES], capture_output=True, text=True, check=True
+    )
+    # Sixty pieces of 244 pages each.
+    assert int(done.stdout) < 1_000

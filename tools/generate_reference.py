@@ -23,7 +23,7 @@ from talaia.clock import SystemClock
 from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build_hub
 from talaia.hub.settings import Settings
-from talaia.model import ai_services, connection, roles, site
+from talaia.model import ai_services, connection, night_section as night, roles, site
 from talaia.model.base import FOREIGN_KEYS, SourceShape
 from talaia.model.schema import site_schema
 from talaia.model.units.unit import UNITS
@@ -53,6 +53,10 @@ ROLE_TABLES: dict[type, str] = {
     roles.SignalRole: "roles of signals",
     roles.CommandRole: "roles of commands",
 }
+NIGHT_SHAPES: tuple[type[msgspec.Struct], ...] = (
+    *(night.NightSection, night.SlewCommand, night.FrameCommand, night.FilterCommand),
+    *(night.NightDarks, night.NightSun, night.NightTimes),
+)
 NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"
 
 
@@ -88,6 +92,7 @@ def site_page() -> str:
         *(site.Site, site.Ros2Settings, *get_args(connection.Connection)),
         *(site.Device, site.Signal, *get_args(connection.Source), site.Stream, site.Command),
         *(site.Argument, site.Drive, site.Stop, ai_services.AiServices),
+        *NIGHT_SHAPES,
     ]
     parts = [
         NOTE + "# Site description\n",
@@ -147,7 +152,34 @@ def wire_page() -> str:
         codec = CODECS[name]
         parts.append(f"## {title}, `{path}`\n\nA frame is at most {codec.max_frame:,} bytes.\n")
         parts += [struct_section(s, "###", wire=True) for s in (get_args(union) or (union,))]
+    parts += ["## Parts of messages\n", *(struct_section(s, "###") for s in parts_of_messages())]
     return "\n".join(parts)
+
+
+def parts_of_messages() -> list[type[msgspec.Struct]]:
+    """List the structs that stand in messages and are none, by name."""
+    unions = [frames.FromGateway, frames.FromHub, frames.MediaFromGateway]
+    messages = {shape for union in unions for shape in get_args(union)}
+    known: dict[type[msgspec.Struct], None] = dict.fromkeys(messages)
+    for waiting in (queue := [*messages]):
+        fields = msgspec.inspect.type_info(waiting).fields
+        found = {s: None for field in fields for s in structs_in(field.type)}
+        queue += [s for s in found if s not in known]
+        known |= found
+    return sorted(known.keys() - messages, key=lambda shape: shape.__name__)
+
+
+def structs_in(kind: msgspec.inspect.Type) -> list[type[msgspec.Struct]]:
+    """List the structs that a field may hold."""
+    match kind:
+        case msgspec.inspect.StructType():
+            return [kind.cls]
+        case msgspec.inspect.ListType() | msgspec.inspect.VarTupleType():
+            return structs_in(kind.item_type)
+        case msgspec.inspect.UnionType():
+            return [s for each in kind.types for s in structs_in(each)]
+        case _:
+            return []
 
 
 def commands_page() -> str:
@@ -278,8 +310,10 @@ def default_words(field: msgspec.inspect.Field) -> str:
     """Say what an absent field means."""
     if field.default is msgspec.NODEFAULT:
         return "empty"
-    if isinstance(field.default, bytes):
+    if isinstance(field.default, bytes) or field.default == ():
         return "empty"
+    if isinstance(field.default, msgspec.Struct):
+        return "its defaults"
     if isinstance(field.default, StrEnum):
         return f"`{field.default.value}`"
     return "none" if field.default is None else f"`{json.dumps(field.default, ensure_ascii=False)}`"

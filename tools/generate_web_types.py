@@ -32,6 +32,7 @@ from pydantic import BaseModel
 from talaia.hub.api.schemas import (
     account_schemas,
     alarm_schemas,
+    alert_notice_schemas,
     anomaly_schemas,
     archive_schemas,
     client_schemas,
@@ -41,6 +42,8 @@ from talaia.hub.api.schemas import (
     history_schemas,
     notification_schemas,
     observatory_schemas,
+    observing_schemas,
+    outlook_schemas,
     recording_schemas,
     sighting_schemas,
     tile_schemas,
@@ -64,9 +67,12 @@ SHAPES = (
     account_schemas,
     history_schemas,
     recording_schemas,
+    alert_notice_schemas,
     archive_schemas,
     description_schemas,
     observatory_schemas,
+    observing_schemas,
+    outlook_schemas,
     alarm_schemas,
     anomaly_schemas,
     extension_schemas,
@@ -291,6 +297,11 @@ def api_text() -> str:
         parts.append("\n".join([*lines, "}"]))
     found = (one for each in served for _, hint, _ in fields_of(each) for one in classes_in(hint))
     words = {one for one in found if issubclass(one, StrEnum)}
+    # Said of by messages, too: it stands beside those, once.
+    both = sorted(one.__name__ for one in words if f"export type {one.__name__} =" in wire_text())
+    words = {one for one in words if one.__name__ not in both}
+    if both:
+        parts.insert(0, f'import type {{ {", ".join(both)} }} from "./wire.js";')
     parts += [
         f"/** {first_sentence(one)} */\nexport type {one.__name__} =\n  | "
         + "\n  | ".join(json.dumps(word.value) for word in one)

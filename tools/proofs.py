@@ -66,6 +66,13 @@ JOBS = (
         minutes=60,
     ),
     Job(
+        "nights",
+        "thirty seeded nights with faults and people: no roof open when unsafe, nothing lost",
+        ("-m", "system.nights", "--table", "{table}"),
+        "docs/nights-table.md",
+        minutes=15,
+    ),
+    Job(
         "crash-loop",
         "a hundred killed gateways and ROS 2 nodes leave nothing in /dev/shm",
         (*PYTEST, "tests/test_shared_memory.py", "tests/system/test_link.py", "-k", "crash_loop"),

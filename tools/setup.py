@@ -27,6 +27,8 @@ MODULES = ROOT / "web" / "node_modules"
 # draws with: only the tests need them, each known by a file of its own.
 DIST = "/usr/lib/python3/dist-packages"
 TESTED_WITH = {
+    # For the pictures of the simulated observatory under ROS 1.
+    "python3-numpy": f"{DIST}/numpy",
     "python3-rospy": f"{DIST}/rospy",
     "python3-roslaunch": f"{DIST}/roslaunch",
     "python3-rosmaster": f"{DIST}/rosmaster",
@@ -55,7 +57,17 @@ TESTED_WITH = {
 
 # Servers that tests judge by and that would run on for good where they are installed: only CI,
 # which wants every test, gets them. Without them these tests skip, and say so.
-JUDGES = {"prometheus": "/usr/bin/prometheus"}
+JUDGES = {
+    "prometheus": "/usr/bin/prometheus",
+    "astrometry.net": "/usr/bin/solve-field",
+    "astrometry-data-tycho2-10-19-littleendian": (
+        "/usr/share/astrometry/index-tycho2-12.littleendian.fits"
+    ),
+}
+
+# A Chromium without its window, which computes half as much; not every distribution has it, and
+# without it the tests drive Chromium itself.
+LIGHTER = {"chromium-headless-shell": "/usr/bin/chromium-headless-shell"}
 
 
 def main(wanted: str) -> int:
@@ -68,7 +80,9 @@ def main(wanted: str) -> int:
     if debian_packages(wanted):
         return 1
     if wanted == "dev" and os.environ.get("TALAIA_REQUIRE_ALL"):
-        judges()
+        install_optional(JUDGES, "they could not be installed; their tests skip")
+    if wanted == "dev":
+        install_optional(LIGHTER, "it could not be installed; the tests take longer")
     if python_packages(wanted):
         return 1
     detector()
@@ -108,9 +122,9 @@ def debian_packages(wanted: str) -> int:
     return 0
 
 
-def judges() -> None:
-    """Install the servers that tests judge by, where that can be done."""
-    absent = [name for name, file in JUDGES.items() if not Path(file).exists()]
+def install_optional(packages: dict[str, str], otherwise: str) -> None:
+    """Install what tests use where it is there, if that can be done; else say what follows."""
+    absent = [name for name, file in packages.items() if not Path(file).exists()]
     if not absent or os.geteuid() != 0 or not shutil.which("apt-get"):
         return
     say(f"installing Debian packages: {' '.join(absent)}")
@@ -121,7 +135,7 @@ def judges() -> None:
         env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
     )
     if done.returncode:
-        say("they could not be installed; their tests skip")
+        say(otherwise)
 
 
 def has_egl() -> bool:

@@ -15,7 +15,7 @@ os.environ["QT_QPA_PLATFORM"] = "offscreen"
 from talaia.configurator.description_paths import with_value
 from talaia.configurator.qt.app import make_application
 from talaia.configurator.qt.palette import DARK, LIGHT
-from talaia.configurator.qt.window import Means, Window
+from talaia.configurator.qt.window import ConfiguratorWindow, Means
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QApplication
@@ -32,7 +32,7 @@ def main(folder: Path) -> int:
     """Write each picture; 0 when all are written."""
     qt = make_application()
     folder.mkdir(parents=True, exist_ok=True)
-    window = Window(Means((sys.executable, "-m", "talaia"), "UTC", lambda _: None))
+    window = ConfiguratorWindow(Means((sys.executable, "-m", "talaia"), "UTC", lambda _: None))
     window.resize(*SIZE)
     window.show()
     take(qt, window, LIGHT, folder / "configure-services-light.png", 0)
@@ -52,7 +52,9 @@ def broken(site: Site) -> Site:
     return with_value(site, (*SPEED, "unit"), "m/sec")
 
 
-def take(qt: QApplication, window: Window, colours: Colours, file: Path, page: int) -> None:
+def take(
+    qt: QApplication, window: ConfiguratorWindow, colours: Colours, file: Path, page: int
+) -> None:
     """Paint the window in these colours and write what it looks like."""
     window.steps.setCurrentRow(page)
     window.paint(colours)

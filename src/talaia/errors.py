@@ -6,6 +6,7 @@ TalaiaError
 │   └── NotReadable       model.errors      the file is missing or is not YAML
 ├── NotAProbe             model.discovery   what was read is not what a probe writes
 ├── PeerError             wire.errors       the other side broke the protocol
+├── PlannerError          planner.errors    the planner cannot plan with what it was given
 ├── GatewayError          gateway.errors    a robot, a device or the spool failed
 ├── HubError              hub.errors        the hub cannot start or go on
 ├── SimError              sim.errors        the simulated robot cannot run here

@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta, timezone
 
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.client.addresses import channels_of, match_sites, qualify_address
 from talaia.client.errors import BadSettings, ClientError, NotFound
@@ -72,7 +73,7 @@ def test_moments_are_read_in_every_form_that_is_documented() -> None:
             parse_moment(wrong, NOW)
 
 
-@settings(max_examples=100)
+@settings(max_examples=examples(25, many=1000))
 @given(st.text(max_size=30))
 def test_no_text_as_a_moment_an_address_or_a_hub_raises_anything_but_a_sentence(text) -> None:
     for read in (
@@ -85,7 +86,7 @@ def test_no_text_as_a_moment_an_address_or_a_hub_raises_anything_but_a_sentence(
             read()
 
 
-@settings(max_examples=50)
+@settings(max_examples=examples(12, many=500))
 @given(st.integers(0, 2**53))
 def test_times_keep_their_microseconds(time_us) -> None:
     assert parse_moment(time_of(time_us), NOW) == time_us

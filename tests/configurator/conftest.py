@@ -36,7 +36,7 @@ def opened_pages() -> list[str]:
 @pytest.fixture
 def make_window(qt: Any, opened_pages: list[str], tmp_path: Path) -> Iterator[Callable[..., Any]]:
     """Makes a window, shown; what it started is ended with the test."""
-    from talaia.configurator.qt.window import Means, Window
+    from talaia.configurator.qt.window import ConfiguratorWindow, Means
 
     made = []
 
@@ -47,7 +47,7 @@ def make_window(qt: Any, opened_pages: list[str], tmp_path: Path) -> Iterator[Ca
             opened_pages.append,
             str(tmp_path / "data"),
         )
-        window = Window(means)
+        window = ConfiguratorWindow(means)
         window.resize(1024, 700)
         window.show()
         window.activateWindow()

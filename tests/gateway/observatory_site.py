@@ -56,5 +56,5 @@ def as_ros1(site: Site) -> Site:
     enclosures = {name: replace(each, follow=None) for name, each in site.enclosures.items()}
     return replace(
         site, ros2=None, connections={"ros1": Ros1Connection()},
-        devices=devices, interlocks=interlocks, enclosures=enclosures,
+        devices=devices, interlocks=interlocks, enclosures=enclosures, night=None,
     )  # fmt: skip

@@ -51,6 +51,7 @@ from .databases import (  # noqa: F401 - fixtures of every test of the hub
 )
 from .everyone.world import World
 from .kept_routes import _routes_are_read_once  # noqa: F401 - a fixture of every test of the hub
+from .mailbox import mailbox  # noqa: F401 - a fixture of tests of messages
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
@@ -216,8 +217,11 @@ class Gateway(Peer):
         self.channels = {
             channel.address: at for at, channel in enumerate(load_site(DESCRIPTION).channels())
         }
-        await self.say(Hello(site=site, boot=boot, description=description, catalogue="c1"))
+        await self.say(self.hello_message(description, boot=boot, site=site))
         return await self.hear(Welcome)
+
+    def hello_message(self, description=DESCRIPTION, *, boot="boot-1", site="agv") -> Hello:
+        return Hello(site=site, boot=boot, description=description, catalogue="c1")
 
     async def samples(self, *rows, live=True, first=None) -> None:
         """Send rows of address, time (µs), value or text."""
@@ -390,7 +394,7 @@ def settings_in(folder: Path) -> Settings:
         commit_s=0.0,
         beat_s=0.2,
         # Each time asks the database about each socket: more often is a good part of a busy core.
-        check_s=0.2,
+        check_s=0.4,
         linger_s=0.05,
     )
 

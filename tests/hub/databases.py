@@ -3,8 +3,9 @@
 SQLite always; a server's where one answers on this machine, or at the URL that
 TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds.
 
-To make the tables takes longer than most tests: they are made once for each run, and copied. That
-they are made from nothing is `test_database`'s and `test_run_on_databases`'s to see.
+To make the tables takes longer than most tests: they are made once for each run, and copied; and
+MariaDB, which makes each table of a copy anew, gets its copies back for the next test. That tables
+are made from nothing is `test_database`'s and `test_run_on_databases`'s to see.
 
 A run that is killed drops nothing. So each run holds a lock on the server for as long as it lives,
 and has the lock's number in the names of its databases; what belongs to a lock that nobody holds
@@ -70,13 +71,15 @@ class Run:
         self._engine = sa.create_engine(url, isolation_level="AUTOCOMMIT", pool_size=1)
         # The lock is the connection's: it goes with the process, however that ends.
         self._connection = self._engine.connect()
+        # Databases that tests have returned, as the origin is.
+        self._returned: list[str] = []
         self.number = secrets.token_hex(4)
         assert self.hold(self.number)
         self.tidy()
 
     def hold(self, number: str) -> bool:
         """Take a lock; False when a living run has it."""
-        return bool(self._say(_LOCK[self._kind][0], self._key(number)).scalar())
+        return bool(self.execute(_LOCK[self._kind][0], self._key(number)).scalar())
 
     def tidy(self) -> None:
         """Drop the databases of runs that have ended."""
@@ -84,17 +87,17 @@ class Run:
             match = _NAME.fullmatch(name)
             if match and match[1] != self.number and self.hold(match[1]):
                 # Another run that tidies up may be quicker.
-                self._say(f"DROP DATABASE IF EXISTS {name}")
-                self._say(_LOCK[self._kind][1], self._key(match[1]))
+                self.execute(f"DROP DATABASE IF EXISTS {name}")
+                self.execute(_LOCK[self._kind][1], self._key(match[1]))
 
     def names(self) -> list[str]:
         """List the server's databases."""
-        return [row[0] for row in self._say(_LIST[self._kind])]
+        return [row[0] for row in self.execute(_LIST[self._kind])]
 
     def make(self) -> str:
         """Make an empty database."""
         name = self._new_name()
-        self._say(f"CREATE DATABASE {name}")
+        self.execute(f"CREATE DATABASE {name}")
         return name
 
     def _new_name(self) -> str:
@@ -104,31 +107,83 @@ class Run:
         """Make a database with the tables of another, and what is in them."""
         if self._kind == "postgresql":
             name = self._new_name()
-            self._say(f"CREATE DATABASE {name} TEMPLATE {origin}")
+            self.execute(f"CREATE DATABASE {name} TEMPLATE {origin}")
             return name
         name = self.make()
         # Whatever refers to a table may come before it.
-        self._say("SET foreign_key_checks = 0")
-        self._say(f"USE {name}")
-        for (table,) in self._say(f"SHOW TABLES FROM {origin}").all():
-            self._say(self._say(f"SHOW CREATE TABLE {origin}.{table}").one()[1].replace("%", "%%"))
-            self._say(f"INSERT INTO {table} SELECT * FROM {origin}.{table}")  # noqa: S608 - names of ours
+        self.execute("SET foreign_key_checks = 0")
+        self.execute(f"USE {name}")
+        for (table,) in self.execute(f"SHOW TABLES FROM {origin}").all():
+            self.execute(
+                self.execute(f"SHOW CREATE TABLE {origin}.{table}").one()[1].replace("%", "%%")
+            )
+            self.execute(f"INSERT INTO {table} SELECT * FROM {origin}.{table}")  # noqa: S608 - names of ours
         return name
 
+    def lend(self, origin: str) -> str:
+        """Give a database that is as ``origin``: one that was returned, or a new copy."""
+        return self._returned.pop() if self._returned else self.copy(origin)
+
+    def take_back(self, name: str, origin: str) -> None:
+        """Keep a database for the next test, as ``origin`` again; drop it where that cannot be."""
+        # PostgreSQL copies a database as files, which is no more work than to tidy one up.
+        if self._kind == "mariadb" and self._restore(name, origin):
+            self._returned.append(name)
+        else:
+            self.drop(name)
+
+    def _restore(self, name: str, origin: str) -> bool:
+        """Make a database hold what ``origin`` holds; False where it has other tables."""
+        counters = self.counters(name)
+        before = self.counters(origin)
+        if counters.keys() != before.keys():
+            return False
+        filled = (
+            f"SELECT '{table}', EXISTS(SELECT 1 FROM {name}.{table}),"  # noqa: S608 - names of ours
+            f" EXISTS(SELECT 1 FROM {origin}.{table})"
+            for table in counters
+        )
+        self.execute("SET foreign_key_checks = 0")
+        self.execute("START TRANSACTION")
+        for table, here, there in self.execute(" UNION ALL ".join(filled)).all():
+            if here:
+                self.execute(f"DELETE FROM {name}.{table}")  # noqa: S608 - names of ours
+            if there:
+                self.execute(f"INSERT INTO {name}.{table} SELECT * FROM {origin}.{table}")  # noqa: S608 - names of ours
+        self.execute("COMMIT")
+        for table, number in before.items():
+            if counters[table] != number:
+                self.execute(f"ALTER TABLE {name}.{table} AUTO_INCREMENT = {number}")
+        return True
+
+    def counters(self, name: str) -> dict[str, int | None]:
+        """Give the number that the next row of each table gets; None where rows have none."""
+        rows = self.execute(
+            "SELECT table_name, auto_increment FROM information_schema.tables"
+            " WHERE table_schema = %s",
+            name,
+        )
+        return dict(rows.all())
+
+    def drop_returned(self) -> None:
+        """Drop what waits for a next test."""
+        while self._returned:
+            self.drop(self._returned.pop())
+
     def drop(self, name: str) -> None:
-        self._say(f"DROP DATABASE IF EXISTS {name}")
+        self.execute(f"DROP DATABASE IF EXISTS {name}")
 
     def end(self) -> None:
         """End as a run ends that is killed: nothing is dropped."""
         # A server takes a moment to see that a connection is gone; a test does not wait for it.
-        self._say(_LOCK[self._kind][1], self._key(self.number))
+        self.execute(_LOCK[self._kind][1], self._key(self.number))
         self._connection.close()
         self._engine.dispose()
 
     def _key(self, number: str) -> int | str:
         return int(number, 16) if self._kind == "postgresql" else f"talaia_run_{number}"
 
-    def _say(self, statement: str, *parts: object) -> sa.CursorResult:
+    def execute(self, statement: str, *parts: object) -> sa.CursorResult:
         return self._connection.exec_driver_sql(statement, parts)
 
 
@@ -169,12 +224,12 @@ def database_with_tables(kind: str, folder: Path):
         shutil.copy(origin_of(kind), folder / "talaia.db")
         yield f"sqlite:///{folder}/talaia.db"
         return
-    run = needed_run_of(kind)
-    name = run.copy(origin_of(kind))
+    run, origin = needed_run_of(kind), origin_of(kind)
+    name = run.lend(origin)
     try:
         yield servers_url(kind, name)
     finally:
-        run.drop(name)
+        run.take_back(name, origin)
 
 
 @functools.cache
@@ -188,6 +243,7 @@ def origin_of(kind: str) -> str:
     else:
         found = run_of(kind).make()
         atexit.register(run_of(kind).drop, found)
+        atexit.register(run_of(kind).drop_returned)
         make_tables(servers_url(kind, found))
     return found
 

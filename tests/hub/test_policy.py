@@ -43,6 +43,10 @@ PEOPLE = {
     "barn operator": Grants(frozenset({Permission(Right.USE, "farm", "barn")})),
     "operator": Grants(frozenset({Permission(Right.USE)})),
     "elsewhere": Grants(frozenset({Permission(Right.ADMIN, "moon")})),
+    # Each right of the night is a right of its own.
+    "requester": Grants(frozenset({Permission(Right.REQUEST)})),
+    "approver": Grants(frozenset({Permission(Right.APPROVE)})),
+    "night assistant": Grants(frozenset({Permission(Right.ARM)})),
     "admin": Grants(frozenset({Permission(Right.ADMIN)})),
 }
 # Who meets a need: about the public gate, about the barn, about the whole site, about nothing.
@@ -66,6 +70,9 @@ MEETS = {
         set(),
     ),
     AccessNeed.ADMIN: ({"admin"}, {"admin"}, {"admin"}, {"admin"}),
+    AccessNeed.REQUEST: (*({"requester", "admin"} for _ in range(3)), set()),
+    AccessNeed.APPROVE: (*({"approver", "admin"} for _ in range(3)), set()),
+    AccessNeed.ARM: (*({"night assistant", "admin"} for _ in range(3)), set()),
     AccessNeed.GATEWAY: (set(), set(), set(), set()),
     # By a token of a client, which is asked for where the protocols are known.
     AccessNeed.CLIENT: (set(), set(), set(), set()),

@@ -47,6 +47,10 @@ async def test_hub_says_where_it_is_and_ends_cleanly(tmp_path, number) -> None:
         answer = await client.get(f"{address}/api/health")
     assert "max-age=31536000" in answer.headers["strict-transport-security"]
     assert "server" not in answer.headers
+    made = [path for path in (tmp_path / "data").rglob("*") if not path.is_symlink()]
+    open_to_others = [path.name for path in made if path.stat().st_mode & 0o077]
+    assert made
+    assert open_to_others == []
     process.send_signal(number)
     assert await asyncio.wait_for(process.wait(), 5) == 0
     await process.communicate()

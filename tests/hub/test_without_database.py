@@ -22,17 +22,23 @@ class Away:
 
     def __init__(self, hub) -> None:  # noqa: D107
         self._database = hub.hub.core.database
-        self._engine, self._writer = self._database._engine, self._database._writer
+        database = self._database
+        self._known = database._engine, database._writer, database._single
 
     def __enter__(self) -> None:
         class Refusing:
             def begin(self):
                 raise ConnectionRefusedError(111, "the server is gone")
 
-        self._database._engine = self._database._writer = Refusing()
+            connect = begin
+
+        gone = Refusing()
+        database = self._database
+        database._engine = database._writer = database._single = gone
 
     def __exit__(self, *_exc: object) -> None:
-        self._database._engine, self._database._writer = self._engine, self._writer
+        database = self._database
+        database._engine, database._writer, database._single = self._known
 
 
 def hand_moved(hub) -> HandClock:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from browser_program import find_browser
 from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, expect, sync_playwright
 from ports import free_port
@@ -156,15 +157,9 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
             stop_demo(running)
 
 
-def chromium_program() -> str | None:
-    """Find Chromium on this machine."""
-    names = ("chromium", "chromium-browser", "google-chrome")
-    return next((path for name in names if (path := shutil.which(name))), None)
-
-
 @pytest.fixture(scope="session")
 def chromium() -> str:
-    found = chromium_program()
+    found = find_browser()
     if found is None:
         missing("Chromium")
     return str(found)

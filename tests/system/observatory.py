@@ -103,6 +103,11 @@ class Observatory:
         said = (self.folder / "gateway.log").read_text()
         return [line for line in said.splitlines() if words in line]
 
+    def silence_before_closing_s(self) -> float:
+        """How long the watchdog had heard nothing when it began to close, by its own clock."""
+        (said, *_) = self.note("talaia watchdog: the gateway is dead or stands still")
+        return float(said.partition("nothing heard for ")[2].partition(" s")[0])
+
     async def told(self, words: str, within: float) -> None:
         await until(lambda: self.note(words), within, words)
 

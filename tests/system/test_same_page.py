@@ -43,7 +43,13 @@ def only_dome(site: Site) -> Site:
     """The dome of an example without what looks at other devices: this is about its page."""
     dome = msgspec.structs.replace(site.devices["dome"], link_loss=None)
     return msgspec.structs.replace(
-        site, site=SITE, devices={"dome": dome}, interlocks={}, enclosures={}, alarms={}
+        site,
+        site=SITE,
+        devices={"dome": dome},
+        interlocks={},
+        enclosures={},
+        alarms={},
+        night=None,
     )
 
 

@@ -57,12 +57,13 @@ def site(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Observatory
 async def supervised(site: Observatory) -> Process:
     """The roof is open under a gateway that supervises it and has its watchdog."""
     await site.parts[0].says("ready")
-    assert "the dome is opened" in site.client("dome_servcli", "client", "open")
-    assert "not parked" in site.client("telescope_servcli", "client", "unpark")
     gateway = site.start_gateway()
     await gateway.says("interlock_released  rain")
     await gateway.says("interlock_released  weather")
     await gateway.says("interlock_released  daylight")
+    # Not before: a gateway that takes long to hear the weather closes an open roof.
+    assert "the dome is opened" in site.client("dome_servcli", "client", "open")
+    assert "not parked" in site.client("telescope_servcli", "client", "unpark")
     await until(lambda: watchdog_of(site), 30, "a watchdog")
     return gateway
 
@@ -98,7 +99,10 @@ async def test_a_killed_gateway_leaves_a_watchdog_that_closes_the_roof(site: Obs
     site.fault("weather rain")
     await until(lambda: closed_at(site, since), 90, "the dome closed")
     took = (closed_at(site, since) - since) / 1e9
-    assert AFTER_S - 1 < took < AFTER_S + JOIN_S + PARK_AND_CLOSE_S
+    assert took < AFTER_S + JOIN_S + PARK_AND_CLOSE_S
+    # By its own clock: how long before its end a busy machine last let the gateway beat is not
+    # known here.
+    assert AFTER_S <= site.silence_before_closing_s() < AFTER_S + 2
     parked = [x["t"] for x in site.asked("telescope", "park", since) if x["phase"] == "done"]
     assert parked
     assert parked[0] < closed_at(site, since)
@@ -172,13 +176,17 @@ async def test_a_dome_that_misses_the_heartbeat_of_a_frozen_gateway_closes_by_it
 ) -> None:
     site = with_heartbeat
     await site.parts[0].says("ready")
-    assert "the dome is opened" in site.client("dome_servcli", "client", "open")
     gateway = site.start_gateway()
+    await gateway.says("interlock_released  rain")
     await gateway.says("interlock_released  weather")
-    await until(lambda: len(site.asked("dome", "heartbeat")) > 7, 60, "heartbeats")
+    await gateway.says("interlock_released  daylight")
+    # Not before: a gateway that takes long to hear the weather closes an open roof.
+    assert "the dome is opened" in site.client("dome_servcli", "client", "open")
+    before = len(site.asked("dome", "heartbeat"))
+    await until(lambda: len(site.asked("dome", "heartbeat")) > before + 7, 60, "heartbeats")
     assert not watchdog_of(site), "its description wants none"
     # Longer than the controller's patience, and the roof is open still.
-    assert not closed_at(site, 0)
+    assert not site.asked("dome", "close")
     os.kill(gateway.popen.pid, signal.SIGSTOP)
     try:
         await until(lambda: closed_at(site, 0), 60, "the dome closed")

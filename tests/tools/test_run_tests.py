@@ -19,10 +19,13 @@ from patience import PATIENCE_S
 ROOT = Path(__file__).resolve().parents[2]
 PARTS = (
     "tools/run_tests.py",
+    "tools/cpu_times.py",
     "tools/plan_tests.py",
+    "tools/forked_pytest.py",
     "tools/measure_coverage.py",
     "tests/fork_server.py",
     "tests/leftovers.py",
+    "tests/many_examples.py",
     "tests/report_progress.py",
 )
 CONFTEST = """\
@@ -92,6 +95,25 @@ def test_more_than_three_unsteady_tests_fail_the_run(tmp_path: Path) -> None:
     code, said = run_tests(tmp_path, files)
     assert code == 1
     assert "4 tests were unsteady; at most 3 may be" in said
+
+
+def test_of_thousands_of_tests_one_in_a_thousand_may_be_unsteady(tmp_path: Path) -> None:
+    many = "import pytest\n\n@pytest.mark.parametrize('at', range(4000))\ndef test_many(at): pass\n"
+    files = {f"test_{at}.py": fails_until(tmp_path / f"seen{at}") for at in range(4)}
+    code, said = run_tests(tmp_path, files | {"test_many.py": many})
+    assert code == 0, said
+    assert "4004 passed, 0 skipped, 0 failed" in said
+    assert "4 unsteady" in said
+
+
+def test_what_computes_gives_way_to_what_talks_in_real_time(tmp_path: Path) -> None:
+    tells = f"import os\ndef test_a(): assert os.nice(0) == {os.nice(0)} + %d\n"
+    pure = "import pytest\npytestmark = pytest.mark.pure\n"
+    files = {
+        "system/test_a.py": tells % 0, "hub/test_b.py": tells % 5, "test_c.py": pure + tells % 10
+    }  # fmt: skip
+    code, said = run_tests(tmp_path, files)
+    assert code == 0, said
 
 
 def test_a_test_that_fails_again_fails_the_run(tmp_path: Path) -> None:
@@ -169,8 +191,8 @@ def test_files_that_share_a_demo_run_in_one_process_however_long_they_take() -> 
 
 def test_groups_that_wait_run_side_by_side_beyond_the_number_of_cores() -> None:
     plan = load_plan()
-    light = [plan.Group([f"{at}"], wall=60.0, cpu=12.0) for at in range(5)]
-    heavy = [plan.Group([f"h{at}"], wall=60.0, cpu=60.0) for at in range(3)]
+    light = [plan.Group([f"tests/gateway/{at}"], wall=60.0, cpu=12.0) for at in range(5)]
+    heavy = [plan.Group([f"tests/gateway/h{at}"], wall=60.0, cpu=60.0) for at in range(3)]
     assert plan.choose_next(light, light[:3]) is light[0]
     assert plan.choose_next(light, light[:4]) is None
     assert plan.choose_next(heavy, heavy[:2]) is None
@@ -180,14 +202,24 @@ def test_groups_that_wait_run_side_by_side_beyond_the_number_of_cores() -> None:
 
 def test_a_calm_group_and_what_runs_beside_it_leave_some_of_a_core_free() -> None:
     plan = load_plan()
-    calm = [plan.Group([f"c{at}"], wall=60.0, cpu=40.0, calm=True) for at in range(2)]
-    light = plan.Group(["light"], wall=60.0, cpu=40.0)
-    heavy = plan.Group(["heavy"], wall=60.0, cpu=70.0)
+    calm = [plan.Group([f"tests/gateway/c{at}"], wall=60.0, cpu=40.0, calm=True) for at in range(2)]
+    light = plan.Group(["tests/gateway/light"], wall=60.0, cpu=40.0)
+    heavy = plan.Group(["tests/gateway/heavy"], wall=60.0, cpu=70.0)
     assert plan.choose_next([heavy, light], [calm[0]]) is light
     assert calm[0].load + light.load <= 0.9 * plan.CORES < calm[0].load + heavy.load
     assert plan.choose_next(calm[1:], calm[:1]) is calm[1]
     assert plan.choose_next(calm, [heavy]) is None
     assert plan.choose_next(calm, [light]) is calm[0]
+
+
+def test_groups_that_give_way_ask_for_less_than_those_that_talk_in_real_time() -> None:
+    plan = load_plan()
+    hasty = [plan.Group([f"tests/gateway/{at}"], wall=60.0, cpu=60.0) for at in range(2)]
+    hub = plan.Group(["tests/hub/a"], wall=60.0, cpu=40.0)
+    pure = plan.Group(["tests/model/a"], wall=60.0, cpu=60.0, pure=True)
+    assert plan.choose_next([hub], hasty) is hub
+    assert plan.choose_next([pure], hasty) is pure
+    assert plan.choose_next([*hasty, hub, pure], [*hasty, hub]) is None
 
 
 def test_no_more_whole_sites_run_than_twice_as_many_as_there_are_cores() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from contextlib import suppress
 from pathlib import Path
@@ -156,8 +157,13 @@ def example(kind: msgspec.inspect.Type) -> object:
             return {example(kind.key_type): example(kind.value_type)}
         case msgspec.inspect.UnionType():
             return example(kind.types[0])
+        case msgspec.inspect.VarTupleType():
+            return (example(kind.item_type),)
+        case msgspec.inspect.TupleType():
+            return tuple(map(example, kind.item_types))
         case msgspec.inspect.FloatType():
-            return 0.5
+            low, high = kind.ge or -math.inf, kind.le if kind.le is not None else math.inf
+            return min(max(0.5, low), high)
         case _:
             return 7
 

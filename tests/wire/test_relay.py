@@ -18,6 +18,7 @@ RELAYED = [
     (browser.StopUpdate, frames.StopState),
     (browser.CommandUpdate, frames.CommandState),
     (browser.EventUpdate, frames.Event),
+    (browser.NightUpdate, frames.NightState),
 ]
 
 

@@ -22,7 +22,7 @@ from talaia.model.yaml_text.write import write_description
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.model.discovery.generate_description import Proposal
+    from talaia.model.discovery.generate_description import DescriptionProposal
 
 __all__ = ["main"]
 
@@ -95,7 +95,7 @@ def _read_report(where: str) -> Found:
     return found_from(data, where)
 
 
-def _file_header(found: Found, made: Proposal) -> list[str]:
+def _file_header(found: Found, made: DescriptionProposal) -> list[str]:
     lines = [
         f"Made by talaia init from {found.where}. Change what you like: names, units, limits,",
         "what is on the first page (primary). `talaia check` validates it.",
@@ -113,7 +113,7 @@ def _file_header(found: Found, made: Proposal) -> list[str]:
     return lines
 
 
-def _print_summary(output: Path, made: Proposal, *, shown: bool) -> None:
+def _print_summary(output: Path, made: DescriptionProposal, *, shown: bool) -> None:
     devices = made.site.devices.values()
     counts = (
         f"{len(devices)} devices, {sum(len(device.signals) for device in devices)} signals, "

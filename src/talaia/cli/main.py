@@ -60,6 +60,9 @@ COMMANDS = {
         "import recordings and tables into the history",
         "hub,recording",
     ),
+    "plan": Subcommand(
+        "talaia.cli.planning.main", "plan a night of a telescope from a file", "planner"
+    ),
     "watch": Subcommand("talaia.cli.scripting.watch", "print live values of a hub", "client"),
     "get": Subcommand("talaia.cli.scripting.get", "read the history of a hub", "client"),
     "call": Subcommand("talaia.cli.scripting.call", "ask a device to do something", "client"),

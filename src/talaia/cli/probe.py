@@ -15,7 +15,13 @@ from urllib.parse import urlsplit
 import msgspec
 
 from talaia.cli.errors import CliError, PartMissing
-from talaia.cli.probe_servers import add_server_options, look_at_broker, look_at_server
+from talaia.cli.probe_servers import (
+    add_server_options,
+    look_at_alpaca,
+    look_at_broker,
+    look_at_server,
+    read_server_address,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,7 +53,7 @@ def main(argv: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(
         "talaia probe",
         description="List what a live robot offers: topics of ROS 2 or ROS 1 with fields and "
-        "rates, services, actions; the devices and properties of an INDI server; the topics of an "
+        "rates, services, actions; the devices of an INDI or Alpaca server; the topics of an "
         "MQTT broker; the fields that an HTTP address answers with. It only listens, or asks once.",
     )
     add_options(parser)
@@ -57,7 +63,7 @@ def main(argv: Sequence[str]) -> int:
     found = probe_robot(options)
     if options.json:
         print(msgspec.json.format(msgspec.json.encode(found), indent=1).decode())
-    elif found.protocol == "indi":
+    elif found.protocol in ("indi", "alpaca"):
         print(_devices_told(found, fields=options.fields))
     else:
         print(_as_text(found, fields=options.fields))
@@ -90,6 +96,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="look at an INDI server (default: 127.0.0.1:7624)",
     )
     which.add_argument(
+        "--alpaca",
+        nargs="?",
+        const="",
+        metavar="HOST[:PORT]",
+        help="look at an ASCOM Alpaca server (default: the one that answers Alpaca's discovery)",
+    )
+    which.add_argument(
         "--mqtt", metavar="URL", help="look at an MQTT broker: mqtt://HOST or mqtts://HOST[:PORT]"
     )
     which.add_argument(
@@ -107,8 +120,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--connect",
         action="store_true",
-        help="INDI: tell drivers to connect to their hardware first, as the gateway does; before "
-        "that most of them show little",
+        help="INDI, Alpaca: tell drivers to connect to their hardware first, as the gateway does; "
+        "before that most of them show little",
     )
 
 
@@ -128,14 +141,16 @@ def probe_robot(options: argparse.Namespace) -> Found:
         AdapterLost: the robot's side cannot be reached.
 
     """
-    if options.connect and options.indi is None:
-        raise CliError("--connect is for --indi; ROS needs no such step")
+    if options.connect and options.indi is None and options.alpaca is None:
+        raise CliError("--connect is for --indi and --alpaca; ROS needs no such step")
     if options.mqtt is not None:
         return look_at_broker(options, options.seconds or SECONDS)
     if options.http is not None:
         return look_at_server(options)
     if options.user or options.password_file or options.token_file or options.ca:
         raise CliError("--user, --password-file, --token-file and --ca are for --mqtt and --http")
+    if options.alpaca is not None:
+        return look_at_alpaca(options, options.seconds or SECONDS)
     if options.indi is not None:
         return _look_at_indi(options.indi, options.seconds or INDI_SECONDS, options.connect)
     seconds = options.seconds or SECONDS
@@ -202,14 +217,7 @@ def _look_at_ros1(master: str, seconds: float) -> Found:
 def _look_at_indi(place: str, seconds: float, connect: bool) -> Found:  # noqa: FBT001
     from talaia.gateway.adapters.indi.probe import probe_server as look_at_indi
 
-    try:
-        # With slashes before it, so that `urlsplit` takes it for a host, and brackets for IPv6.
-        where = urlsplit(f"//{place}")
-        host, port = where.hostname or "", where.port or INDI_PORT
-    except ValueError as error:
-        raise CliError(f"--indi: expected HOST or HOST:PORT, found {place!r}") from error
-    if not host:
-        raise CliError(f"--indi: expected HOST or HOST:PORT, found {place!r}")
+    host, port = read_server_address("--indi", place, INDI_PORT)
     print("asking …", file=sys.stderr, flush=True)
     return look_at_indi(host, port, seconds, connect=connect)
 
@@ -289,7 +297,8 @@ def _devices_told(found: Found, *, fields: bool) -> str:
         lines.append(f"  {device.device:<28} {device.driver:<36} {state:<14} {count}")
         lines += [_property_line(one) for one in device.properties] if fields else []
     if not found.devices:
-        lines += ["  none", "", "Does indiserver run any driver?"]
+        asked = "Does indiserver run any driver?" if found.protocol == "indi" else ""
+        lines += ["  none", "", asked]
     if any(not device.connected for device in found.devices):
         lines += ["", "A driver that is not connected shows little; --connect connects them."]
     return "\n".join(lines)

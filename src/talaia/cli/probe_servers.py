@@ -1,4 +1,4 @@
-"""``--mqtt`` and ``--http`` of `talaia probe` and `talaia init`: brokers, and servers of JSON."""
+"""``--mqtt``, ``--http`` and ``--alpaca`` of `talaia probe` and `init`: brokers and servers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,16 @@ if TYPE_CHECKING:
 
     from talaia.model.discovery.probe_report import Found
 
-__all__ = ["add_server_options", "look_at_broker", "look_at_server"]
+__all__ = [
+    "add_server_options",
+    "look_at_alpaca",
+    "look_at_broker",
+    "look_at_server",
+    "read_server_address",
+]
+
+# Alpaca's usual one.
+_ALPACA_PORT = 11_111
 
 
 def add_server_options(parser: argparse.ArgumentParser) -> None:
@@ -83,6 +92,35 @@ def look_at_server(options: argparse.Namespace) -> Found:
     return probe_address(asked, Path())
 
 
+def look_at_alpaca(options: argparse.Namespace, seconds: float) -> Found:
+    """Ask an Alpaca server what it has; without a host, the one that answers a broadcast.
+
+    Raises:
+        CliError: it is no host, or none or several servers answer.
+        AdapterLost: it does not answer.
+
+    """
+    from talaia.gateway.adapters.alpaca.probe import probe_alpaca
+    from talaia.gateway.adapters.alpaca.search import search_servers
+
+    place = options.alpaca
+    if not place:
+        print(f"asking who is there, for {seconds:g} s …", file=sys.stderr, flush=True)
+        try:
+            found = search_servers(seconds)
+        except OSError as error:
+            raise CliError(f"--alpaca: nobody can be asked: {error}; name a host") from error
+        if len(found) != 1:
+            named = ", ".join(f"{server.host}:{server.port}" for server in found)
+            several = f"several servers answer; name one of: {named}"
+            raise CliError(f"--alpaca: {several if named else 'no server answers; name a host'}")
+        host, port = found[0]
+    else:
+        host, port = read_server_address("--alpaca", place, _ALPACA_PORT)
+    print("asking …", file=sys.stderr, flush=True)
+    return probe_alpaca(host, port, connect=options.connect)
+
+
 def _check_address(option: str, url: str, schemes: tuple[str, ...], example: str) -> None:
     """Refuse what is no address of these schemes.
 
@@ -100,3 +138,21 @@ def _check_address(option: str, url: str, schemes: tuple[str, ...], example: str
     # It would stand in the description, and in the list of processes.
     if "@" in parts.netloc:
         raise CliError(f"{option}: name the user by --user and the password by --password-file")
+
+
+def read_server_address(option: str, place: str, usual_port: int) -> tuple[str, int]:
+    """Read ``HOST`` or ``HOST:PORT`` of an option.
+
+    Raises:
+        CliError: it is neither.
+
+    """
+    try:
+        # With slashes before it, so that `urlsplit` takes it for a host, and brackets for IPv6.
+        where = urlsplit(f"//{place}")
+        host, port = where.hostname or "", where.port or usual_port
+    except ValueError as error:
+        raise CliError(f"{option}: expected HOST or HOST:PORT, found {place!r}") from error
+    if not host:
+        raise CliError(f"{option}: expected HOST or HOST:PORT, found {place!r}")
+    return host, port

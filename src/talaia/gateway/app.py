@@ -13,6 +13,7 @@ from talaia.gateway.assembly.description import DescriptionPart
 from talaia.gateway.assembly.detection import DetectionPart
 from talaia.gateway.assembly.foundation import FoundationPart
 from talaia.gateway.assembly.legacy import LegacyPart
+from talaia.gateway.assembly.night import NightPart
 from talaia.gateway.assembly.notices import NoticesPart
 from talaia.gateway.assembly.recording import RecordingPart
 from talaia.gateway.assembly.reload import ReloadPart
@@ -57,9 +58,7 @@ class Gateway:
         file: DescriptionFile | None = None,
         manager: ServiceManager | None = None,
     ) -> None:
-        """Build every part and take up what an earlier run left in the data folder.
-
-        With no ``file`` the description stays as it is; ``manager``, if any, is told of the run.
+        """Build every part, with what an earlier run left; with no ``file`` nothing is redescribed.
 
         Raises:
             SpoolError: the data folder cannot be used.
@@ -115,6 +114,7 @@ class Gateway:
                 legacy=legacy,
                 supervision=supervision,
             ),
+            night := NightPart(base=base, description=description, actuation=actuation),
             uplink := UplinkPart(
                 base=base,
                 samples=samples,
@@ -125,6 +125,7 @@ class Gateway:
                 detection=detection,
                 actuation=actuation,
                 reload=reload,
+                night=night,
             ),
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )

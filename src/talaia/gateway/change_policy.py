@@ -110,7 +110,7 @@ def _programs_of(site: Site) -> dict[str, str]:
 
 
 def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
-    for key in ("interlocks", "enclosures", "recording", "place"):
+    for key in ("interlocks", "enclosures", "night", "recording", "place"):
         if getattr(before, key) != getattr(after, key):
             yield Finding(f"$.{key}", "only what is read may be changed from the hub", _ALL)
     for name in before.devices.keys() | after.devices.keys():

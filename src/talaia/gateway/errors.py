@@ -9,6 +9,9 @@ GatewayError
 ├── SettingsError       the gateway was started with settings that do not fit
 ├── CameraRefused       a camera leads where no camera may be (adapters.video.relay)
 ├── FetchFailed         a server gives no answer that can be read (adapters.http.fetching)
+│   ├── ServerNotReached  nothing was sent
+│   └── StatusRefused     it answers with a status that is no success
+├── AlpacaRefused       a device answers with an error (adapters.alpaca.protocol)
 ├── ProgramRefused      a request is not served (adapters.socketio.asgi_requests)
 ├── EnrolRefused        the hub does not take the one-time code
 └── LinkLost            the hub cannot be reached

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import uvloop
 
+from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway import enrolment
@@ -23,6 +24,7 @@ from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import site_in
 from talaia.resource_usage import report_usage_on_signal
 from talaia.service_manager import own_service_manager
+from talaia.time_slice import shorten_time_slice
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,6 +57,10 @@ def main(argv: Sequence[str]) -> int:
         # A thread that decodes may hold the interpreter this long before a driving frame gets it;
         # Python's own 5 ms would be the largest part of the frame's way to the robot.
         sys.setswitchinterval(0.0005)
+        # The event loop is in this thread: each driving frame wakes it.
+        shorten_time_slice()
+        # Before any thread is started: the allocator makes its arenas with them.
+        keep_little_free_memory()
         copy = DescriptionFile(arguments.site)
         site = raise_first(site_in(copy.text, arguments.site))
         settings = settings_of(arguments, site)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.application import web_application
-from talaia.hub.api.server.request_guard import RequestGuard
+from talaia.hub.assembly import AssembledHub
 from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
@@ -18,12 +16,13 @@ from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
 from talaia.hub.features.extensions import ExtensionsFeature
-from talaia.hub.features.feature import Core, Feature
 from talaia.hub.features.gateway_links import GatewayLinksFeature
 from talaia.hub.features.gateways import GatewaysFeature
 from talaia.hub.features.history import HistoryFeature
 from talaia.hub.features.imports import ImportsFeature
 from talaia.hub.features.media import MediaFeature
+from talaia.hub.features.nights.alert_notices import AlertNoticesFeature
+from talaia.hub.features.nights.observing import ObservingFeature
 from talaia.hub.features.notifications import NotificationsFeature
 from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
@@ -31,14 +30,8 @@ from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
 from talaia.hub.features.storage import StorageFeature
-from talaia.hub.lifecycle import open_features
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterable, Iterator
-
-    from fastapi import FastAPI
-    from starlette.types import ASGIApp
-
     from talaia.clock import Clock
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
@@ -46,20 +39,13 @@ if TYPE_CHECKING:
 __all__ = ["Hub", "build_hub"]
 
 
-class Hub:
-    """A hub that is put together. Serve `asgi`; it starts and ends with the server's lifespan.
-
-    Attributes:
-        core: what every feature may use.
-        features: all of them, in the order in which they open; they close in the reverse order.
-
-    """
+class Hub(AssembledHub):
+    """The hub of the product."""
 
     def __init__(self, settings: Settings, clock: Clock, history: History | None = None) -> None:
         """Build every feature from those before it; nothing is opened yet."""
-        self.settings = settings
-        # What the core holds belongs to no feature and is open before all of them.
-        core = self.core = Core(settings=settings, clock=clock)
+        super().__init__(settings, clock)
+        core = self.core
         # First: features close in the reverse order, so the log is there until the end.
         self.audit = AuditFeature(core)
         log = self.audit.log
@@ -98,6 +84,10 @@ class Hub:
         self.recordings = RecordingsFeature(
             core, admission=admission, links=links, uploads=self.archive.uploads, audit=log
         )
+        self.observing = ObservingFeature(
+            core, deliver=self.notifications.wake_up, archive=self.archive.frames, audit=log
+        )
+        self.alert_notices = AlertNoticesFeature(core, observing=self.observing, audit=log)
         self.descriptions = DescriptionsFeature(
             core,
             followers=(*core.followers, alarms, self.sightings.journal, self.detection.cameras),
@@ -117,6 +107,7 @@ class Hub:
             samples=self.detection.samples,
             sightings=self.sightings.journal,
             media=streams,
+            nights=self.observing.link,
             history=store,
         )
         self.imports = ImportsFeature(
@@ -125,16 +116,14 @@ class Hub:
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=store)
         self._add_connections()
-        # In the order in which they are built above: no feature can be forgotten.
-        self.features = tuple(_features_among(vars(self).values()))
         # The limits go last: they count by the person that one of the others finds.
-        guards = (
-            self.people.access.guard_request,
-            self.client_protocols.admission.guard_request,
-            self.people.limits.check_request,
+        self.serve_features(
+            (
+                self.people.access.guard_request,
+                self.client_protocols.admission.guard_request,
+                self.people.limits.check_request,
+            )
         )
-        self.app = web_application(self.features, guards, self.running)
-        self.asgi: ASGIApp = RequestGuard(self.app, settings)
 
     def _add_connections(self) -> None:
         """Build what serves pages and clients of other tools, from all that was built before."""
@@ -144,6 +133,7 @@ class Hub:
             seats=self.people.seats,
             reporting=self.robot_events.reporting,
             sightings=self.sightings,
+            nights=self.observing.board,
             audit=log,
         )
         service = self.connections.service
@@ -169,38 +159,9 @@ class Hub:
             audit=log,
         )
 
-    @asynccontextmanager
-    async def running(self, _app: FastAPI | None = None) -> AsyncIterator[None]:
-        """Open the hub, and close it at the end.
-
-        Raises:
-            StoreError: the database cannot be opened.
-            CannotStart: the key that seals secrets cannot be read.
-
-        """
-        async with open_features(self.core, self.features):
-            yield
-
     def cached_bytes(self) -> int:
         """Give the memory of what was read of the history and may be asked for again (bytes)."""
         return self.history.store.cached_bytes
-
-    def is_driven(self) -> bool:
-        """Tell whether somebody has control of a device anywhere."""
-        # A lease with a session is held by somebody; one without is free.
-        return any(
-            state.session for live in self.core.sites for state, _ in live.current.leases.values()
-        )
-
-
-def _features_among(parts: Iterable[object]) -> Iterator[Feature]:
-    for part in parts:
-        # A table of them is one part.
-        yield from (
-            feature
-            for feature in (part if isinstance(part, tuple) else (part,))
-            if isinstance(feature, Feature)
-        )
 
 
 def build_hub(settings: Settings, clock: Clock, history: History | None = None) -> Hub:

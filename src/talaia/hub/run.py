@@ -28,6 +28,7 @@ from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.dead_peers import drop_dead_peers
 from talaia.hub.api.server.http_limits import HubProtocol
+from talaia.hub.api.server.large_messages import HubSocketProtocol
 from talaia.hub.app import build_hub
 from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
@@ -44,6 +45,7 @@ from talaia.hub.store.backup import take_restored
 from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.resource_usage import report_usage_on_signal
 from talaia.service_manager import own_service_manager
+from talaia.time_slice import shorten_time_slice
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
@@ -120,7 +122,7 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
     tls = None if settings.plain else own_certificate(settings, _utc_now())
     config = uvicorn.Config(
         hub.asgi,
-        ws="websockets-sansio",
+        ws=HubSocketProtocol,
         http=HubProtocol,
         # The loop is made in `main`, with `uvloop`.
         loop="none",
@@ -158,9 +160,13 @@ def main(argv: Sequence[str]) -> int:
     handler.setFormatter(_MaskingFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
     logging.getLogger("alembic").setLevel(logging.WARNING)
+    # Whatever it makes in its folders, now or later, is its own user's alone.
+    os.umask(0o077)
     # A thread that reads a description or writes the history may hold the interpreter this long
     # before a driving frame gets it; Python's own 5 ms would be more than the whole way down.
     sys.setswitchinterval(0.0005)
+    # The event loop is in this thread: each driving frame wakes it.
+    shorten_time_slice()
     # Before any thread is started: the allocator makes its arenas with them.
     keep_little_free_memory()
     try:
@@ -229,7 +235,7 @@ def _read_options(argv: Sequence[str]) -> argparse.Namespace:
         "--recordings-gb",
         type=float,
         default=20.0,
-        help="recordings of raw topics may take so many GB; then the oldest go (20; 0: no limit)",
+        help="recordings of one site may take so many GB; then its oldest go (20; 0: no limit)",
     )
     parser.add_argument(
         "--sightings-days",
@@ -262,6 +268,33 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
         help="names an MQTT broker and what is published there, once an admin opens it",
     )
     parser.add_argument(
+        "--alpaca",
+        type=Path,
+        metavar="FILE",
+        help="says at which address a site's domes, weather and safety are served as ASCOM Alpaca"
+        " devices, once an admin opens it",
+    )
+    parser.add_argument(
+        "--alerts",
+        type=Path,
+        metavar="FOLDER",
+        help="notices of transients (VOEvent, GCN's JSON) that come there become rapid requests by"
+        " the rules of proposals",
+    )
+    parser.add_argument(
+        "--archive-hook",
+        type=Path,
+        metavar="FILE",
+        help="names a command or webhook to which each new picture is handed over",
+    )
+    parser.add_argument(
+        "--simulated-site",
+        action="append",
+        default=[],
+        metavar="SITE",
+        help="a site that is a simulator: its page has a button for a night in minutes; repeatable",
+    )
+    parser.add_argument(
         "--assets",
         type=Path,
         metavar="FOLDER",
@@ -279,6 +312,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         )
     if options.assets is not None and not options.assets.is_dir():
         raise CannotStart(f"--assets: {options.assets} is no folder", "name one, or leave it out")
+    if options.alerts is not None and not options.alerts.is_dir():
+        raise CannotStart(f"--alerts: {options.alerts} is no folder", "name one, or leave it out")
     return Settings(
         data=options.data,
         host=options.host,
@@ -297,6 +332,10 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         extensions=options.extensions,
         assets=options.assets,
         mqtt=options.mqtt,
+        alpaca=options.alpaca,
+        alerts=options.alerts,
+        archive_hook=options.archive_hook,
+        simulated_sites=tuple(options.simulated_site),
     )
 
 

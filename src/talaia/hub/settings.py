@@ -34,12 +34,16 @@ class Settings:
         notify_networks: messages about alarms may go to these besides public addresses.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         file_bytes: a file that a gateway sends may be so large (bytes).
-        recordings_bytes: recordings may take so many bytes; then the oldest go. 0: no limit.
+        recordings_bytes: those of one site may take so many bytes; then its oldest go. 0: no limit.
         sightings_days: what a camera saw is kept for so many days. 0: for good.
         sightings_most: of each site so many sightings are kept; then the oldest go.
         extensions: folder of web components that the administrator fills; none: there are none.
         assets: folder with a folder for each site, with its robots' meshes; none: there are none.
         mqtt: file that names an MQTT broker and what is published there; none: no broker.
+        alpaca: file that says where the hub answers as an Alpaca server; none: it does not.
+        alerts: folder of notices of transients that become rapid requests; none: nobody looks.
+        archive_hook: file that says to what each new picture is handed over; none: to nothing.
+        simulated_sites: short names of sites that are simulators; they have nights in minutes.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
@@ -72,6 +76,10 @@ class Settings:
     extensions: Path | None = None
     assets: Path | None = None
     mqtt: Path | None = None
+    alpaca: Path | None = None
+    alerts: Path | None = None
+    archive_hook: Path | None = None
+    simulated_sites: tuple[str, ...] = ()
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0

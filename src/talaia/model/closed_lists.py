@@ -60,6 +60,12 @@ class ArgumentType(StrEnum):
     INTEGER = "integer"
     BOOLEAN = "boolean"
     TEXT = "text"
+    # Lists, given as one text: with commas between, or as JSON has them.
+    NUMBERS = "numbers"
+    INTEGERS = "integers"
+    BOOLEANS = "booleans"
+    TEXTS = "texts"
+    BYTES = "bytes"
 
 
 class CommandKind(StrEnum):
@@ -68,11 +74,13 @@ class CommandKind(StrEnum):
     SERVICE = "service"
     TOPIC = "topic"
     ACTION = "action"
-    # ROS: sets parameters. INDI: sends a property. Process: runs a command. Extension: its own.
+    # ROS: sets parameters. INDI: sends a property. Alpaca: calls a method. Process: runs a
+    # command. Extension: its own.
     PARAMETER = "parameter"
     # ROS 2: a transition of a life-cycle node.
     LIFECYCLE = "lifecycle"
     INDI = "indi"
+    ALPACA = "alpaca"
     PROCESS = "process"
     EXTENSION = "extension"
 

@@ -8,6 +8,12 @@ has a module of its own in `connections`.
 from __future__ import annotations
 
 from talaia.model.base import SourceShape
+from talaia.model.connections.alpaca import (
+    AlpacaConnection,
+    AlpacaRules,
+    AlpacaSource,
+    alpaca_device_of,
+)
 from talaia.model.connections.extension import (
     ExtensionConnection,
     ExtensionKindRules,
@@ -32,6 +38,8 @@ from talaia.model.detection import DetectionSource
 __all__ = [
     "ROS_KINDS",
     "RULES",
+    "AlpacaConnection",
+    "AlpacaSource",
     "Connection",
     "ConnectionKind",
     "ConnectionRules",
@@ -59,6 +67,7 @@ __all__ = [
     "SourceShape",
     "VideoConnection",
     "VideoSource",
+    "alpaca_device_of",
     "keys_given",
     "kind_of",
     "own_keys",
@@ -77,6 +86,7 @@ Connection = (
     | MqttConnection
     | HttpConnection
     | SocketioConnection
+    | AlpacaConnection
     | ExtensionConnection
 )
 
@@ -90,6 +100,7 @@ Source = (
     | MqttSource
     | HttpSource
     | SocketioSource
+    | AlpacaSource
     | ExtensionSource
     | DetectionSource
     | DerivedSource
@@ -105,6 +116,7 @@ _ALL_RULES: tuple[type[ConnectionRules], ...] = (
     MqttRules,
     HttpRules,
     SocketioRules,
+    AlpacaRules,
     ExtensionKindRules,
 )
 RULES = {rules.kind: rules for rules in _ALL_RULES}
@@ -132,6 +144,8 @@ def rules_of(connection: Connection) -> ConnectionRules:
             return HttpRules(connection)
         case SocketioConnection():
             return SocketioRules(connection)
+        case AlpacaConnection():
+            return AlpacaRules(connection)
         case ExtensionConnection():
             return ExtensionKindRules(connection)
 

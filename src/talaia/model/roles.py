@@ -2,6 +2,8 @@
 
 Pages, tiles and summaries are made by role, never by the words of a name. A role is said in the
 description, or proposed where it is left out; see `discovery.role_proposal`.
+
+Long, because it is one closed list.
 """
 
 from __future__ import annotations
@@ -48,6 +50,11 @@ class SignalRole(StrEnum):
     CAMERA_COOLER = "camera.cooler"
     CAMERA_COOLER_POWER = "camera.cooler_power"
     CAMERA_FILTER = "camera.filter"
+    CAMERA_BINNING = "camera.binning"
+    CAMERA_GAIN = "camera.gain"
+    FOCUSER_POSITION = "focuser.position"
+    FOCUSER_MOVING = "focuser.moving"
+    FOCUSER_TEMPERATURE = "focuser.temperature"
     WEATHER_SAFETY = "weather.safety"
     WEATHER_RAINING = "weather.raining"
     WEATHER_RAIN = "weather.rain"
@@ -95,6 +102,14 @@ class CommandRole(StrEnum):
     CAMERA_COOLER = "camera.cooler"
     CAMERA_COOLER_ON = "camera.cooler_on"
     CAMERA_COOLER_OFF = "camera.cooler_off"
+    CAMERA_FILTER = "camera.filter"
+    CAMERA_BINNING = "camera.binning"
+    CAMERA_GAIN = "camera.gain"
+    FOCUSER_GOTO = "focuser.goto"
+    FOCUSER_MOVE = "focuser.move"
+    FOCUSER_IN = "focuser.in"
+    FOCUSER_OUT = "focuser.out"
+    FOCUSER_STOP = "focuser.stop"
     POWER_SWITCH = "power.switch"
     POWER_ON = "power.on"
     POWER_OFF = "power.off"
@@ -150,6 +165,8 @@ class CommandForm(StrEnum):
     PLAIN = "no argument without a default"
     SWITCH = "one argument, a boolean"
     NUMBER = "one argument, a number"
+    NUMBERS = "numbers"
+    TEXT = "one argument, a text"
     DURATION = "an argument with the unit s"
     PLACE = "two numbers: right ascension, then declination"
 
@@ -225,6 +242,11 @@ SIGNAL_FITS: dict[SignalRole, SignalFit] = {
     SignalRole.CAMERA_COOLER: _STATE,
     SignalRole.CAMERA_COOLER_POWER: _number_fit("%"),
     SignalRole.CAMERA_FILTER: SignalFit((SignalType.STATE, SignalType.TEXT, SignalType.NUMBER)),
+    SignalRole.CAMERA_BINNING: SignalFit((SignalType.NUMBER,), ("",)),
+    SignalRole.CAMERA_GAIN: SignalFit((SignalType.NUMBER,)),
+    SignalRole.FOCUSER_POSITION: SignalFit((SignalType.NUMBER,)),
+    SignalRole.FOCUSER_MOVING: _STATE,
+    SignalRole.FOCUSER_TEMPERATURE: _number_fit("°C", "K"),
     SignalRole.WEATHER_SAFETY: SignalFit((SignalType.STATE,), meanings=_OF_WEATHER),
     SignalRole.WEATHER_RAINING: _STATE,
     SignalRole.WEATHER_RAIN: _number_fit("mm/h", "mm"),
@@ -274,6 +296,16 @@ COMMAND_FITS: dict[CommandRole, CommandFit] = {
     _ROLE.CAMERA_COOLER: CommandFit((CommandForm.SWITCH,)),
     _ROLE.CAMERA_COOLER_ON: _PLAIN,
     _ROLE.CAMERA_COOLER_OFF: _PLAIN,
+    # A place of the wheel, or a name.
+    _ROLE.CAMERA_FILTER: CommandFit((CommandForm.NUMBER, CommandForm.TEXT)),
+    # Some drivers want it for each axis.
+    _ROLE.CAMERA_BINNING: CommandFit((CommandForm.NUMBERS,)),
+    _ROLE.CAMERA_GAIN: CommandFit((CommandForm.NUMBER,)),
+    _ROLE.FOCUSER_GOTO: CommandFit((CommandForm.NUMBER,)),
+    _ROLE.FOCUSER_MOVE: CommandFit((CommandForm.NUMBER,)),
+    _ROLE.FOCUSER_IN: CommandFit((CommandForm.NUMBER,)),
+    _ROLE.FOCUSER_OUT: CommandFit((CommandForm.NUMBER,)),
+    _ROLE.FOCUSER_STOP: _PLAIN,
     _ROLE.POWER_SWITCH: CommandFit((CommandForm.SWITCH,), many=True),
     _ROLE.POWER_ON: CommandFit(many=True),
     _ROLE.POWER_OFF: CommandFit(many=True),

@@ -41,6 +41,7 @@ from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec 
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
+from talaia.model.night_section import NightSection  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
 from talaia.model.topics import TopicRule  # noqa: TC001 - msgspec reads it
@@ -245,7 +246,9 @@ class Argument(Shape, frozen=True, kw_only=True):
 
     Attributes:
         field: what it fills: a path into the ROS request, the name of a parameter, an INDI
-            element, a placeholder ``{field}`` of a command line, or a key of an extension.
+            element, a parameter of an Alpaca method, a placeholder ``{field}`` of a command line,
+            or a key of an extension.
+        max_length: of a text, or of a list as text, in letters.
 
     """
 
@@ -255,7 +258,6 @@ class Argument(Shape, frozen=True, kw_only=True):
     unit: str = ""
     minimum: float | None = None
     maximum: float | None = None
-    # Of a text, in letters.
     max_length: int = 200
     default: float | int | bool | str | None = None
 
@@ -265,7 +267,8 @@ class Command(Shape, frozen=True, kw_only=True):
 
     Attributes:
         target: the ROS service, topic or action; the node whose parameters are set; the INDI
-            property; the arguments of a command as one line, without a shell, where ``{field}``
+            property; the Alpaca method (``dome/0/openshutter``); the arguments of a command as one
+            line, without a shell, where ``{field}``
             stands for an argument; or what an extension is to do, in its own words.
         type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
         role: what it does, by which pages find it: ``dome.open``, ``telescope.goto``; ``auto``
@@ -358,6 +361,7 @@ class Site(Shape, frozen=True, kw_only=True):
         interlocks: by name; see `Interlock`.
         recording: raw topics and cameras that are recorded; nothing is where it is left out.
         enclosures: by name; see `Enclosure`.
+        night: how it observes by itself; it does not where it is left out. See `NightSection`.
         services: what the hub works out from the site's data; see `AiServices`.
         alarms: by name; see `Alarm`.
         object_models: detectors of one's own, by name; see `ObjectModel`.
@@ -378,6 +382,7 @@ class Site(Shape, frozen=True, kw_only=True):
     recording: Recording | None = None
     place: Place | None = None
     enclosures: dict[str, Enclosure] = {}
+    night: NightSection | None = None
     services: AiServices | None = None
     alarms: dict[str, Alarm] = {}
     object_models: dict[str, ObjectModel] = {}
@@ -475,6 +480,9 @@ class Site(Shape, frozen=True, kw_only=True):
             if (follow := enclosure.follow) is not None:
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
                 watched |= {sensor.signal for sensor in (follow.moving, follow.open) if sensor}
+        if self.night is not None:
+            named = (self.night.opened.signal, self.night.clouds, self.night.seeing)
+            watched |= {address for address in named if address}
         return frozenset(confirming | watched)
 
 

@@ -27,6 +27,11 @@ from talaia.wire.browser_messages.codecs import (
     MediaToBrowser,
     ToBrowser,
 )
+from talaia.wire.browser_messages.night_updates import (
+    NightPlanUpdate,
+    NightUpdate,
+    ObservingRequestUpdate,
+)
 from talaia.wire.browser_messages.requests import (
     PageCommand,
     PageCommandCancel,
@@ -80,6 +85,9 @@ __all__ = [
     "LeaseUpdate",
     "MediaFromBrowser",
     "MediaToBrowser",
+    "NightPlanUpdate",
+    "NightUpdate",
+    "ObservingRequestUpdate",
     "PageCommand",
     "PageCommandCancel",
     "PageDrive",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from browser_program import find_browser
 from patience import PATIENCE_MS, PATIENCE_S
 
 pytest.importorskip("playwright.sync_api")
@@ -39,8 +39,7 @@ def missing(what: str) -> None:
 
 @pytest.fixture
 def chromium() -> str:
-    names = ("chromium", "chromium-browser", "google-chrome")
-    found = next((path for name in names if (path := shutil.which(name))), None)
+    found = find_browser()
     if found is None:
         missing("Chromium")
     return str(found)

@@ -118,20 +118,25 @@ def asked(ledger: Path) -> list[tuple[str, str, str]]:
 
 
 async def do(hub: FakeHub, device: str, what: str, **args: Scalar) -> CommandState:
-    ask = CommandRequest(
-        id=f"{what}-{time.monotonic_ns()}", device=device, command=what, args=args,
-        ttl_ms=5000, who="Ada",
-    )  # fmt: skip
-    await hub.send(ask)
-    ended = (CommandPhase.ACCEPTED, CommandPhase.RUNNING)
+    under_way = (CommandPhase.ACCEPTED, CommandPhase.RUNNING)
     deadline = time.monotonic() + PATIENCE_S
     while True:
-        try:
-            return await hub.next(
-                CommandState, lambda each: each.id == ask.id and each.phase not in ended
-            )
-        except TimeoutError:
+        ask = CommandRequest(
+            id=f"{what}-{time.monotonic_ns()}", device=device, command=what, args=args,
+            ttl_ms=5000, who="Ada",
+        )  # fmt: skip
+        await hub.send(ask)
+        while True:
             assert time.monotonic() < deadline, f"{device}/{what} has not ended"
+            with contextlib.suppress(TimeoutError):
+                ended = await hub.next(
+                    CommandState,
+                    lambda each, ask=ask: each.id == ask.id and each.phase not in under_way,
+                )
+                break
+        # Topics are found before services are, so the first question may come too early.
+        if ended.phase != "refused" or "does not offer" not in ended.message:
+            return ended
 
 
 async def test_the_command_file_opens_and_closes_a_real_dome(
@@ -168,7 +173,7 @@ async def test_the_command_file_opens_and_closes_a_real_dome(
 async def test_bad_input_is_refused_with_a_reason_and_nothing_is_asked_of_a_server(
     ros: str, ledger: Path, tmp_path: Path
 ) -> None:
-    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={})
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={}, night=None)
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", dump_site(site)):
         await seen(hub, lambda: hub.values("dome/shutter"), "the dome")
         for device, command, args, said in (
@@ -200,7 +205,8 @@ async def test_power_of_an_open_dome_is_not_cut_and_a_dome_without_power_is_sile
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", dump_site(site)):
         await seen(hub, lambda: hub.values("weather/raining"), "the weather")
         await seen(hub, lambda: hub.values("dome/closed"), "the dome")
-        assert (await do(hub, "dome", "open")).phase == "succeeded"
+        opened = await do(hub, "dome", "open")
+        assert opened.phase == "succeeded", opened.message
         for command, args in (("outlet1", {"active": False}), ("reboot", {"outlet": 1})):
             refused = await do(hub, "power", command, **args)
             assert (refused.phase, refused.message) == (
@@ -255,7 +261,7 @@ async def test_an_exposure_begins_when_telescope_and_dome_are_in_place(
 async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_wrong(
     ros: str, ledger: Path, tmp_path: Path
 ) -> None:
-    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={})
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={}, night=None)
     if ros == "ros1":
         # The simulator takes an exposure's length from a topic there.
         site = as_ros1(site)
@@ -305,7 +311,7 @@ async def test_a_picture_comes_into_the_archive_once_and_astropy_finds_nothing_w
 async def test_where_files_come_from_may_be_described_while_the_gateway_runs(
     ros: str, ledger: Path, tmp_path: Path
 ) -> None:
-    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={})
+    site = replace(read_site(EXAMPLE), interlocks={}, enclosures={}, alarms={}, night=None)
     camera = replace(site.devices["camera"], frames=None)
     without = replace(site, devices={**site.devices, "camera": camera})
     file = tmp_path / "site.yaml"
@@ -361,7 +367,7 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
     }
     telescope = replace(site.devices["telescope"], signals=patient)
     devices = {**site.devices, "telescope": telescope}
-    site = replace(site, devices=devices, interlocks={}, enclosures={}, alarms={})
+    site = replace(site, devices=devices, interlocks={}, enclosures={}, alarms={}, night=None)
     started: list[Simulator] = []
 
     def start(*devices: str) -> Simulator:

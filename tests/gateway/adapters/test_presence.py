@@ -157,6 +157,18 @@ def test_nobody_is_deaf_before_anybody_was_asked_nor_while_anybody_speaks(robot:
     assert robot.presence.deaf is None
 
 
+def test_who_is_there_without_a_name_and_silent_has_never_reached_us(robot: Robot) -> None:
+    robot.offer = DeviceEndpoints(there=True, nodes=NODE, nameless=True)
+    robot.looks(8, speaks=True)
+    assert robot.presence.deaf is False
+    robot.looks(8)
+    assert robot.presence.deaf is True
+    # A name without an answer yet proves nothing.
+    robot.offer = DeviceEndpoints(there=True, nodes=NODE)
+    robot.looks(8)
+    assert robot.presence.deaf is not True
+
+
 def test_whoever_hears_nobody_joins_anew_ever_more_seldom_until_somebody_is_heard() -> None:
     deafness = Deafness()
 

@@ -11,6 +11,7 @@ from astropy.coordinates import FK5, SkyCoord
 from astropy.io import fits
 from astropy.time import Time
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.gateway.adapters.indi.fits_circumstances import precess_to_j2000
 from talaia.gateway.fits.header import (
@@ -38,7 +39,7 @@ def picture(**cards: object) -> bytes:
     return out.getvalue()
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, many=600))
 @given(VALUES, ASCII)
 def test_card_is_read_by_astropy_as_it_was_meant(value: object, comment: str) -> None:
     data = picture(OBJECT="M 31")
@@ -105,7 +106,7 @@ def test_header_without_an_end_is_waited_for_and_then_refused() -> None:
         length_of(begun * 300)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30, many=300))
 @given(st.floats(0, 359.9), st.floats(-89.0, 89.0), st.integers(2000, 2026))
 def test_precession_agrees_with_astropy_to_a_fifth_of_an_arcsecond(
     ra: float, dec: float, year: int

@@ -10,6 +10,7 @@ from typing import Any
 import msgspec
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.clock import SECOND
 from talaia.gateway.safety.enclosure_guard import (
@@ -318,7 +319,7 @@ things = st.tuples(
     st.sampled_from(ClosingOrder),
     st.sampled_from([PastDeadline.CLOSE]),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(15, many=600), deadline=None)
 def test_whatever_happened_before_once_all_works_again_the_roof_closes_within_its_bound(
     history: list[tuple[str, int]], order: ClosingOrder, past: PastDeadline
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 from msgspec import structs
 
 from talaia.clock import SECOND, HandClock
@@ -104,6 +105,19 @@ def test_a_link_that_is_back_wants_no_roof_closed(bench: Bench) -> None:
     assert bench.asked("dome/close") == asked
 
 
+def test_a_policy_waits_while_a_night_looks_after_the_device_and_is_due_at_once_behind_it(
+    bench: Bench,
+) -> None:
+    attending = {"dome"}
+    bench.interlocks.attend_devices(lambda device: device in attending)
+    bench.interlocks.link_lost(bench.clock.monotonic_ns())
+    bench.run(600)
+    assert bench.asked("dome/close") == 0
+    attending.clear()
+    bench.run(1)
+    assert bench.asked("dome/close") == 1
+
+
 def stop_values(bench: Bench) -> None:
     """Let every sensor fall silent, with its last words."""
     now = bench.clock.monotonic_ns()
@@ -148,7 +162,7 @@ READINGS = st.tuples(
 )
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20, many=200), deadline=None)
 @given(st.lists(READINGS, min_size=1, max_size=5))
 def test_whatever_is_heard_nothing_opens_while_it_is_unsafe_or_unknown(
     history: list[tuple[float | None, float | None, int, int]],

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.clock import SECOND
 from talaia.gateway.samples.absence_gaps import FirstHeard, absence_span
@@ -36,7 +37,7 @@ def held(spool: Spool) -> set[int]:
         found |= {n for each in some for n in range(each.record.first, each.record.end)}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, many=600))
 @given(st.integers(1, 20), st.integers(0, 3000), st.integers(0, 20))
 def test_torn_tail_is_a_gap_that_spans_what_was_in_it(batches: int, cut: int, acked: int) -> None:
     with TemporaryDirectory() as folder:

@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.gateway import persistence
 from talaia.gateway.driving import persistent_state
@@ -179,7 +180,7 @@ def test_full_spool_lets_the_oldest_go_and_says_which(tmp_path: Path) -> None:
     later.close()
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, many=600))
 @given(st.integers(0, 3000), st.data())
 def test_cut_at_any_byte_keeps_all_whole_records_before_it(cut: int, data: st.DataObject) -> None:
     with TemporaryDirectory() as folder:
@@ -199,7 +200,7 @@ def test_cut_at_any_byte_keeps_all_whole_records_before_it(cut: int, data: st.Da
         later.close()
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, many=600))
 @given(st.integers(0, 2000), st.integers(1, 255))
 def test_damaged_byte_costs_only_what_it_touches_and_is_told(at: int, change: int) -> None:
     with TemporaryDirectory() as folder:
@@ -276,7 +277,7 @@ actions = st.lists(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, many=600))
 @given(actions)
 def test_whatever_happens_each_sample_is_kept_acknowledged_or_in_a_gap(
     history: list[tuple[str, int]],

@@ -152,3 +152,18 @@ def test_a_receipt_that_was_not_asked_for_changes_nothing() -> None:
     window.arrived(7, 1)
     assert window.has_room()
     assert TAP_RECEIPTS > 2**40
+
+
+def test_receipts_are_few_where_the_line_bears_much() -> None:
+    window, piece, asked = TapWindow(), 64 * 1024, []
+    for now_us in range(0, 2_000_000, 1000):
+        while window.has_room():
+            if (number := window.sent(piece, now_us)) is not None:
+                asked.append((number, now_us))
+        # All of it has arrived by the next millisecond.
+        for number, _ in asked[-100:]:
+            window.arrived(number, now_us + 500)
+    late = [number for number, now_us in asked if now_us > 1_000_000]
+    assert window.piece() == piece
+    # Sixteen pieces of a window of 4 MiB for each, not one.
+    assert len(late) <= 1000 * (4 * 1024 * 1024 // (256 * 1024)) + 1

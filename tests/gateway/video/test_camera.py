@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from fractions import Fraction
 from types import SimpleNamespace as Message
 
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.gateway.adapters.ros2.decode import decoder_for
 from talaia.gateway.ports import Filming
@@ -172,7 +175,7 @@ def test_a_full_link_gets_nothing_and_a_narrow_one_gets_less() -> None:
 
 
 def test_without_an_encoder_all_is_jpeg_and_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "ABLE", False)
+    monkeypatch.setattr(module, "can_film", lambda: False)
     hall, (taker, _) = Hall(PictureForm.H264, PictureForm.JPEG), stream(quality=90)
     sent = film(taker, hall, 2)
     assert [(each.format, each.forms) for each in hall.got] == [("jpeg", ["h264", "jpeg"])] * 2
@@ -243,7 +246,7 @@ def cdr(form: str) -> bytes:
 
 @pytest.mark.parametrize("form", ["Image", "CompressedImage"])
 @given(cut=st.integers(0, 60), at=st.integers(4, 50), noise=st.binary(max_size=8))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(37, many=1500), deadline=None)
 def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
     form: str, cut: int, at: int, noise: bytes
 ) -> None:
@@ -327,3 +330,33 @@ def test_an_encoder_goes_on_while_the_share_of_the_line_wavers() -> None:
         hall.share = (0.7, 0.6, 0.8)[at // 10 % 3]
         taker.process_picture(packed(scene(320, 240, at), "rgb8"), at, at * STEP_US, hall)
     assert [each.seq for each in hall.got if each.key] == [1]
+
+
+LOADED = """
+import sys
+import talaia.gateway.run, talaia.gateway.video.camera
+from talaia.gateway.reload.current_description import prepare_description
+from talaia.model.yaml_text.load import load_site
+camera = "{front: {name: F, source: {topic: /i, type: sensor_msgs/msg/Image}}}"
+for streams in ("{}", camera):
+    site = f'''
+talaia: 1
+site: yard
+name: Yard
+ros2: {{}}
+devices:
+  base:
+    name: Base
+    kind: vehicle
+    streams: {streams}
+'''
+    prepare_description(load_site(site), "")
+    print("av" in sys.modules)
+"""
+
+
+def test_a_gateway_loads_pyav_with_the_first_description_that_has_a_camera() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["False", "True"]

@@ -7,6 +7,7 @@ from types import SimpleNamespace as Message
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.gateway.errors import FieldError
 from talaia.gateway.video.jpeg import jpeg_of, jpeg_size, pixels_in
@@ -22,7 +23,7 @@ EXACT = {each for each in IN_COLOUR if each.startswith(("rgb", "bgr", "8UC"))}
 
 @pytest.mark.parametrize("encoding", IN_COLOUR)
 @given(pad=st.integers(0, 9), big=st.booleans(), turn=st.integers(0, 50))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12, many=120), deadline=None)
 def test_every_encoding_gives_the_picture_that_was_put_in(
     encoding: str, pad: int, turn: int, *, big: bool
 ) -> None:
@@ -69,7 +70,7 @@ def test_distances_that_are_no_numbers_are_black() -> None:
     data=st.binary(max_size=6000),
     big=st.booleans(),
 )
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=examples(100, many=4000), deadline=None)
 def test_any_image_is_read_or_refused_in_words(
     encoding: str, width: int, height: int, step: int, data: bytes, *, big: bool
 ) -> None:

@@ -36,7 +36,7 @@ async def test_sign_in_tells_who_you_are_and_leaves_a_guarded_cookie(hub) -> Non
         False,
         False,
     )
-    assert [each["right"] for each in me["permissions"]] == ["view", "use"]
+    assert {each["right"] for each in me["permissions"]} == {"view", "use", "request", "arm"}
     assert me["ends_us"] > me["idle_ends_us"] > 0
     cookie = answer.headers["set-cookie"].lower()
     assert all(word in cookie for word in ("httponly", "samesite=strict", "path=/"))

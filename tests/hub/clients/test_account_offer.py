@@ -73,7 +73,9 @@ def test_no_protocol_offers_anything_else(permissions) -> None:
 
     foxglove = make_foxglove_offer(SITE, grants)
     assert {topic[1:].removesuffix("/frame") for topic in foxglove.signals} == signals
-    assert {topic[1:] for topic in foxglove.cameras} == cameras
+    # Each as single pictures and as a film.
+    films = {f"{camera}/video" for camera in cameras}
+    assert {topic[1:] for topic in foxglove.cameras} == cameras | films
     assert {name[1:] for name in foxglove.services} == services
     assert set(foxglove.driven.values()) == stopped
 

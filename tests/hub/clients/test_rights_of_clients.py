@@ -11,8 +11,9 @@ import json
 
 import pytest
 
+from talaia.first_completed import until_first
 from talaia.wire import frames
-from talaia.wire.browser import PageCommand
+from talaia.wire.browser import CommandUpdate, PageCommand
 
 from ..everyone.world import NOW
 from .foxglove import foxglove_peer
@@ -29,6 +30,7 @@ from .tokens import open_protocol, token_of
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
+REFUSALS = {frames.CommandPhase.REFUSED, frames.CommandPhase.FAILED, frames.CommandPhase.UNKNOWN}
 TIMES = itertools.count(NOW, 10**7)
 DEVICES = ("base", "power", "camera")
 SIGNALS = tuple(f"{device}/{name}" for device in DEVICES for name in ("open", "shut", "words"))
@@ -171,6 +173,18 @@ class NodeTries(_SocketioTries):
     kind = NodeClient
 
 
+async def asked_by(page, gateway) -> None:
+    """Let the operator's page ask for a command, and wait until the gateway has heard of it."""
+    name = f"mark-{next(TIMES)}"
+    await page.say(PageCommand(id=name, site="agv", device="camera", command="turn", args={}))
+    heard, told = await until_first(
+        gateway.hear(frames.CommandRequest, lambda asked: asked.id == name),
+        # It is told more before, and by a refusal why.
+        page.hear(CommandUpdate, lambda said: said.id == name and said.phase in REFUSALS),
+    )
+    assert isinstance(heard, frames.CommandRequest), (heard, told, page.heard, gateway.close_code)
+
+
 CLIENTS = [FoxgloveTries, RoslibpyTries, FoundingTries, OldNodeTries, PythonTries, NodeTries]
 
 
@@ -189,9 +203,7 @@ async def test_client_hears_and_moves_what_its_person_may_and_nothing_else(
         await client.try_everything()
         # What a page asks for now reaches the gateway after all that was asked before.
         page = await shared_world.page("operator")
-        mark = {"site": "agv", "device": "camera", "command": "turn", "args": {}}
-        await page.say(PageCommand(id=f"mark-{next(TIMES)}", **mark))
-        await gateway.hear(frames.CommandRequest, lambda asked: asked.who == "operator")
+        await asked_by(page, gateway)
         await page.close()
         assert sent_for(gateway, name) == kind.expected[name]
 

@@ -10,8 +10,10 @@ from zlib import crc32
 import pyotp
 
 from talaia.hub.policy import AccessNeed
+from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
+from .observing import ALERT_RULE, ASKED, make_alert_rule, make_group, make_proposal
 from .world import NOW, PASSWORD, PICTURED, SESSIONLESS, SIGNED_IN, TOKEN, holds
 
 if TYPE_CHECKING:
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
     import httpx
 
     from .world import World
+
+# What is asked there may end anyone's session.
+ABOUT_PEOPLE = ("/api/people", "/api/roles", "/api/me", "/api/login", "/api/logout", "/api/setup")
 
 
 class Ask(NamedTuple):
@@ -344,6 +349,91 @@ def _opened(protocol: str, **ask: object) -> Callable[..., Awaitable[Ask]]:
     return make
 
 
+def _of_proposal(**ask: object) -> Recipe:
+    """Ask about a proposal that has just been made."""
+
+    async def make(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        return Ask({"site": about, "proposal": await make_proposal(world, about)}, **ask)
+
+    return Recipe(make, SITES)
+
+
+def _of_proposal_seen() -> Recipe:
+    """Ask for what those see who are members of a proposal, and who approve."""
+
+    async def make(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        site = about.partition("/")[0]
+        return Ask({"site": site, "proposal": await make_proposal(world, site)})
+
+    # As below: a device that exactly those may view stands for the proposal.
+    return Recipe(make, PICTURED)
+
+
+def _of_group(
+    objects: tuple[str, ...],
+    state: RequestState = RequestState.DRAFT,
+    *,
+    submitted: bool = False,
+    number: bool = False,
+    **ask: object,
+) -> Recipe:
+    """Ask about what the operator has just asked for; others see it where they approve."""
+
+    async def make(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        site = about.partition("/")[0]
+        group, request = await make_group(world, site, state, submitted=submitted)
+        named = {"number": request} if number else {"group": group}
+        return Ask({"site": site, **named}, **ask)
+
+    # A device that exactly those may view who see the proposal stands for it.
+    return Recipe(make, objects)
+
+
+async def _ask_for(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    body = {"proposal": await make_proposal(world, about), "requests": [ASKED], "draft": True}
+    return Ask({"site": about}, json=body, done=(201,))
+
+
+async def _validate(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    return (await _ask_for(world, client, about))._replace(done=(200,))
+
+
+async def _import(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    proposal = await make_proposal(world, about)
+    body = {
+        "kind": "csv",
+        "text": "ra,dec\n1,2",
+        "proposal": proposal,
+        "window": ASKED["windows"][0],
+    }
+    return Ask({"site": about}, json=body)
+
+
+async def _change_draft(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    group, _ = await make_group(world, about)
+    ask = await _ask_for(world, client, about)
+    return Ask({"site": about, "group": group}, json=ask.json)
+
+
+def _alert_rules(**ask: object) -> Recipe:
+    """Ask about rules of a proposal: its members see them, and whoever approves leads it."""
+    reads = ask.pop("reads", False)
+
+    async def make(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        named = {"site": about, "proposal": await make_proposal(world, about)}
+        return Ask({**named, "rule": await make_alert_rule(world, **named)}, **ask)
+
+    return Recipe(make, SITES, _of_proposal_s_people if reads else _leads)
+
+
+def _of_proposal_s_people(actor: str, about: str) -> bool:
+    return actor in {"operator", "keeper", "admin"} and holds(actor, "use", about)
+
+
+def _leads(actor: str, about: str) -> bool:
+    return actor in {"keeper", "admin"} and holds(actor, "admin", about)
+
+
 def _nobody(_actor: str, _about: str) -> bool:
     return False
 
@@ -408,6 +498,64 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/anomalies/forgiven"): of_site(
         json={"address": "base/open", "detector": "change"}, done=(404,)
     ),
+    ("GET", "/api/sites/{site}/proposals"): of_site(),
+    # These sites do not observe by themselves.
+    ("POST", "/api/sites/{site}/proposals"): of_site(
+        json={"id": "P", "hours_allocated": 1}, done=(409,)
+    ),
+    ("PUT", "/api/sites/{site}/proposals/{proposal}"): _of_proposal(
+        json={"hours_allocated": 1}, done=(204,)
+    ),
+    ("DELETE", "/api/sites/{site}/proposals/{proposal}"): _of_proposal(done=(204,)),
+    ("PUT", "/api/sites/{site}/proposals/{proposal}/members"): _of_proposal(
+        json={"name": "guest", "role": "member"}, done=(204,)
+    ),
+    ("GET", "/api/sites/{site}/requests"): of_site(),
+    ("GET", "/api/sites/{site}/requests/{number}/frames"): _of_group(PICTURED, number=True),
+    ("GET", "/api/sites/{site}/proposals/{proposal}/pictures"): _of_proposal_seen(),
+    ("GET", "/api/sites/{site}/obscore"): of_site(),
+    ("GET", "/api/sites/{site}/requests/{number}"): _of_group(PICTURED, number=True),
+    ("GET", "/api/sites/{site}/request-groups/{group}"): _of_group(PICTURED),
+    ("POST", "/api/sites/{site}/request-groups"): Recipe(_ask_for, SITES),
+    ("PUT", "/api/sites/{site}/request-groups/{group}"): Recipe(_change_draft, SITES),
+    ("POST", "/api/sites/{site}/request-groups/{group}/clone"): _of_group(SITES, done=(201,)),
+    ("POST", "/api/sites/{site}/request-groups/validate"): Recipe(_validate, SITES),
+    ("POST", "/api/sites/{site}/request-groups/import"): Recipe(_import, SITES),
+    ("GET", "/api/sites/{site}/night/forecast"): of_site(done=(409,)),
+    ("GET", "/api/sites/{site}/night/week"): of_site(done=(409,)),
+    # Nobody would observe it, which only those are told who may hand it in.
+    ("POST", "/api/sites/{site}/request-groups/{group}/submit"): _of_group(
+        SITES, json={}, done=(422,)
+    ),
+    ("POST", "/api/sites/{site}/request-groups/{group}/withdraw"): _of_group(
+        PICTURED, submitted=True, json={}
+    ),
+    ("POST", "/api/sites/{site}/request-groups/{group}/cancel"): _of_group(PICTURED, json={}),
+    ("POST", "/api/sites/{site}/request-groups/{group}/approve"): _of_group(
+        SITES, submitted=True, json={}
+    ),
+    ("POST", "/api/sites/{site}/request-groups/{group}/retry"): _of_group(
+        SITES, RequestState.FAILURE_LIMIT_REACHED, json={}
+    ),
+    ("GET", "/api/sites/{site}/proposals/{proposal}/alert-rules"): _alert_rules(reads=True),
+    ("POST", "/api/sites/{site}/proposals/{proposal}/alert-rules"): _alert_rules(
+        json=ALERT_RULE, done=(201,)
+    ),
+    ("PUT", "/api/sites/{site}/proposals/{proposal}/alert-rules/{rule}"): _alert_rules(
+        json=ALERT_RULE, done=(204,)
+    ),
+    ("DELETE", "/api/sites/{site}/proposals/{proposal}/alert-rules/{rule}"): _alert_rules(
+        done=(204,)
+    ),
+    ("POST", "/api/sites/{site}/proposals/{proposal}/alert-preview"): _alert_rules(json=ALERT_RULE),
+    # A token brings notices, and that of these tests may not ask for anything.
+    ("POST", "/api/sites/{site}/alert-notices"): Recipe(
+        of_site(json={"text": "{}"}).make, SITES, _nobody
+    ),
+    ("GET", "/api/sites/{site}/night"): of_site(),
+    ("POST", "/api/sites/{site}/night/arm"): of_site(json={}, done=(409,)),
+    ("POST", "/api/sites/{site}/night/disarm"): of_site(json={}, done=(409,)),
+    ("POST", "/api/sites/{site}/night/short"): of_site(done=(409,)),
     ("GET", "/api/sites/{site}/recordings"): of_site(),
     ("POST", "/api/sites/{site}/recordings"): of_site(json={"on": True}, done=(202,)),
     ("GET", "/api/sites/{site}/recordings/{recording}/file"): Recipe(_recording, SITES),
@@ -504,4 +652,6 @@ def meets(need: AccessNeed, actor: str, about: str) -> bool:
         return actor == "token"
     if need is AccessNeed.OWN:
         return actor != "token"
-    return holds(actor, need.name.lower(), about)
+    # Operators come with the rights to ask and to arm; of the others admins alone have them.
+    beside = {AccessNeed.REQUEST: "use", AccessNeed.ARM: "use", AccessNeed.APPROVE: "admin"}
+    return holds(actor, beside.get(need, need.name.lower()), about)

@@ -14,10 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import update
 
 from talaia.hub.store.tables import sessions
+from talaia.model.observing.plan import Plan, VetoCause, WhyNot
+from talaia.model.observing.states import ObservationState
 from talaia.wire import browser, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
 from .messages import DEVICES
+from .observing import make_group
 from .world import DESCRIPTIONS, NOW, SESSIONLESS, holds
 
 if TYPE_CHECKING:
@@ -135,6 +138,7 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _alarm(world, acting, about)
         await _sighting(world, acting, about)
         await _anomaly(world, acting, about)
+        await _night(world, acting, about)
         await settle(listeners)
     await acting.say(browser.PagePing(n=1, at_ms=0.0))
     await acting.hear(browser.PagePong)
@@ -295,6 +299,26 @@ async def _anomaly(_world: World, acting, about: str) -> None:
             browser.AnomalyUpdate,
             lambda news, at=f"{device}/{signal}": (news.site, news.address) == (site, at),
         )
+
+
+async def _night(world: World, acting, about: str) -> None:
+    """Let the night begin, be planned and observe something; what it says is about this device."""
+    site, _, _device = about.partition("/")
+    gateway = world.gateways[site]
+    _, request = await make_group(world, site)
+    await gateway.say(frames.NightState(phase=frames.NightPhase.CLOSED, why=hidden(about)))
+    reason = WhyNot(request=request, cause=VetoCause.ROOF, sentence=hidden(about))
+    plan = Plan(made_at=1.0, night_start=2.0, night_end=3.0)
+    await gateway.say(frames.NightPlan(plan=plan, why_not=[reason]))
+    await gateway.say(
+        frames.ObservationUpdate(
+            number=DEVICES.index(about), id=about, request=request, why=hidden(about),
+            state=ObservationState.IN_PROGRESS, time=NOW / 1e6,
+        )
+    )  # fmt: skip
+    await acting.hear(browser.NightUpdate, lambda news: news.why == hidden(about))
+    await acting.hear(browser.NightPlanUpdate, lambda news: news.site == site)
+    await acting.hear(browser.ObservingRequestUpdate, lambda news: news.request == request)
 
 
 async def _event(world: World, about: str) -> None:

@@ -212,10 +212,8 @@ class World:
         self._kept_clients.clear()
 
     async def admin(self) -> httpx.AsyncClient:
-        """Give a client of the admin's to prepare things with, whatever became of the last one."""
-        client = await self.client("nobody")
-        client.cookies.update(await self.cookies("admin"))
-        return client
+        """Give the admin's client, to prepare things with; see `forget_clients`."""
+        return await self.kept_client("admin")
 
     async def cookies(self, actor: str) -> dict[str, str]:
         """Begin a session without asking for the password: sign-ins are slow, and throttled."""
@@ -292,6 +290,8 @@ class World:
 
 # What a gateway was when it came is written a little after it came.
 _UNSTEADY = {"used_us", "last_seen_us", "seen_us", "version", "address"}
+# A picture is measured a little after it came, too.
+_UNSTEADY |= {"measured", "background", "stars", "measure_note", "bytes"}
 # That something was asked is written down.
 _QUESTIONS = {
     table.name: str(select(*(each for each in table.c if each.name not in _UNSTEADY)))

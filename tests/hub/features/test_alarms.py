@@ -1,18 +1,13 @@
 """An alarm's way through a hub that really serves: raised, told, acknowledged, kept."""
 
-# ruff: noqa: D107
-
 from __future__ import annotations
 
 import asyncio
 import dataclasses
-import email
-import email.policy
 import ipaddress
 import time
 
 import pytest
-from aiosmtpd.smtp import SMTP
 from patience import PATIENCE_S
 
 from talaia.hub.ports import AnomalyReport, AnomalySink, SightingEvent, SightingSink
@@ -20,6 +15,7 @@ from talaia.wire.browser import AlarmUpdate, EventUpdate, SightingUpdate
 from talaia.wire.frames import RecordingRequest, SightingReport
 
 from ..conftest import DESCRIPTION, RunningHub
+from ..mailbox import mail_way, want_mail
 
 LOW = """
 alarms:
@@ -77,67 +73,9 @@ async def test_an_alarm_is_raised_told_acknowledged_and_cleared(hub, watched):
     ]
 
 
-class Mailbox:
-    """A real SMTP server on loopback that keeps what it gets."""
-
-    def __init__(self) -> None:
-        self.envelopes = []
-        self.news = asyncio.Event()
-        self.answer = "250 OK"
-
-    async def handle_DATA(self, _server, _session, envelope) -> str:  # noqa: N802 - aiosmtpd's name
-        if self.answer.startswith("250"):
-            self.envelopes.append(envelope)
-            self.news.set()
-        return self.answer
-
-    def text(self, at: int = 0) -> str:
-        mail = email.message_from_bytes(self.envelopes[at].content, policy=email.policy.default)
-        return f"{mail['Subject']}\n{mail.get_content()}"
-
-
-@pytest.fixture
-async def mailbox():
-    mailbox = Mailbox()
-    server = await asyncio.get_running_loop().create_server(
-        lambda: SMTP(mailbox, enable_SMTPUTF8=False), "127.0.0.1", 0
-    )
-    mailbox.port = server.sockets[0].getsockname()[1]
-    yield mailbox
-    server.close()
-
-
 @pytest.fixture
 def settings(settings):
     return dataclasses.replace(settings, notify_networks=(ipaddress.ip_network("127.0.0.0/8"),))
-
-
-def mail_way(port: int) -> dict[str, object]:
-    return {
-        "name": "Mail",
-        "kind": "mail",
-        "host": "127.0.0.1",
-        "port": port,
-        "security": "none",
-        "sender": "talaia@example.org",
-    }
-
-
-async def want_mail(hub, mailbox, **rule) -> str:
-    """Let the operator be told by mail; give the rule's id."""
-    admin, operator = await hub.client("admin"), await hub.client("operator")
-    made = await admin.post("/api/ways", json=mail_way(mailbox.port))
-    assert made.status_code == 201, made.text
-    asked = {
-        "site": "agv",
-        "way": made.json()["id"],
-        "target": "op@example.org",
-        "group_s": 0,
-        **rule,
-    }
-    added = await operator.post("/api/me/rules", json=asked)
-    assert added.status_code == 201, added.text
-    return added.json()["id"]
 
 
 async def test_the_mail_of_an_alarm_reaches_a_mail_server(hub, watched, mailbox):

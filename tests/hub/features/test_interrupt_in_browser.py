@@ -22,7 +22,7 @@ WHY = "Ada is acting on Dome: Close (since 4 s)"
 async def test_the_page_says_who_acts_and_asks_before_it_interrupts(
     chromium, hub, tmp_path
 ) -> None:
-    site = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={})
+    site = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={}, night=None)
     gateway = await hub.gateway()
     await gateway.hello(description=dump_site(site))
     page = await sign_in(chromium, hub, "admin")

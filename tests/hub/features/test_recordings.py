@@ -8,11 +8,13 @@ import dataclasses
 import hashlib
 import json
 import os
+import time
 from zlib import crc32
 
 import pytest
 import websockets
 
+from talaia.hub.live.files.recordings import _MOST_COMING
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
     FILES_FROM_HUB,
@@ -184,6 +186,54 @@ async def test_beyond_the_size_the_oldest_go_and_what_is_larger_is_refused(
         assert [each["id"] for each in (await listed(hub))["recordings"]] == ["r2", "r1"]
         assert "larger than all" in (await bringing.bring(os.urandom(6_000), "large")).refused
     assert not (tmp_path / "recordings" / "agv" / "r0.mcap").exists()
+
+
+async def test_what_a_gateway_announces_or_sends_costs_no_other_site_a_recording(
+    settings, history, tmp_path
+) -> None:
+    small = dataclasses.replace(settings, recordings_bytes=5_000)
+    async with RunningHub(small, history) as hub:
+        await hub.populate()
+        await (await hub.gateway()).hello(RECORDED)
+        key = await hub.hub.gateways.registry.new_key("hostile")
+        mine = await files(hub)
+        assert (await mine.bring(os.urandom(3_000), "mine")).done
+        theirs = Files(await hub.dial("/gateway/files", {"Authorization": f"Bearer {key}"}))
+        # Announced, and never sent: nothing of anybody goes.
+        for number in range(2 * _MOST_COMING):
+            huge = offer(os.urandom(5_000), f"h{number}")
+            assert not (await theirs.ask(huge)).refused
+        assert (await mine.bring(os.urandom(2_000), "more")).done
+        # Sent whole, and not what it was said to be; then as it was said to be.
+        told = offer(os.urandom(PIECE), "liar")
+        await theirs.ask(told)
+        assert not (await theirs.ask(piece(0, bytes(PIECE), "liar"))).done
+        for number in range(3):
+            body = os.urandom(4_000)
+            assert (await theirs.bring(body, f"t{number}", begin_us=number)).done
+        assert {each["id"] for each in (await listed(hub))["recordings"]} == {"mine", "more"}
+    # Nor does it keep more files on the disk than may be on their way.
+    assert len(list((tmp_path / "recordings" / "hostile").iterdir())) <= 2 * _MOST_COMING + 4
+
+
+async def test_an_upload_that_stands_still_for_weeks_ends(settings, history, tmp_path) -> None:
+    folder = tmp_path / "recordings" / "agv"
+    async with RunningHub(settings, history) as hub:
+        await hub.populate()
+        await (await hub.gateway()).hello(RECORDED)
+        bringing = await files(hub)
+        await bringing.ask(offer(name="left"))
+        await bringing.ask(piece(0, name="left"))
+    weeks_ago = time.time() - 15 * 86_400
+    for path in folder.glob("left.*"):
+        os.utime(path, (weeks_ago, weeks_ago))
+    async with RunningHub(settings, history) as hub:
+        hub.keys = {"agv": await hub.hub.gateways.registry.new_key("agv")}
+        assert (await (await files(hub)).bring(name="next")).done
+        rows = {row["id"]: row for row in (await listed(hub))["recordings"]}
+    assert (rows["next"]["state"], rows["left"]["state"]) == ("complete", "failed")
+    assert "not gone on with it" in rows["left"]["note"]
+    assert not list(folder.glob("left.*"))
 
 
 async def test_files_without_rows_are_listed_again_and_nothing_is_deleted(

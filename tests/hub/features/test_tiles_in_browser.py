@@ -52,7 +52,7 @@ def settings(settings, extensions):
 async def test_a_tile_shows_a_live_value_and_broken_ones_take_nothing_with_them(
     chromium, hub
 ) -> None:
-    site = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={})
+    site = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={}, night=None)
     gateway = await hub.gateway()
     await gateway.hello(description=dump_site(site))
     page = await sign_in(chromium, hub, "admin")

@@ -333,8 +333,10 @@ async def running_hub(data, url):
 
 
 async def test_an_import_beside_a_running_hub_is_taken_over_by_it(
-    database_url, data, monkeypatch, capsys
+    data, monkeypatch, capsys
 ) -> None:
+    # What each database does with an import is seen without a program above.
+    database_url = own_url(data)
     monkeypatch.setenv("TALAIA_DATABASE_URL", database_url)
     path = recordings.write_rosbag2_sqlite(data.parent)
     process = await running_hub(data, database_url)

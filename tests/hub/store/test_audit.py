@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import csv
+import hashlib
 import io
+import json
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import insert, text
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.store.audit import Audit, AuditFilter
+from talaia.hub.store.audit import Audit, AuditEntry, AuditFilter
 from talaia.hub.store.database import Database
 from talaia.hub.store.safe_text import safe_cell, safe_text
+from talaia.hub.store.tables import audit as table
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import (
     CommandPhase,
@@ -97,6 +100,8 @@ async def test_whole_log_follows_from_its_first_row(database) -> None:
         ("UPDATE audit SET who = 'nobody' WHERE id = :third", "third"),
         ("UPDATE audit SET message = '' WHERE id = :third", "third"),
         ("UPDATE audit SET time_us = time_us + 1 WHERE id = :third", "third"),
+        ("UPDATE audit SET source = 'gateway' WHERE id = :third", "third"),
+        ("UPDATE audit SET source = '' WHERE id = :third", "third"),
         ("DELETE FROM audit WHERE id = :third", "fourth"),
         ("DELETE FROM audit WHERE id = :last", "last"),
         ("DELETE FROM audit", "last"),
@@ -110,6 +115,27 @@ async def test_row_that_was_changed_or_cut_out_is_named(database, tampering, bro
         used = {name: value for name, value in at.items() if f":{name}" in tampering}
         await connection.execute(text(tampering), used)
     assert (await audit.verify_chain()).broken == at[broken]
+
+
+async def test_rows_of_before_their_source_was_written_down_are_still_in_the_chain(
+    database,
+) -> None:
+    old = AuditEntry(1_000_000, "login", who="ada", source="")
+    # As it was chained then: eight columns.
+    said = json.dumps(["", *old[:8]], ensure_ascii=True, separators=(",", ":"))
+    digest = hashlib.sha256(said.encode()).hexdigest()
+    async with database.write() as connection:
+        await connection.execute(insert(table), {**old._asdict(), "hash": digest})
+        await connection.execute(
+            text("UPDATE audit_head SET hash = :digest, row_id = (SELECT MAX(id) FROM audit)"),
+            {"digest": digest},
+        )
+    audit = Audit(database, HandClock())
+    audit.append_record("robot_log", source="gateway")
+    await written(audit)
+    assert await audit.verify_chain() == (2, 0)
+    rows, _ = await audit.find_records(AuditFilter(), 10)
+    assert [row.entry.source for row in rows] == ["gateway", ""]
 
 
 async def test_two_hubs_on_one_database_write_one_chain(database, database_url) -> None:

@@ -13,7 +13,7 @@ import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import event, inspect, text
+from sqlalchemy import event, inspect, select, text
 
 from talaia.clock import SystemClock
 from talaia.hub import accounts
@@ -31,7 +31,7 @@ from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.sites.site_registry import SiteRegistry
-from talaia.hub.store.tables import metadata
+from talaia.hub.store.tables import metadata, roles
 
 
 async def test_migrations_make_exactly_the_tables_of_the_code(database_url) -> None:
@@ -116,7 +116,7 @@ async def test_migration_that_is_interrupted_goes_on_at_the_next_start(database_
             )
         )
     assert differences == []
-    assert list(found.values()) == [3, 3, 5, 1, 1]
+    assert list(found.values()) == [3, 5, 7, 1, 1]
     await database.close()
 
 
@@ -455,3 +455,47 @@ async def test_lost_second_factor_is_removed_from_the_command_line(settings, dat
 async def test_new_password_for_nobody_is_refused(settings) -> None:
     with pytest.raises(UnknownPerson, match="no person named"):
         await accounts.set_password(settings, "nobody", "quite another password")
+
+
+async def test_a_query_by_itself_begins_no_transaction_on_sqlite_and_leaves_none_anywhere(
+    database,
+) -> None:
+    ran = []
+
+    def before(_connection, _cursor, statement, *_rest):
+        ran.append(statement.split(maxsplit=1)[0])
+
+    engine = database._engine.sync_engine
+    event.listen(engine, "before_cursor_execute", before)
+    assert list(await database.fetch_scalars(select(roles.c.name).order_by(roles.c.id))) == [
+        "guest",
+        "operator",
+        "admin",
+    ]
+    event.remove(engine, "before_cursor_execute", before)
+    assert ran == ["SELECT"]
+    # Whoever writes next does not find its connection in the middle of something.
+    async with database.write() as connection:
+        await connection.execute(roles.update().values(name=roles.c.name + "s"))
+    assert "guests" in await database.fetch_scalars(select(roles.c.name))
+
+
+async def test_a_query_by_itself_tells_that_the_database_is_away(tmp_path) -> None:
+    database = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder'}/hub.db")
+    with pytest.raises(StoreDown):
+        await database.fetch_scalars(select(roles.c.name))
+    await database.close()
+
+
+async def test_nothing_of_a_closed_database_runs_on(tmp_path) -> None:
+    before = set(threading.enumerate())
+    left = []
+    # Most threads would have ended anyway; of so many, some have not.
+    for _ in range(100):
+        away = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder'}/hub.db")
+        with pytest.raises(StoreDown):
+            await away.fetch_scalars(select(roles.c.name))
+        await away.close()
+        left += [thread for thread in threading.enumerate() if thread not in before]
+    # The executor's keep on, for whoever asks next.
+    assert not [thread.name for thread in left if not thread.name.startswith("asyncio_")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
@@ -112,7 +113,7 @@ topics = st.builds(
 asked = st.tuples(topic_names, st.lists(fields, max_size=4).map(tuple))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(15, many=600))
 @given(
     st.lists(topics, max_size=12, unique_by=lambda each: each.topic),
     st.lists(asked, max_size=3),

@@ -11,7 +11,7 @@ from talaia.cli.check import main
 from talaia.cli.init import _print_summary as tell_made
 from talaia.cli.up import _print_greeting as greet_up, _Up
 from talaia.model.discovery.command_file import site_of
-from talaia.model.discovery.generate_description import Proposal
+from talaia.model.discovery.generate_description import DescriptionProposal
 from talaia.model.interlocks.unguarded import unguarded_devices, unguarded_notice
 from talaia.model.yaml_text.load import dump_site, read_site
 
@@ -55,7 +55,7 @@ def test_a_description_that_was_made_says_what_nothing_closes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     site = site_of(CLASSIC, "observatory")
-    tell_made(tmp_path / "site.yaml", Proposal(site, ()), shown=False)
+    tell_made(tmp_path / "site.yaml", DescriptionProposal(site, ()), shown=False)
     assert f"note: {unguarded_notice(site)}" in capsys.readouterr().err
     greet_up(_Up("http://here", ""), site, tmp_path, 1.0)
     assert f"note: {unguarded_notice(site)}" in capsys.readouterr().out

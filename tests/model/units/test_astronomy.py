@@ -6,6 +6,7 @@ import warnings
 
 import pytest
 from hypothesis import example, given, settings, strategies as st
+from many_examples import examples
 
 from talaia.model.units import astronomy
 from talaia.sim.observatory.servers.catalog import MONTSEC
@@ -90,7 +91,7 @@ def test_precession_carries_meeus_example_of_theta_persei() -> None:
 @given(st.floats(-89, 89), st.floats(0, 359.9), st.sampled_from(MOMENTS), st.floats(-80, 80))
 # Where the pole stands: there an arc sine would lose half of its digits.
 @example(alt=59.2973010160313, az=0.0, unix=MOMENTS[0], latitude=59.2973010160313)
-@settings(max_examples=200)
+@settings(max_examples=examples(50, many=2000))
 def test_to_the_sky_and_back_is_the_same_place(
     alt: float, az: float, unix: float, latitude: float
 ) -> None:

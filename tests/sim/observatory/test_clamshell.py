@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.sim.observatory.models.clamshell import SHELLS, Clamshell
 from talaia.sim.observatory.models.ticket import Ticket
@@ -110,7 +111,7 @@ def test_faults_of_one_shell_are_named_and_ok_ends_them() -> None:
 
 
 @given(st.lists(st.tuples(st.sampled_from(["open", "close", "stop"]), st.floats(0, 20))))
-@settings(max_examples=60)
+@settings(max_examples=examples(15, many=600))
 def test_whatever_is_asked_it_says_closed_exactly_when_both_shells_are(
     asked: list[tuple[str, float]],
 ) -> None:

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.sim.observatory.client_requests import (
+    ClientRequest,
     InvalidRequest,
-    Request,
     parse_number,
     parse_request,
 )
@@ -19,10 +19,10 @@ pytestmark = pytest.mark.pure
 
 
 def test_the_founding_words_are_requests() -> None:
-    assert parse_request("dome", ["open"]) == Request("dome", "trigger", "open", {})
+    assert parse_request("dome", ["open"]) == ClientRequest("dome", "trigger", "open", {})
     assert parse_request("weather", ["info"]).kind == "trigger"
     goto = parse_request("telescope", ["goto", "5:30:00", "-5.5"])
-    assert goto == Request("telescope", "ask", "goto", {"ra": 5.5, "dec": -5.5})
+    assert goto == ClientRequest("telescope", "ask", "goto", {"ra": 5.5, "dec": -5.5})
     assert parse_request("pdu", ["outlet3", "off"]).values == {"data": False}
 
 

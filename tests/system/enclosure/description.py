@@ -46,6 +46,8 @@ def _as_indi(site: dict[str, Any], port: int) -> None:
     """Let the same site be one of `indi_dome`."""
     site.pop("ros2")
     site.pop("alarms")
+    # It has neither a camera nor a command that points.
+    site.pop("night", None)
     site["connections"] = {"indi": {"kind": "indi", "port": port, "host": "127.0.0.1"}}
     devices = site["devices"] = {x: site["devices"][x] for x in ("dome", "telescope", "weather")}
     for name, device in devices.items():

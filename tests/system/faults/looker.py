@@ -46,10 +46,17 @@ class Looker:
         self._task = asyncio.create_task(self._stay())
 
     async def _stay(self) -> None:
+        cookie = ""
         while True:
             with contextlib.suppress(OSError, httpx.HTTPError, websockets.WebSocketException):
-                async with connection(self._world, await sign_in(self._world, "second")) as socket:
-                    await self._look(socket)
+                # A session outlives its hub, as a page's does; to sign in anew costs the hub more
+                # than all else that is looked at.
+                cookie = cookie or await sign_in(self._world, "second")
+                try:
+                    async with connection(self._world, cookie) as socket:
+                        await self._look(socket)
+                except websockets.InvalidStatus:
+                    cookie = ""
             await asyncio.sleep(0.1)
 
     async def _look(self, socket: websockets.ClientConnection) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import httpx
 import numpy as np
+from browser_program import find_browser
 from patience import lasts_for
 from websockets.asyncio.client import ClientConnection, connect
 
@@ -25,7 +26,7 @@ from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser, frames
 from talaia.wire.columns import Columns, pack_columns, unpack_columns
 
-from ..conftest import chromium_program, launching, missing
+from ..conftest import launching, missing
 from ..people import PERIOD_S, page
 from ..stack import PASSWORD, Process, until
 from .crowd import hello
@@ -201,7 +202,7 @@ async def _hidden(world: World, run: Run, findings: Findings) -> None:
     """Hold a key in a real browser, and hide its tab."""
     from playwright.async_api import async_playwright
 
-    program = chromium_program()
+    program = find_browser()
     if program is None:
         missing("Chromium")
     async with async_playwright() as play, page(world, "second") as watcher:
@@ -269,7 +270,7 @@ async def _crowd_of(world: World, gateways: int, people: int) -> tuple[Path, Pat
 
 async def f18(world: World, chance: random.Random, findings: Findings) -> None:
     """All gateways and browsers lose the hub at once and come back, while somebody drives."""
-    gateways, pages = (500, 200) if world.long else (100, 20)
+    gateways, pages = (500, 200) if world.long else (30, 10)
     async with under_load(world, findings) as run, page(world, "driver") as driver:
         keys, cookies = await _crowd_of(world, gateways, max(1, pages // 20))
         script = Path(__file__).parent / "crowd.py"

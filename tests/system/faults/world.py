@@ -28,7 +28,8 @@ from .weather import CALM
 
 __all__ = ["PASSWORD", "PEOPLE", "SITE", "Run", "World", "now"]
 
-RATE = 200
+# Values that the robot counts up (1/s): each costs robot, gateway, hub and judge.
+RATE, SHORT_RATE = 200, 50
 CRASHING = Path(__file__).parent / "crashing.py"
 MARKS = """\
     commands:
@@ -441,7 +442,7 @@ async def under_load(world: World, findings: Findings) -> AsyncIterator[Run]:
     """Let the robot count, give the run, and judge it when the row is through."""
     await world.fresh()
     run = Run(world, findings)
-    world.robot.tell(f"count {RATE}")
+    world.robot.tell(f"count {RATE if world.long else SHORT_RATE}")
     # From the first value that is stored on, every one is asked for.
     deadline = now() + 20_000 * MS
     while not (await run.stored())[0]:

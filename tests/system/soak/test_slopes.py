@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from .report import CACHE, FIGURES, Sample, passed, table
 from .slopes import Point, Verdict, by_minute, judge, slope_of
@@ -53,7 +54,7 @@ def test_a_life_that_is_too_short_says_nothing() -> None:
     assert slope_of([Point(at / 60, at, life) for life in range(9) for at in range(3)]) is None
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(25, many=1000), deadline=None)
 @given(st.floats(-100, 100), st.floats(-1e4, 1e4), st.integers(4, 60))
 def test_a_straight_line_has_its_own_slope(slope: float, start: float, count: int) -> None:
     points = [Point(at / 60, start + slope * at / 60) for at in range(count)]

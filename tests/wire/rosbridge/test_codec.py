@@ -10,6 +10,7 @@ import cbor2
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.wire.errors import PeerError
 from talaia.wire.rosbridge.cbor import encode_cbor
@@ -23,7 +24,7 @@ from talaia.wire.rosbridge.codec import (
 from talaia.wire.rosbridge.fragments import LEAST_FRAGMENT, FragmentAssembly
 
 # Enough for each kind of value, at a small cost.
-FEW = settings(max_examples=50)
+FEW = settings(max_examples=examples(12, many=500))
 VALUES = st.recursive(
     st.none()
     | st.booleans()

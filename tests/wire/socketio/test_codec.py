@@ -8,6 +8,7 @@ import engineio
 import pytest
 import socketio
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 from socketIO_client.parsers import decode_engineIO_content, encode_engineIO_content
 
 from talaia.wire.errors import PeerError
@@ -29,7 +30,7 @@ from talaia.wire.socketio.socket_packets import (
 )
 
 # Enough for each kind of value, at a small cost.
-FEW = settings(max_examples=50)
+FEW = settings(max_examples=examples(12, many=500))
 OLD, NEW = EngineRevision.OLD, EngineRevision.NEW
 ASCII = st.text(st.characters(max_codepoint=126, min_codepoint=32))
 PACKETS = st.lists(

@@ -8,6 +8,9 @@ export type LeaseOp = "take" | "renew" | "free" | "ask" | "accept" | "deny";
 /** Where a one-shot command stands. The last five are final. */
 export type CommandPhase = "accepted" | "running" | "succeeded" | "failed" | "refused" | "cancelled" | "unknown";
 
+/** What the executor of a night does. */
+export type NightPhase = "disarmed" | "waiting" | "opening" | "observing" | "closed" | "calibrating" | "parking" | "fault";
+
 /** One thing on a picture; places are parts of its width and height, from the upper left. */
 export interface DetectedObject {
   readonly t: "thing";
@@ -339,6 +342,36 @@ export interface EventUpdate {
   readonly site: string;
 }
 
+/** How a site's night stands; told to a page that comes, and whenever it changes. */
+export interface NightUpdate {
+  readonly t: "night";
+  readonly phase: NightPhase;
+  readonly armed_by: string;
+  readonly armed_until: number;
+  readonly why: string;
+  readonly since: number;
+  readonly request: string;
+  readonly step: string;
+  readonly frames_done: number;
+  readonly frames: number;
+  readonly site: string;
+}
+
+/** There is a new plan; what of it a person may see is asked for over HTTP. */
+export interface NightPlanUpdate {
+  readonly t: "night_plan";
+  readonly site: string;
+  readonly made_us: number;
+  readonly blocks: number;
+}
+
+/** Something of a request has changed; what it is is asked for over HTTP by who may see it. */
+export interface ObservingRequestUpdate {
+  readonly t: "observing_request";
+  readonly site: string;
+  readonly request: string;
+}
+
 /** Answer to `PagePing`, with the hub's monotonic clock (µs) so that ages can be told. */
 export interface PagePong {
   readonly t: "pong";
@@ -439,6 +472,9 @@ export type ToBrowser =
   | SightingUpdate
   | AnomalyUpdate
   | EventUpdate
+  | NightUpdate
+  | NightPlanUpdate
+  | ObservingRequestUpdate
   | PagePong
   | RequestError
   | SessionUpdate
@@ -473,6 +509,9 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "sighting",
   "anomaly",
   "event",
+  "night",
+  "night_plan",
+  "observing_request",
   "pong",
   "problem",
   "session",
@@ -515,6 +554,9 @@ export const DEFAULTS = {
   sighting: { ended_us: 0 },
   anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, learning: 0 },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
+  night: { armed_by: "", armed_until: 0.0, why: "", since: 0.0, request: "", step: "", frames_done: 0, frames: 0 },
+  night_plan: {},
+  observing_request: {},
   pong: {},
   problem: { about: "" },
   session: { idle: false },

@@ -55,7 +55,8 @@ export function nightTrack(target: Equatorial, place: GeoPlace, ms: number): Nig
   return { from, to, points, bands: bandsOf(points) };
 }
 
-function bandsOf(points: readonly NightPoint[]): NightTrack["bands"] {
+/** The stretches of one darkness among points in order. */
+export function bandsOf(points: readonly { readonly ms: number; readonly sun: number }[]): NightTrack["bands"] {
   const bands: { id: Darkness; from: number; to: number }[] = [];
   for (const { ms, sun } of points) {
     const id = darknessOf(sun);

@@ -20,6 +20,9 @@ export type PageName =
   | "device"
   | "archive"
   | "cameras"
+  | "night"
+  | "requests"
+  | "proposals"
   | "people"
   | "roles"
   | "gateways"
@@ -39,7 +42,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings"];
+const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "requests", "proposals"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -80,7 +83,7 @@ export function routeOf(path: string): Route {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings",
+  page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "requests" | "proposals",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }

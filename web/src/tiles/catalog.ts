@@ -82,7 +82,7 @@ export const CATALOG: Readonly<Record<DeviceShape["kind"], CatalogRow>> = {
       html`<t-part-camera .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-camera>`,
     // One that only watches takes no exposures.
     needs: ["camera.state", "camera.remaining", "camera.expose"],
-    commands: ["camera.expose", "camera.abort", "camera.cool", "camera.cooler", "camera.cooler_on", "camera.cooler_off"],
+    commands: ["camera.expose", "camera.abort", "camera.cool", "camera.cooler", "camera.cooler_on", "camera.cooler_off", "camera.filter", "camera.binning", "camera.gain"],
     showsStreams: true,
     summary: [["camera.state", "camera.remaining"], ["camera.temperature"], ["camera.filter"]],
     most: 3,

@@ -22,6 +22,11 @@ export class ArchiveApi {
     return this.hub.request("GET", archiveUrl(this.site, `frames?${query}`));
   }
 
+  /** Those that were taken for a request. */
+  framesOfRequest(request: string): Promise<FrameList> {
+    return this.hub.request("GET", archiveUrl(this.site, `requests/${encodeURIComponent(request)}/frames`));
+  }
+
   frameDetail(id: string): Promise<FrameDetail> {
     return this.hub.request("GET", archiveUrl(this.site, `frames/${encodeURIComponent(id)}`));
   }
@@ -35,4 +40,14 @@ export function previewPath(site: string, id: string, stretch: Stretch, px: numb
 /** Where its file is. */
 export function filePath(site: string, id: string): string {
   return archiveUrl(site, `frames/${encodeURIComponent(id)}/file`);
+}
+
+/** All pictures of a proposal, as one file. */
+export function proposalPicturesPath(site: string, proposal: string): string {
+  return archiveUrl(site, `proposals/${encodeURIComponent(proposal)}/pictures`);
+}
+
+/** The archive as a table of the Virtual Observatory. */
+export function obscorePath(site: string, format: "votable" | "csv"): string {
+  return archiveUrl(site, `obscore?format=${format}`);
 }

@@ -93,6 +93,7 @@ async def _start_robots(
     )
     logins = await make_logins(settings)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
+    hub += ["--simulated-site", OBSERVATORY]
     gateways = [await _gateway_command(robot, settings) for robot in robots]
     parts.append(await start_talaia("hub", hub, data / "hub.log", restart=True))
     for robot, words in zip(robots, gateways, strict=True):

@@ -59,7 +59,7 @@ def data_folder(kept: Path | None, prefix: str) -> Iterator[Path]:
 async def make_logins(settings: Settings) -> list[Login]:
     """Make a person of each role; in a kept folder the same people get new passwords."""
     # Made at random each time: others on the machine can reach the demo, too.
-    logins = [Login(role, secrets.token_urlsafe(6), role) for role in ROLES]
+    logins = [Login(role, secrets.token_urlsafe(9), role) for role in ROLES]
     for login in logins:
         try:
             await accounts.create_user(settings, *login)

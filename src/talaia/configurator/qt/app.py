@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
-from talaia.configurator.qt.window import Window
+from talaia.configurator.qt.window import ConfiguratorWindow
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,7 +39,7 @@ def run_window(means: Means, file: Path | None) -> int:
     """Show the window until it is closed; gives the exit code."""
     qt = make_application()
     # Kept in a variable: Qt does not hold a window that Python lets go of.
-    window = Window(means)
+    window = ConfiguratorWindow(means)
     # Where it cannot be opened the window says why, and is shown all the same.
     if file is not None:
         window.open_file(file)

@@ -14,6 +14,7 @@ from PySide6.QtCore import (
 )
 
 from talaia.model.connection import (
+    AlpacaSource,
     DerivedSource,
     HttpSource,
     IndiSource,
@@ -171,6 +172,8 @@ def _origin_text(source: Source) -> str:
             return f"{place} · {path}" if path else place
         case SocketioSource(namespace=place, name=name, path=path):
             return " · ".join(part for part in (place, name, path) if part)
+        case AlpacaSource(property=name):
+            return name
         case ProcessSource(run=line) | DerivedSource(expression=line):
             return line
         case _:

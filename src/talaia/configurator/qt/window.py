@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from talaia.configurator.description_paths import Path as Place
     from talaia.configurator.qt.palette import Colours
 
-__all__ = ["Means", "Window"]
+__all__ = ["ConfiguratorWindow", "Means"]
 
 _STEPS = ("AI services", "Sensors", "Services", "Devices and commands", "Generate")
 _FILTER = "Site description (*.yaml *.yml);;Observatory's command file (*.json)"
@@ -69,7 +69,7 @@ class Means(NamedTuple):
     data: str = ""
 
 
-class Window(QMainWindow):
+class ConfiguratorWindow(QMainWindow):
     """One document from empty to running."""
 
     def __init__(self, means: Means) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.errors import SettingsError
 from talaia.model.connection import (
+    AlpacaConnection,
     ExtensionConnection,
     HttpConnection,
     IndiConnection,
@@ -59,6 +60,8 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
             make = _make_http
         case SocketioConnection():
             make = _make_socketio
+        case AlpacaConnection():
+            make = _make_alpaca
         case ExtensionConnection():
             make = _make_extension
     try:
@@ -131,6 +134,12 @@ def _make_socketio(
     from talaia.gateway.adapters.socketio.adapter import SocketioAdapter
 
     return SocketioAdapter(scope, context, status)
+
+
+def _make_alpaca(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.alpaca.adapter import AlpacaAdapter
+
+    return AlpacaAdapter(scope, context, status)
 
 
 def _make_extension(

@@ -179,6 +179,7 @@ class JsonSignals:
         self._complain = complain
         self._rows: dict[str, list[_Row]] = {}  # By key, in the description's order.
         self._unreadable: set[str] = set()  # Addresses that were told.
+        self._known: set[str] = set()  # Addresses whose last value was one.
         self._gathered = SampleBuffer()  # What was read and is not given out yet.
         self.latest: dict[str, ChannelReading] = {}
         for device_id, device in scope.devices.items():
@@ -243,6 +244,8 @@ class JsonSignals:
                 continue
             # Said to be unknown is an answer, and no value.
             read = True
+            if value is not None:
+                self._known.add(row.address)
             if isinstance(value, str):
                 self._gathered.add_text(row.channel, time_us, value)
             elif value is not None:
@@ -252,6 +255,24 @@ class JsonSignals:
                 if row.sampler is None or row.sampler.accept_sample(time_us, (value,)):
                     self._gathered.add_number(row.channel, time_us, value)
         return read
+
+    def lose_key(self, key: str, time_us: int) -> None:
+        """Make a key's signals unknown, told once: nobody answers for it, or with an error."""
+        for row in self._rows.get(key, []):
+            self.latest.pop(row.address, None)
+            if row.address not in self._known:
+                continue
+            self._known.discard(row.address)
+            if row.sampler is not None:
+                row.sampler.forget_values()
+            if row.signal.type is SignalType.TEXT:
+                self._gathered.add_text(row.channel, time_us, "")
+            else:
+                self._gathered.add_number(row.channel, time_us, math.nan)
+
+    def holds_states(self, key: str) -> bool:
+        """Tell whether a key's values are counted as states."""
+        return any(row.signal.type is SignalType.STATE for row in self._rows.get(key, []))
 
     def gather_due(self, time_us: int) -> None:
         """Let held-back values out whose turn has come; ``time_us`` is now, by the wall clock."""

@@ -34,12 +34,14 @@ class DeviceEndpoints(NamedTuple):
         there: something of it is offered.
         nodes: who says its values; empty where nobody does, or where that cannot be told.
         askable: those of them that can be asked.
+        nameless: something is offered by a node that has never told its name.
 
     """
 
     there: bool
     nodes: frozenset[str] = frozenset()
     askable: frozenset[str] = frozenset()
+    nameless: bool = False
 
 
 _NOTHING = DeviceEndpoints(there=False)
@@ -125,7 +127,14 @@ class DevicePresence:
         # 0: never heard, or never answered.
         words = [heard_ns.get(topic, 0) for topic in there]
         words += [self._answered_ns.get(node, 0) for topic in there for node in offers[topic].nodes]
-        if there and all(topic in self._away for topic in there):
+        # Every ROS 2 node tells its name once to whoever joins, so who is silent and has no name
+        # has never reached us, though the graph, which goes another way, shows its topics. Nobody
+        # can ask it anything: without this, that would last for good.
+        if there and all(
+            topic in self._away
+            or (offers[topic].nameless and now_ns - heard_ns.get(topic, 0) >= ASK_NS)
+            for topic in there
+        ):
             self._deaf = True
         elif any(now_ns - word < SPOKEN_NS for word in words if word):
             self._deaf = False

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.assembly.signal import ThreadSafeSignal
+from talaia.gateway.fits.frame_arrivals import FrameArrivals
 from talaia.gateway.persistence import lock_folder
 from talaia.gateway.uplink.event_reporter import EventReporter
 from talaia.gateway.uplink.send_lanes import SendLanes
@@ -38,6 +39,7 @@ class FoundationPart(GatewayPart):
         file_waiting: set when a recording or a picture waits for the hub.
         events: takes what is worth writing down, from any thread.
         streams_changed: emitted when other camera streams are wanted than before.
+        arrivals: hands the next FITS file of a camera to whoever waits for it.
         file_thread: for pictures and recordings, whose disk work is large.
 
     """
@@ -62,6 +64,7 @@ class FoundationPart(GatewayPart):
         self.frame_waiting = asyncio.Event()
         # The lanes wake the link; both live on the loop.
         self.lanes = SendLanes(self.frame_waiting.set)
+        self.arrivals = FrameArrivals()
         self.file_waiting = asyncio.Event()
         self.events = EventReporter(loop=self.loop, clock=clock, lanes=self.lanes)
         # Made here, for parts that come early emit it and one that comes late receives.

@@ -29,7 +29,7 @@ class NoticesPart(GatewayPart):
         adapters: AdaptersPart,
         uplink: UplinkPart,
     ) -> None:
-        """Hear of every enclosure."""
+        """Hear of every enclosure, and of what calls somebody by night."""
         self._notices: OwnNotices | None = None
         if base.settings.notices is not None:
             self._notices = OwnNotices(
@@ -42,6 +42,10 @@ class NoticesPart(GatewayPart):
             )
             # Of every enclosure, whatever the hub of this link takes.
             adapters.output.subscribe_enclosures(self._notices.hear_enclosure)
+            if (service := uplink.night.service) is not None:
+                service.calls.subscribe_calls(
+                    self._notices.raise_notice, self._notices.clear_notice
+                )
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Send what is due."""

@@ -11,7 +11,7 @@ from talaia.gateway.errors import SettingsError
 from talaia.gateway.recording.recorders import TriggeredRecorder
 from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.gateway.uplink.files import FileLane
-from talaia.gateway.video.camera import ABLE
+from talaia.gateway.video.camera import can_film
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -127,7 +127,7 @@ class RecordingPart(GatewayPart):
     def _make_film_recorder(
         self, plan: Recording, site: Site, store: RecordingStore, recorders: TriggeredRecorder
     ) -> FilmRecorder | None:
-        if not ABLE:
+        if not can_film():
             # Only cameras are missing then: messages are recorded all the same.
             if site.filmed_cameras():
                 log.warning("cameras cannot be filmed here: install talaia[camera]")

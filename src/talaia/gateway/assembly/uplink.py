@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.adapters import AdaptersPart
     from talaia.gateway.assembly.detection import DetectionPart
     from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.assembly.night import NightPart
     from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.reload import ReloadPart
     from talaia.gateway.assembly.samples import SamplesPart
@@ -28,7 +29,13 @@ __all__ = ["UplinkPart"]
 
 
 class UplinkPart(GatewayPart):
-    """Attributes: dispatcher: gives each message of the hub to whom it concerns."""
+    """See the module.
+
+    Attributes:
+        dispatcher: gives each message of the hub to whom it concerns.
+        night: what observes by itself, of which the hub is told.
+
+    """
 
     def __init__(
         self,
@@ -42,8 +49,10 @@ class UplinkPart(GatewayPart):
         detection: DetectionPart,
         actuation: ActuationPart,
         reload: ReloadPart,
+        night: NightPart,
     ) -> None:
         """Dial nobody yet."""
+        self.night = night
         self._base, self._samples, self._reload = base, samples, reload
         self._recording, self._video = recording, video
         self.dispatcher = MessageDispatcher(
@@ -60,6 +69,7 @@ class UplinkPart(GatewayPart):
             pictures=video.pictures,
             taps=taps.service,
             reporter=detection.reporter,
+            night=night.service,
         )
         base.streams_changed.connect(self.dispatcher.update_watched_streams)
         self._hub = HubConnection(

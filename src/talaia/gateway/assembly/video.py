@@ -53,7 +53,11 @@ class VideoPart(GatewayPart):
         )
         # What an earlier run could not send is taken up again.
         self.outbox = ArchiveOutbox(
-            settings.data / "outbox", settings.outbox_bytes, base.announce_file
+            settings.data / "outbox",
+            settings.outbox_bytes,
+            base.announce_file,
+            base.arrivals.notice_file,
+            kept=base.arrivals.note_kept,
         )
         # In a folder of its own, so that half a picture is never taken for a whole one.
         self.frame_taker = FitsFrameWriter(

@@ -41,7 +41,12 @@ HELD_KINDS = frozenset({DeviceKind.DOME, DeviceKind.TELESCOPE, DeviceKind.CAMERA
 
 
 class CommandService:
-    """Takes asks from the hub and sees each to its end."""
+    """Takes asks from the hub and sees each to its end.
+
+    Attributes:
+        holders: who acts on which device; whoever acts for longer than a command enters here.
+
+    """
 
     def __init__(
         self,
@@ -79,8 +84,7 @@ class CommandService:
         self._waiting: dict[str, asyncio.Task[None]] = {}
         # Whoever waits in `perform_command` for the end of a command of the gateway's own.
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
-        # Who acts on which device, against whom nobody else acts unasked.
-        self._holders = DeviceHolders()
+        self.holders = DeviceHolders()
         writer.compact_journal(self._book.all_states())
 
     def command_state(self, command_id: str) -> CommandState | None:
@@ -115,19 +119,21 @@ class CommandService:
         for state in self._book.interrupted:
             self._send(state)
         self._book.interrupted.clear()
-        for holder in self._holders.all_holders():
+        for holder in self.holders.all_holders():
             if (under_way := self._book.find_state(holder.id)) is not None:
                 self._send_state(under_way)
 
-    async def perform_command(self, ask: CommandRequest, within: float | None) -> CommandState:
-        """Act on a command of the gateway's own, which no interlock refuses.
+    async def perform_command(
+        self, ask: CommandRequest, within: float | None, *, guarded: bool = False
+    ) -> CommandState:
+        """Act on a command of the gateway's own; unless ``guarded`` no interlock refuses it.
 
         Gives how it ended, or how it stands after ``within`` (s).
         """
         ended: asyncio.Future[CommandState] = asyncio.get_running_loop().create_future()
         self._ends[ask.id] = ended
         try:
-            await self.handle_request(ask, guarded=False)
+            await self.handle_request(ask, guarded=guarded)
             await asyncio.wait([ended], timeout=within)
             if ended.done():
                 return ended.result()
@@ -188,6 +194,7 @@ class CommandService:
         self._send_state(state, over)
         if guarded:
             self._guard.command_began(ask.device, ask.command, ask.who)
+            self.holders.announce_command(ask.device, ask.who)
         if guarded and self._guard.hold_for(ask.device, ask.command) is not None:
             waiting = asyncio.ensure_future(self._wait_outcome(ask, command, fields, named))
             self._waiting[ask.id] = waiting
@@ -203,12 +210,12 @@ class CommandService:
         if barred:
             self._move_command(ask.id, CommandPhase.REFUSED, message=barred)
             return True
-        holder = self._holders.holder_against(ask.device, ask.who) if guarded else None
+        holder = self.holders.holder_against(ask.device, ask.who) if guarded else None
         if holder is None or never_asks(self._site, ask.device, ask.command):
             return False
         if holder.id == ask.over and not holder.safety:
             log.info("%s interrupts %s of %s", ask.who, holder.doing, holder.who)
-            self._holders.let_interrupt(holder.id)
+            self.holders.let_interrupt(holder.id)
             return False
         why = f"{holder.words} (since {holder.acting_s(self._clock.monotonic_ns()):.0f} s)"
         blocked_by = "" if holder.safety else holder.id
@@ -226,14 +233,14 @@ class CommandService:
         if device.kind not in HELD_KINDS or (not guarded and ask.who.startswith("follow ")):
             return over
         now_ns = self._clock.monotonic_ns()
-        self._holders.add_holder(
+        self.holders.add_holder(
             DeviceHolder(ask.id, ask.device, doing, ask.who, now_ns, safety=not guarded)
         )
         return over
 
     def _interrupt_holder(self, ask: CommandRequest, doing: str) -> str:
         """Take the device out of the hands that may be interrupted; give whose, in words."""
-        holder = self._holders.interrupt_holder(ask.over)
+        holder = self.holders.interrupt_holder(ask.over)
         if holder is None:
             return ""
         # Who asked for it sees what became of it, and all others that they act no longer.
@@ -244,7 +251,7 @@ class CommandService:
 
     def _send_state(self, state: CommandState, over: str = "") -> None:
         """Tell the hub where a command stands, and who acts by it."""
-        holder = None if state.phase in FINAL else self._holders.find_holder(state.id)
+        holder = None if state.phase in FINAL else self.holders.find_holder(state.id)
         if holder is not None:
             seconds = holder.acting_s(self._clock.monotonic_ns())
             state = replace(state, acting=holder.words[:2000], acting_s=seconds)
@@ -326,7 +333,7 @@ class CommandService:
             return
         self._send_state(state)
         if phase in FINAL:
-            self._holders.release_holder(command_id)
+            self.holders.release_holder(command_id)
             self._actions.forget_timer(command_id)
             self._waiting.pop(command_id, None)
             self._guard.command_ended(state.device)

@@ -6,9 +6,12 @@ else has a hold that lasts longer than a command (a night's executor) takes one 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
 
 __all__ = ["DeviceHolder", "DeviceHolders"]
 
@@ -53,6 +56,17 @@ class DeviceHolders:
         self._holders: dict[str, DeviceHolder] = {}
         # Those that somebody was let act over, until the new one holds the device.
         self._interruptible: set[str] = set()
+        # Told of each command that somebody asked for and that was accepted: device, who.
+        self._listeners: list[Callable[[str, str], None]] = []
+
+    def subscribe_commands(self, listener: Callable[[str, str], None]) -> None:
+        """Tell a part of the gateway of each command that was asked for and accepted."""
+        self._listeners.append(listener)
+
+    def announce_command(self, device: str, who: str) -> None:
+        """Take in that a command of somebody begins, held for or not."""
+        for listener in self._listeners:
+            listener(device, who)
 
     def add_holder(self, holder: DeviceHolder) -> None:
         """Take in that somebody acts from now on."""
@@ -81,6 +95,13 @@ class DeviceHolders:
     def all_holders(self) -> list[DeviceHolder]:
         """Give all who act, in the order in which they began."""
         return list(self._holders.values())
+
+    def other_holder(self, devices: Collection[str], who: str) -> str:
+        """Name a person who acts on one of these devices now, other than ``who``; empty: nobody."""
+        for holder in self._holders.values():
+            if holder.device in devices and holder.who != who and not holder.safety:
+                return holder.who
+        return ""
 
     def find_holder(self, holder_id: str) -> DeviceHolder | None:
         """Give one who acts, by the id."""

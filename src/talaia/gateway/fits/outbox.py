@@ -29,18 +29,28 @@ log = logging.getLogger(__name__)
 class ArchiveOutbox:
     """The folder. Its methods block; each may be called from any thread."""
 
-    def __init__(self, folder: Path, most_bytes: int, wake: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        most_bytes: int,
+        wake: Callable[[], None],
+        notice: Callable[[Path, str], None] = lambda _made, _device: None,
+        *,
+        kept: Callable[[str, str], None] = lambda _device, _digest: None,
+    ) -> None:
         """Keep at most so many bytes; the oldest give way, and that is logged.
 
         Args:
             folder: made if it is not there.
             most_bytes: see above.
             wake: called, from the thread that puts, when there is something new.
+            notice: called before that, with each file and its device, while the file is there.
+            kept: called, from the same thread, with the device and SHA-256 of each that is kept.
 
         """
         self._folder = folder
         self._most = most_bytes
-        self._wake = wake
+        self._wake, self._notice, self._kept = wake, notice, kept
         # Files are added, dropped and counted by one thread at a time.
         self._turn = threading.Lock()
 
@@ -53,6 +63,7 @@ class ArchiveOutbox:
         """
         self._folder.mkdir(parents=True, exist_ok=True)
         digest, size = _digest_file(made)
+        self._notice(made, device)
         # Names sort by time, so that the oldest goes first.
         name = f"{time_us:016x}{secrets.token_hex(8)}"
         offer = ArchiveOffer(
@@ -62,6 +73,7 @@ class ArchiveOutbox:
             self._make_room(size)
             made.replace(self._folder / f"{name}.bin")
             write_whole(self._folder / f"{name}.json", msgspec.json.encode(offer))
+        self._kept(device, digest)
         self._wake()
 
     def offers(self) -> list[ArchiveOffer]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
 from talaia.model.connection import ProcessSource, source_as
+from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import ArgumentType, SignalType
 
 if TYPE_CHECKING:
@@ -185,7 +186,10 @@ def _split_arguments(where: str, command: Command, parameters: object) -> dict[s
     text = str(parameters).strip()
     arguments = command.arguments
     # A single text is taken as it is, with its quotes and spaces.
-    if len(arguments) == 1 and next(iter(arguments.values())).type is ArgumentType.TEXT:
+    if len(arguments) == 1 and next(iter(arguments.values())).type in {
+        ArgumentType.TEXT,
+        *LIST_TYPES,
+    }:
         return {next(iter(arguments)): text} if text else {}
     try:
         words = shlex.split(text)
@@ -203,8 +207,6 @@ def _split_arguments(where: str, command: Command, parameters: object) -> dict[s
 
 def _read_typed(where: str, name: str, kind: ArgumentType, word: str) -> Field:
     match kind:
-        case ArgumentType.TEXT:
-            return word
         case ArgumentType.BOOLEAN:
             if word.lower() in ("on", "true", "1"):
                 return True
@@ -217,3 +219,5 @@ def _read_typed(where: str, name: str, kind: ArgumentType, word: str) -> Field:
             except ValueError:
                 problem = f"{where}: {name}: expected a number, found {word[:60]!r}"
                 raise LegacyRequestError(problem) from None
+        case _:
+            return word

@@ -109,7 +109,7 @@ class DescriptionReload:
         before, after = self.now.site, next_.site
         renamed = list_renames(before, after)
         # What records is made once: another plan needs another gateway.
-        if after.recording != before.recording:
+        if after.recording != before.recording or _night_differs(before, after):
             self._begin_again(after)
             return
         # What may fail comes first.
@@ -128,3 +128,14 @@ class DescriptionReload:
         for follower in self._followers:
             follower.redescribe(after)
         self._actuation.timer.reset_timer()
+
+
+def _night_differs(before: Site, after: Site) -> bool:
+    """Tell whether a night would be run otherwise: it begins anew then, from rest."""
+    if before.night is None and after.night is None:
+        return False
+    return (before.night, before.place, before.enclosures) != (
+        after.night,
+        after.place,
+        after.enclosures,
+    )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia import __version__
 from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.video.camera import can_film
 from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import DescriptionUpdate, Hello
 from talaia.wire.sealing import compress_text
@@ -74,6 +75,9 @@ class PreparedDescription(NamedTuple):
 def prepare_description(site: Site, source: str) -> PreparedDescription:
     """Make ready what takes long; any thread."""
     addresses = [channel.address for channel in site.channels()]
+    if any(device.streams for device in site.devices.values()):
+        # Here and not where the first camera is made: driving frames go on meanwhile.
+        can_film()
     return PreparedDescription(site, source, dump_site(site), catalogue_of(site), addresses)
 
 

@@ -18,7 +18,7 @@ from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.site_checks import check_site
 from talaia.model.derived_signals import with_counts
-from talaia.model.errors import DescriptionError
+from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.yaml_text.load import site_in
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import ChangePhase, ChangeState, DescriptionProblem
@@ -39,6 +39,8 @@ __all__ = ["ChangeRefused", "ChangeRequests"]
 log = logging.getLogger(__name__)
 # Between two looks at the file, s.
 LOOK_S = 0.5
+# A look at the file that takes longer is told of: a disk or a network drive that does not answer.
+SLOW_LOOK_S = 10.0
 # So often it is looked whether what hinders a change is over.
 AGAIN_S = 0.05
 # Zeros last for ten seconds at the most; a device whose zeros never end is not to hold up others.
@@ -129,12 +131,26 @@ class ChangeRequests:
         while True:
             await asyncio.sleep(LOOK_S)
             try:
-                text = await asyncio.to_thread(self._file.read_change)
+                text = await self._look_at(self._file)
             except DescriptionError as error:
                 self._report_refused(_refusal_of(error))
                 continue
             if text is not None:
                 await self._follow_text(text)
+
+    async def _look_at(self, file: DescriptionFile) -> str | None:
+        # A thread that hangs in a system call cannot be ended: it is waited for, and told of once.
+        look = asyncio.ensure_future(asyncio.to_thread(file.read_change))
+        done, _ = await asyncio.wait({look}, timeout=SLOW_LOOK_S)
+        if done:
+            return look.result()
+        what = f"has not been answered for {SLOW_LOOK_S:g} s by where it is kept"
+        slow = NotReadable(str(file.path), what, "what counted before goes on")
+        self._report_refused(_refusal_of(slow))
+        text = await look
+        log.warning("the description's file is answered again")
+        self._clear_problem()
+        return text
 
     async def _follow_text(self, text: str) -> None:
         file = self._file

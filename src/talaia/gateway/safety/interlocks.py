@@ -152,6 +152,17 @@ class Interlocks:
             sighted=lambda sighting: self.conditions.sighting_holds(sighting, now_ns),
         )
 
+    def closing_reason(self, enclosure: str) -> str:
+        """Say why an enclosure has to be closed, as it was judged last; empty: it may be open."""
+        return self._closing_reason(enclosure)
+
+    def attend_devices(self, attended: Callable[[str], bool]) -> None:
+        """Let a part of the gateway look after devices without a hub, while it says that it does.
+
+        The link-loss policy of such a device waits; it is due at once when nobody attends any more.
+        """
+        self._losses.attended = attended
+
     def speed_share(self, device: str, now_ns: int) -> float:
         """Say at which share of its limits a device may be driven now, 0 to 1."""
         target, share = f"{device}/drive", 1.0

@@ -27,6 +27,8 @@ class LinkLosses:
 
     Attributes:
         lost_ns: since when there is no link (monotonic); none while there is one.
+        attended: whether something at the gateway looks after a device without the hub, so that
+            its policy waits.
 
     """
 
@@ -34,6 +36,7 @@ class LinkLosses:
         """Start without a link."""
         # From the start: a gateway that never finds its hub is as alone as one that lost it.
         self.lost_ns: int | None = now_ns
+        self.attended: Callable[[str], bool] = lambda _device: False
         self._site = site  # Its enclosures, to know which commands are theirs.
         self._policies = _link_policies(site)  # By device; those without a policy are not in it.
         # Devices whose policy has been carried out in this loss: each is, once.
@@ -76,6 +79,8 @@ class LinkLosses:
             return []
         lost_for, found = age_ns(self.lost_ns), []
         for device, policy in self._policies.items():
+            if self.attended(device):
+                continue
             if device not in self._acted and lost_for >= round(policy.after * SECOND):
                 # Marked before it is run: what fails is not begun again by the next look; roofs
                 # have their guards for that.

@@ -90,6 +90,10 @@ class Sampler:
         self._keep_values(time_us, held)
         return held
 
+    def forget_values(self) -> None:
+        """Begin anew: what was kept or held counts no longer."""
+        self._values = self._held = None
+
     def _keep_values(self, time_us: int, values: Values) -> bool:
         self._values, self._at_us, self._held = values, time_us, None
         return True

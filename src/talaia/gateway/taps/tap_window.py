@@ -19,6 +19,8 @@ _MORE = 32 * 1024
 # The soonest forgets itself slowly, for paths change.
 _FORGET = 1.0005
 _LEAST_PIECE, _MOST_PIECE = 16 * 1024, 64 * 1024
+# Between two receipts (bytes): each costs the hub a frame, and the window is counted in them.
+_MOST_UNMARKED = 256 * 1024
 # Pieces of a window: so many may be under way one behind the other.
 _PIECES = 4
 
@@ -63,7 +65,7 @@ class TapWindow:
         """Count bytes that go; give the number of a receipt to ask for behind them, if any."""
         self._under_way += size
         self._unmarked += size
-        if self._unmarked < min(_MOST_PIECE, self._window / _PIECES):
+        if self._unmarked < min(_MOST_UNMARKED, self._window / _PIECES):
             return None
         self._numbers += 1
         self._marks[self._numbers] = now_us, self._unmarked

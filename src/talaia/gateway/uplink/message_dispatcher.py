@@ -18,9 +18,15 @@ from talaia.wire.frames import (
     KeyframeRequest,
     LeaseForceRequest,
     LeaseRequest,
+    NightArmRequest,
+    NightDisarmRequest,
+    NightPhase,
+    NightState,
+    ObservationAck,
     OverrideRequest,
     ReconnectRequest,
     RecordingRequest,
+    RequestSync,
     ResendRequest,
     ResetRequest,
     SightingReport,
@@ -34,6 +40,7 @@ if TYPE_CHECKING:
     from talaia.gateway.actuation import Actuation
     from talaia.gateway.adapters.connectivity import DeviceReachability
     from talaia.gateway.detection.sighting_reports import DetectionReporter
+    from talaia.gateway.night.night_service import NightService
     from talaia.gateway.ports import Adapter, CommandOutcome, EventSink
     from talaia.gateway.recording.recorders import TriggeredRecorder
     from talaia.gateway.reload.requests import ChangeRequests
@@ -47,6 +54,8 @@ if TYPE_CHECKING:
 __all__ = ["MessageDispatcher"]
 
 log = logging.getLogger(__name__)
+# What a hub that goes by the night takes.
+_NIGHT = NightState.__struct_config__.tag
 
 
 class MessageDispatcher:
@@ -68,8 +77,10 @@ class MessageDispatcher:
         pictures: PictureUplink,
         taps: TapService,
         reporter: DetectionReporter,
+        night: NightService | None = None,
     ) -> None:
         """Take all who act, the output that tells how it went, and the lanes to the hub."""
+        self._night = night  # None where the site does not observe by itself.
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
         self._taps = taps  # Raw topics, on the media connection, too.
         self._reporter = reporter  # Sightings on their way to the hub.
@@ -110,6 +121,8 @@ class MessageDispatcher:
         self._change_requests.link_up()
         self._taps.link_up(takes=TopicList.__struct_config__.tag in welcome.takes)
         self._reporter.link_up(takes=SightingReport.__struct_config__.tag in welcome.takes)
+        if self._night is not None:
+            self._night.link_up(takes=_NIGHT in welcome.takes)
         self._pacer.reset_timer()
 
     def link_lost(self) -> None:
@@ -175,6 +188,13 @@ class MessageDispatcher:
                 self._reconnect(message)
             case RecordingRequest():
                 self._record(message)
+            case NightArmRequest() | NightDisarmRequest() | RequestSync() | ObservationAck():
+                if self._night is not None:
+                    self._night.handle_message(message)
+                elif isinstance(message, NightArmRequest | NightDisarmRequest):
+                    self._lanes.send(_no_night(message))
+                # Nothing of driving changes by it.
+                return
             case _:
                 log.debug("nothing to do for %s", type(message).__name__)
         # What was done may have changed what is due next.
@@ -203,3 +223,8 @@ class MessageDispatcher:
             self._recorders.begin_recording(asked.who, asked.why, asked.stream)
         else:
             self._recorders.end_recording(asked.who, asked.stream)
+
+
+def _no_night(asked: NightArmRequest | NightDisarmRequest) -> NightState:
+    why = "the site's description says nothing of a night (night:)"
+    return NightState(phase=NightPhase.DISARMED, answer_to=asked.id, refused=why)

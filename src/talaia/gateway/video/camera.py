@@ -8,6 +8,7 @@ a form that nobody wants.
 
 from __future__ import annotations
 
+import functools
 import struct
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -18,15 +19,6 @@ from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thin_pixels
 from talaia.model.connection import RosSource, VideoSource, source_as
 from talaia.wire.frames import PictureForm, PictureFrame
 
-try:
-    from talaia.gateway.video import h264
-    from talaia.gateway.video.camera_film import CameraFilm
-
-    ABLE = h264.can_encode()
-except ImportError:
-    # PyAV is an extra, and without it all is JPEG.
-    ABLE = False
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
@@ -34,9 +26,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.gateway.ports import PictureSink
+    from talaia.gateway.video import h264
+    from talaia.gateway.video.camera_film import CameraFilm
     from talaia.model.site import Source, Stream
 
-__all__ = ["ABLE", "IMAGE", "CapturedFrame", "FrameStamp", "PictureStream"]
+__all__ = ["IMAGE", "CapturedFrame", "FrameStamp", "PictureStream", "can_film"]
 
 # Types of ROS messages; pictures of other cameras come as pixels.
 IMAGE = "sensor_msgs/msg/Image"
@@ -67,6 +61,21 @@ _UNREADABLE = (
     struct.error,
 )
 _PNG = b"\x89PNG"  # How a PNG begins; `CompressedImage` carries both.
+
+
+@functools.cache
+def can_film() -> bool:
+    """Tell whether films can be made here.
+
+    The first call loads PyAV: 15 MiB, and a tenth of a second of the interpreter. A gateway without
+    a camera does without.
+    """
+    try:
+        from talaia.gateway.video import h264
+    except ImportError:
+        # PyAV is an extra, and without it all is JPEG.
+        return False
+    return h264.can_encode()
 
 
 class FrameStamp(NamedTuple):
@@ -123,8 +132,10 @@ class CapturedFrame:
         elif self._kind == COMPRESSED:
             data = bytes(cast("jpeg.CompressedImageFields", message).data)
             if data[:4] == _PNG:
-                if not ABLE:
+                if not can_film():
                     raise FieldError("format", "PNG needs PyAV: install talaia[camera]")
+                from talaia.gateway.video import h264
+
                 self._pixels = h264.png_pixels(data)
             else:
                 self._jpeg = jpeg.jpeg_size(message)
@@ -205,7 +216,7 @@ class PictureStream:
         self._seq = 0  # Numbers the pictures of this camera in this run.
         # Forms that somebody wants now; a form that nobody wants loses its encoder.
         self._rungs: dict[PictureForm, _Rung] = {}
-        self._reel = CameraFilm() if ABLE else None  # None where no encoder is installed.
+        self._reel = _new_film()  # None where no encoder is installed.
 
     def is_due(self, mono_ns: int) -> bool:
         """Tell whether the rate allows a picture now; if so, count it as taken."""
@@ -381,7 +392,9 @@ class PictureStream:
         ):
             # Made for the pace that the line allows: x264 gives each picture its part of a second,
             # and with the camera's own pace a fifth of the line's bits was used at the least.
-            encoder = rung.encoder = h264.Encoder(
+            from talaia.gateway.video.h264 import Encoder
+
+            encoder = rung.encoder = Encoder(
                 width=width,
                 height=height,
                 rate=rate / slower,
@@ -406,14 +419,24 @@ class PictureStream:
 
     def _film_size(self, pixels: Pixels, form: PictureForm, rate: float) -> tuple[int, int, int]:
         """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
+        from talaia.gateway.video.h264 import bits_for
+
         most = self._stream.width or pixels.width
         if form is PictureForm.H264_SMALL:
             most = min(most, SMALL_PX)
         by = max(1, -(-pixels.width // most))
         # H.264 4:2:0 wants even sizes; 16 px is the least block.
         width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
-        bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
+        bits = self._stream.kbits * 1000 or bits_for(width, height, rate)
         return width, height, min(bits, SMALL_BITS) if form is PictureForm.H264_SMALL else bits
+
+
+def _new_film() -> CameraFilm | None:
+    if not can_film():
+        return None
+    from talaia.gateway.video.camera_film import CameraFilm
+
+    return CameraFilm()
 
 
 def _encoder_fits(
@@ -436,7 +459,7 @@ def _pair_forms(asked: Collection[str]) -> dict[PictureForm, list[str]]:
     made: dict[PictureForm, list[str]] = {}
     for form in sorted(set(asked) & set(PictureForm)):
         as_form = PictureForm(form)
-        if not ABLE:
+        if not can_film():
             as_form = {
                 PictureForm.H264: PictureForm.JPEG,
                 PictureForm.H264_SMALL: PictureForm.JPEG_SMALL,

@@ -153,7 +153,9 @@ class WatchdogProcess:
             if now < self._begin_s:
                 return
             _log_message(
-                "the gateway is dead or stands still: closing by the enclosures' own commands"
+                "the gateway is dead or stands still"
+                f" (nothing heard for {self._silence.silent_s:.2f} s):"
+                " closing by the enclosures' own commands"
             )
             self._closing = subprocess.Popen(
                 [sys.executable, "-m", "talaia.gateway.watchdog.closing"],

@@ -39,6 +39,11 @@ class SilenceTimer:
         self._dismissed = False
         self._closed = False
 
+    @property
+    def silent_s(self) -> float:
+        """Silence so far, as it is counted (s)."""
+        return self._silent_s
+
     def hear_beat(self) -> None:
         """Take a sign of life: whatever was being closed is the gateway's matter again."""
         self._silent_s = 0.0

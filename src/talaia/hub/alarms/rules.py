@@ -38,6 +38,8 @@ class Rule:
         quiet_to: and end at this one.
         quiet_least: alarms at least so bad come in quiet hours too.
         group_s: what follows within this time comes in one message (s).
+        own_requests: told also when a request of theirs is done, or has failed.
+        nights: told also how a night that runs by itself has ended, and when it needs somebody.
 
     """
 
@@ -54,6 +56,8 @@ class Rule:
     # IANA name of the time zone by which quiet hours count.
     zone: str
     group_s: int
+    own_requests: bool = False
+    nights: bool = False
 
 
 def rule_matches(rule: Rule, site: str, severity: Severity, happened: Happened) -> bool:

@@ -31,15 +31,22 @@ __all__ = [
     "Facts",
     "Looks",
     "NotKept",
+    "TooMuchToRead",
     "facts_of",
     "looks_of",
     "preview_of",
+    "unread_facts",
 ]
 
 # What pages may ask for; the first is what they ask for by themselves.
 STRETCHES = ("asinh", "linear", "log")
-# As the header says, before any memory is taken for them.
+# As the header says, before any memory is taken for them; and so many bytes of them, for a pixel
+# may have eight.
 MOST_PIXELS = 250_000_000
+MOST_BYTES = 1_000_000_000
+# What a file begins with (FITS 4.0, 4.4.1.1). astropy opens more than that, by itself: what gzip
+# and others have packed, and unpacks it whole.
+_FIRST_CARD = b"SIMPLE  ="
 PREVIEW_PX, SMALL_PX = 1024, 320
 BINS = 64
 _MOST_CARDS = 600  # shown of a header
@@ -48,6 +55,10 @@ _SAMPLE = 200_000  # pixels that statistics and histogram are made of, evenly sp
 
 class NotKept(HubError):
     """A file that cannot go into the archive."""
+
+
+class TooMuchToRead(HubError):
+    """A file that may be a picture in FITS, and takes more to read than may be had."""
 
 
 class Facts(NamedTuple):
@@ -138,6 +149,12 @@ def facts_of(path: Path) -> Facts:
         )
 
 
+def unread_facts(why: str) -> Facts:
+    """Give what is said of a file that could not be read."""
+    unknown = math.nan
+    return Facts(0, "", "", "unknown", unknown, unknown, unknown, 0, 0, (f"not read: {why}",))
+
+
 def looks_of(path: Path) -> Looks:
     """Give statistics, histogram and header cards (keyword, value, comment).
 
@@ -217,11 +234,16 @@ def _open_fits(path: Path, said: list[str] | None = None) -> Iterator[Any]:
         from astropy.io import fits
     except ImportError as error:
         raise NotKept("the hub cannot read FITS: install talaia[observatory]") from error
+    with path.open("rb") as file:
+        if file.read(len(_FIRST_CARD)) != _FIRST_CARD:
+            raise NotKept("it is not a FITS file: its first card is not SIMPLE")
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             # Every part is read now, so that what is wrong with any of them is said here.
             hdus = fits.open(path, mode="readonly", memmap=False, lazy_load_hdus=False)
+    except MemoryError:
+        raise
     except Exception as error:
         # A damaged or hostile header can raise nearly anything in astropy.
         raise NotKept(f"it is not a FITS file: {error}") from error
@@ -231,7 +253,7 @@ def _open_fits(path: Path, said: list[str] | None = None) -> Iterator[Any]:
         warnings.simplefilter("ignore")
         try:
             yield hdus
-        except NotKept:
+        except (NotKept, MemoryError):
             raise
         except Exception as error:
             raise NotKept(f"it cannot be read: {type(error).__name__}: {error}"[:500]) from error
@@ -271,6 +293,8 @@ def _find_picture(hdus: Any) -> Any:  # noqa: ANN401
             continue
         if math.prod(shape) > MOST_PIXELS or min(shape) < 1:
             raise NotKept(f"a picture of {'x'.join(map(str, shape))} pixels is not kept")
+        if math.prod(shape) * abs(int(hdu.header.get("BITPIX", 64))) // 8 > MOST_BYTES:
+            raise NotKept(f"a picture of more than {MOST_BYTES} bytes is not kept")
         return hdu
     raise NotKept("there is no picture in it")
 
@@ -278,6 +302,8 @@ def _find_picture(hdus: Any) -> Any:  # noqa: ANN401
 def _read_plane(hdu: Any) -> NDArray[np.float64]:  # noqa: ANN401
     try:
         data = hdu.data
+    except MemoryError:
+        raise
     except Exception as error:
         raise NotKept(f"its picture cannot be read: {error}") from error
     if data is None:

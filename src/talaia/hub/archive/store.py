@@ -10,102 +10,76 @@ import logging
 import math
 import os
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import func, insert, or_, select
 
-from talaia.hub.archive.fits_reader import Facts, Looks, facts_of, looks_of, preview_of
+from talaia.hub.archive.fits_process import FitsProcess
+from talaia.hub.archive.fits_reader import Facts, Looks, TooMuchToRead, unread_facts
+from talaia.hub.archive.frame_rows import (
+    ArchivedFrame,
+    Cone,
+    HookState,
+    MeasureState,
+    Night,
+    Wanted,
+    row_to_frame,
+)
 from talaia.hub.archive.night import night_of
 from talaia.hub.store.tables import frames as table
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import AsyncIterator, Collection
     from pathlib import Path
 
-    from sqlalchemy import RowMapping, Select
+    from sqlalchemy import Select
 
     from talaia.hub.store.database import Database
     from talaia.wire.frames import ArchiveOffer
 
-__all__ = ["Archive", "ArchivedFrame", "Cone", "Night", "Wanted"]
+__all__ = ["Archive"]
 
 log = logging.getLogger(__name__)
 _MOST_ROWS = 5_000  # that a search by place reads at once
 _MOST_CACHED = 64  # previews and looks at once
 
 
-class ArchivedFrame(NamedTuple):
-    """One picture. Names are those of `fits_reader.Facts`.
+class Archive:
+    """See the module. ``folder`` is below the hub's data folder.
 
     Attributes:
-        night: local date at which its night began.
-        name: of the file, for people.
+        arrived: set with each new picture; cleared by whoever measures them.
 
     """
 
-    id: int
-    site: str
-    device: str
-    night: str
-    name: str
-    time_us: int
-    target: str
-    filter: str
-    kind: str
-    exposure_s: float
-    ra_deg: float
-    dec_deg: float
-    width: int
-    height: int
-    bytes: int
-    digest: str
-    problems: tuple[str, ...]
+    def __init__(
+        self,
+        database: Database,
+        folder: Path,
+        most_rows: int = _MOST_ROWS,
+        *,
+        hooked: bool = False,
+        reader: FitsProcess | None = None,
+    ) -> None:
+        """Keep files in ``folder``, by site and night; read ``most_rows`` at once.
 
-
-class Night(NamedTuple):
-    """A night and what it brought."""
-
-    night: str
-    frames: int
-    bytes: int
-
-
-class Cone(NamedTuple):
-    """A place on the sky (J2000) and how far round it (all in degrees)."""
-
-    ra_deg: float
-    dec_deg: float
-    radius_deg: float
-
-
-class Wanted(NamedTuple):
-    """What is looked for; empty words and none mean anything."""
-
-    night: str = ""
-    target: str = ""
-    filter: str = ""
-    kind: str = ""
-    from_us: int = 0
-    to_us: int = 2**62
-    cone: Cone | None = None
-
-
-class Archive:
-    """See the module. ``folder`` is below the hub's data folder."""
-
-    def __init__(self, database: Database, folder: Path, most_rows: int = _MOST_ROWS) -> None:
-        """Keep files in ``folder``, by site and night; read ``most_rows`` at once."""
+        ``reader`` reads them. ``hooked``: new pictures wait to be handed over to the owner's hook.
+        """
+        self.arrived = asyncio.Event()
+        self._hooked = hooked
         self._database = database
         self._folder = folder
         self._most_rows = most_rows
-        # Pictures are large: one at a time is looked at.
-        self._looking = asyncio.Semaphore(1)
+        # Pictures are large, and a gateway's word: one at a time is read, by another process.
+        self._reader = FitsProcess() if reader is None else reader
         self._cached: dict[tuple[int, str], bytes | Looks] = {}  # by picture and form; oldest first
 
     async def archive_file(
         self, site: str, zone: str, offer: ArchiveOffer, path: Path
     ) -> ArchivedFrame:
         """Check a file that has come whole, and put it in; it is moved.
+
+        One that takes more memory or time to read than may be had is kept unread, and marked.
 
         Raises:
             NotKept: it is not a picture in FITS.
@@ -117,8 +91,11 @@ class Archive:
         if known is not None:
             await asyncio.to_thread(path.unlink, missing_ok=True)
             return known
-        async with self._looking:
-            facts = await asyncio.to_thread(facts_of, path)
+        try:
+            facts = await self._reader.read_facts(site, path)
+        except TooMuchToRead as error:
+            # It may be all that there is of a night.
+            facts = unread_facts(str(error))
         time_us = facts.time_us or offer.time_us
         facts = facts._replace(time_us=time_us)
         night = night_of(time_us, zone)
@@ -143,11 +120,15 @@ class Archive:
             "bytes": offer.size,
             "digest": offer.digest,
             "problems": "\n".join(facts.problems)[:4000],
+            # What could not be read is not measured either.
+            "measured": MeasureState.WAITS if facts.width else MeasureState.OLD,
+            "hook": HookState.WAITS if self._hooked else HookState.NONE,
         }
         async with self._database.write() as connection:
             await connection.execute(insert(table).values(**row))
         kept = await self._of_digest(site, offer.digest)
         assert kept is not None  # noqa: S101 - it was just written
+        self.arrived.set()
         return kept
 
     async def list_nights(self, site: str, devices: Collection[str]) -> list[Night]:
@@ -165,35 +146,25 @@ class Archive:
         self, site: str, devices: Collection[str], wanted: Wanted, limit: int
     ) -> tuple[list[ArchivedFrame], bool]:
         """Find pictures of these cameras, newest first, and tell whether there are more."""
-        query = select(table).where(
-            table.c.site == site,
-            table.c.device.in_(devices),
-            table.c.time_us >= wanted.from_us,
-            table.c.time_us <= wanted.to_us,
-        )
-        if wanted.night:
-            query = query.where(table.c.night == wanted.night)
-        if wanted.target:
-            query = query.where(
-                table.c.target_key.contains(wanted.target.casefold(), autoescape=True)
-            )
-        if wanted.filter:
-            query = query.where(table.c.filter == wanted.filter)
-        if wanted.kind:
-            query = query.where(table.c.kind == wanted.kind)
+        query = _query(site, devices, wanted).order_by(table.c.time_us.desc(), table.c.id.desc())
         cone = wanted.cone
-        if cone is not None:
-            query = query.where(
-                table.c.dec_deg >= cone.dec_deg - cone.radius_deg,
-                table.c.dec_deg <= cone.dec_deg + cone.radius_deg,
-            )
-        query = query.order_by(table.c.time_us.desc(), table.c.id.desc())
         most = limit + 1  # one more tells whether there are more
         if cone is None:
             found = await self._read_frames(query.limit(most))
         else:
             found = await self._find_within(query, cone, most)
         return found[:limit], len(found) > limit
+
+    async def each_batch(
+        self, site: str, devices: Collection[str], wanted: Wanted
+    ) -> AsyncIterator[list[ArchivedFrame]]:
+        """Give all pictures that fit, the first that came first, so many at once as are read."""
+        query, last = _query(site, devices, wanted).order_by(table.c.id), 0
+        while batch := await self._read_frames(
+            query.where(table.c.id > last).limit(self._most_rows)
+        ):
+            last = batch[-1].id
+            yield [frame for frame in batch if wanted.cone is None or _in_cone(frame, wanted.cone)]
 
     async def _find_within(self, query: Select[Any], cone: Cone, most: int) -> list[ArchivedFrame]:
         """Find the newest ``most`` in a cone, of a query that gives the newest first."""
@@ -214,14 +185,14 @@ class Archive:
 
     async def _read_frames(self, query: Select[Any]) -> list[ArchivedFrame]:
         async with self._database.read() as connection:
-            return [_frame(row) for row in (await connection.execute(query)).mappings()]
+            return [row_to_frame(row) for row in (await connection.execute(query)).mappings()]
 
     async def find_frame(self, site: str, frame: int) -> ArchivedFrame | None:
         """Find one picture."""
         query = select(table).where(table.c.site == site, table.c.id == frame)
         async with self._database.read() as connection:
             row = (await connection.execute(query)).mappings().first()
-        return None if row is None else _frame(row)
+        return None if row is None else row_to_frame(row)
 
     def frame_path(self, frame: ArchivedFrame) -> Path:
         """Say where its file is."""
@@ -232,12 +203,12 @@ class Archive:
 
         Raises:
             NotKept: the file cannot be read any more.
+            TooMuchToRead: it takes too much to read.
 
         """
         found = self._cached.get((frame.id, ""))
         if not isinstance(found, Looks):
-            async with self._looking:
-                found = await asyncio.to_thread(looks_of, self.frame_path(frame))
+            found = await self._reader.read_looks(frame.site, self.frame_path(frame))
             self._cache_result(frame.id, "", found)
         return found
 
@@ -246,15 +217,20 @@ class Archive:
 
         Raises:
             NotKept: the file cannot be read any more.
+            TooMuchToRead: it takes too much to read.
 
         """
         what = f"{stretch} {px}"
         found = self._cached.get((frame.id, what))
         if not isinstance(found, bytes):
-            async with self._looking:
-                found = await asyncio.to_thread(preview_of, self.frame_path(frame), stretch, px)
+            path = self.frame_path(frame)
+            found = await self._reader.draw_preview(frame.site, path, stretch, px)
             self._cache_result(frame.id, what, found)
         return found
+
+    def forget_looks(self, frame: ArchivedFrame) -> None:
+        """Forget a header that was read: the file has new cards. Its pixels are as before."""
+        self._cached.pop((frame.id, ""), None)
 
     def _cache_result(self, frame: int, what: str, value: bytes | Looks) -> None:
         while len(self._cached) >= _MOST_CACHED:
@@ -265,7 +241,30 @@ class Archive:
         query = select(table).where(table.c.site == site, table.c.digest == digest)
         async with self._database.read() as connection:
             row = (await connection.execute(query)).mappings().first()
-        return None if row is None else _frame(row)
+        return None if row is None else row_to_frame(row)
+
+
+def _query(site: str, devices: Collection[str], wanted: Wanted) -> Select[Any]:
+    query = select(table).where(
+        table.c.site == site,
+        table.c.device.in_(devices),
+        table.c.time_us >= wanted.from_us,
+        table.c.time_us <= wanted.to_us,
+    )
+    if wanted.night:
+        query = query.where(table.c.night == wanted.night)
+    if wanted.target:
+        query = query.where(table.c.target_key.contains(wanted.target.casefold(), autoescape=True))
+    if wanted.filter:
+        query = query.where(table.c.filter == wanted.filter)
+    if wanted.kind:
+        query = query.where(table.c.kind == wanted.kind)
+    if (cone := wanted.cone) is not None:
+        query = query.where(
+            table.c.dec_deg >= cone.dec_deg - cone.radius_deg,
+            table.c.dec_deg <= cone.dec_deg + cone.radius_deg,
+        )
+    return query
 
 
 def _move_durably(path: Path, place: Path) -> None:
@@ -298,28 +297,3 @@ def _in_cone(frame: ArchivedFrame, cone: Cone) -> bool:
     a1, d1, a2, d2 = map(math.radians, (frame.ra_deg, frame.dec_deg, cone.ra_deg, cone.dec_deg))
     half = math.sin((d2 - d1) / 2) ** 2 + math.cos(d1) * math.cos(d2) * math.sin((a2 - a1) / 2) ** 2
     return math.degrees(2 * math.asin(min(1.0, math.sqrt(half)))) <= cone.radius_deg  # haversine
-
-
-def _frame(row: RowMapping) -> ArchivedFrame:
-    def number(key: str) -> float:
-        return math.nan if row[key] is None else float(row[key])
-
-    return ArchivedFrame(
-        row["id"],
-        row["site"],
-        row["device"],
-        row["night"],
-        row["name"],
-        row["time_us"],
-        row["target"],
-        row["filter"],
-        row["kind"],
-        number("exposure_s"),
-        number("ra_deg"),
-        number("dec_deg"),
-        row["width"],
-        row["height"],
-        row["bytes"],
-        row["digest"],
-        tuple(filter(None, row["problems"].split("\n"))),
-    )

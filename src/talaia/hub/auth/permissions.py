@@ -36,13 +36,18 @@ class Right(StrEnum):
     """What a permission allows: ``use`` includes ``view``, and ``admin`` includes all others.
 
     ``tap`` and ``metrics`` stand beside: who has the one may have the robot's raw topics, who has
-    the other may read figures for monitoring, and nothing else by it.
+    the other may read figures for monitoring, and nothing else by it. So do ``request`` (ask for
+    observations in the name of a proposal), ``approve`` (let them be observed, see all of them)
+    and ``arm`` (let the night run by itself).
     """
 
     VIEW = "view"
     USE = "use"
     TAP = "tap"
     METRICS = "metrics"
+    REQUEST = "request"
+    APPROVE = "approve"
+    ARM = "arm"
     ADMIN = "admin"
 
 
@@ -52,6 +57,9 @@ _INCLUDES = {
     Right.USE: frozenset({Right.VIEW, Right.USE}),
     Right.TAP: frozenset({Right.TAP}),
     Right.METRICS: frozenset({Right.METRICS}),
+    Right.REQUEST: frozenset({Right.REQUEST}),
+    Right.APPROVE: frozenset({Right.APPROVE}),
+    Right.ARM: frozenset({Right.ARM}),
     Right.ADMIN: frozenset(Right),
 }
 # Having which rights a right is given.

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 __all__ = [
+    "ALPACA",
     "CLIENT_PROTOCOLS",
     "FOXGLOVE",
     "METRICS",
@@ -24,8 +25,8 @@ class ClientProtocolInfo(NamedTuple):
 
     Attributes:
         title: what people call it.
-        path: where it is served; ``{site}`` stands for the site's short name. Empty where the hub
-            connects, to what it was started with.
+        path: where it is served; ``{site}`` stands for the site's short name. Empty where a
+            file that the hub was started with says it.
         socket: it is a WebSocket (``wss://``), else HTTP.
         tools: what speaks it.
 
@@ -37,6 +38,7 @@ class ClientProtocolInfo(NamedTuple):
     tools: str
 
 
+ALPACA = "alpaca"
 FOXGLOVE = "foxglove"
 METRICS = "metrics"
 MQTT = "mqtt"
@@ -46,6 +48,9 @@ SOCKETIO = "socketio"
 
 # By the short name, which stands in addresses, in the database and in the audit log.
 CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
+    ALPACA: ClientProtocolInfo(
+        "ASCOM Alpaca", "", socket=False, tools="N.I.N.A. and others that speak Alpaca"
+    ),
     FOXGLOVE: ClientProtocolInfo(
         "Foxglove WebSocket",
         "/clients/foxglove/{site}",

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ClientCameras"]
 
-# Single pictures only: not every tool can show a film.
-_ABLE = ("jpeg",)
+# Not every tool can show a film: who wants one asks for it.
+_SINGLE, _FILM = ("jpeg",), ("h264",)
 
 
 class _PictureSink:
@@ -81,41 +81,48 @@ class ClientCameras:
         # A change of rights ends the client's connection, and its views with it.
         self._who = who
         self._site = site
-        # By stream.
-        self._watching: dict[str, asyncio.Task[None]] = {}
+        # By stream, and whether it is looked at as a film.
+        self._watching: dict[tuple[str, bool], asyncio.Task[None]] = {}
 
     def subscribe_stream(
         self,
         stream: str,
         deliver: Callable[[CameraPicture], Awaitable[None]],
         warn: Callable[[str], Awaitable[None]],
+        *,
+        film: bool = False,
     ) -> None:
-        """Hand pictures of ``<device>/<stream>`` to ``deliver``; the newest waits for it."""
-        if stream not in self._watching:
+        """Hand pictures of ``<device>/<stream>`` to ``deliver``; the newest waits for it.
+
+        A ``film`` is H.264: it begins with a picture that needs none before it, and so it goes on
+        where pictures were left out. Of a gateway that makes none, single pictures come.
+        """
+        if (stream, film) not in self._watching:
             # Ended by `unsubscribe_stream`: nobody waits for it.
             sink = _PictureSink(deliver, warn)
-            self._watching[stream] = asyncio.create_task(self._watch_stream(stream, sink))
+            watching = self._watch_stream(stream, sink, _FILM if film else _SINGLE)
+            self._watching[stream, film] = asyncio.create_task(watching)
 
-    def unsubscribe_stream(self, stream: str) -> None:
+    def unsubscribe_stream(self, stream: str, *, film: bool = False) -> None:
         """Look no more."""
         # One that is not looked at is no matter.
-        task = self._watching.pop(stream, None)
+        task = self._watching.pop((stream, film), None)
         if task is not None:
             task.cancel()
 
     def end_views(self) -> None:
         """Look at nothing any more."""
-        for stream in list(self._watching):
-            self.unsubscribe_stream(stream)
+        for stream, film in list(self._watching):
+            self.unsubscribe_stream(stream, film=film)
 
-    async def _watch_stream(self, stream: str, sink: _PictureSink) -> None:
+    async def _watch_stream(self, stream: str, sink: _PictureSink, able: tuple[str, ...]) -> None:
         viewer = Viewer(
             sink,
             who=self._who,
             site=self._site,
             stream=stream,
             now_us=lambda: self._clock.monotonic_ns() // 1000,
-            able=_ABLE,
+            able=able,
             text=False,
         )
         # The first viewer of a stream makes its gateway send it.

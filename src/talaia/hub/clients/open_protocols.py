@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
@@ -32,7 +32,7 @@ _ORIGIN = "an admin has taken this origin from those that are let in"
 # A reading that takes longer than this counts as failed (s).
 _READ_S = 5.0
 # So many times longer between two looks while nobody is connected.
-_SELDOM = 4
+_SELDOM = 20
 
 
 class OpenProtocols:
@@ -50,6 +50,8 @@ class OpenProtocols:
         self._connected: dict[str, dict[EndsConnection, str]] = {
             protocol: {} for protocol in CLIENT_PROTOCOLS
         }
+        # Set when somebody connects whom a change that is not known yet may end.
+        self._somebody = asyncio.Event()
 
     def is_open(self, protocol: str) -> bool:
         """Tell whether an admin has opened a protocol."""
@@ -79,6 +81,7 @@ class OpenProtocols:
         # Also of a protocol that the catalog of this version does not know.
         clients = self._connected.setdefault(protocol, {})
         clients[client] = origin or ""
+        self._somebody.set()
         try:
             yield
         finally:
@@ -106,12 +109,16 @@ class OpenProtocols:
         """Follow what other processes write into the table, until cancelled.
 
         This hub's own changes are read at once. While nobody is connected whom a change would end,
-        it looks more seldom.
+        it looks more seldom; the first who connects has it look soon.
         """
         failing = False
         while True:
-            anybody = any(self._connected.values())
-            await asyncio.sleep(every_s if anybody else every_s * _SELDOM)
+            if not any(self._connected.values()):
+                self._somebody.clear()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(every_s * (_SELDOM - 1)):
+                        await self._somebody.wait()
+            await asyncio.sleep(every_s)
             try:
                 async with asyncio.timeout(_READ_S):
                     await self.reload_table()

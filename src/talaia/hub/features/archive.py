@@ -6,10 +6,15 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.archive import ArchivePages
 from talaia.hub.api.sites.sky import SkyPages
+from talaia.hub.archive.frame_measurer import FrameMeasurer
+from talaia.hub.archive.frame_queues import FrameQueues
+from talaia.hub.archive.hook import ArchiveHook, HookCommand, HookPost
+from talaia.hub.archive.hook_settings import read_archive_hook
 from talaia.hub.archive.store import Archive
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.files.fits_archiver import FitsArchiver
 from talaia.hub.live.files.uploads import Uploads
+from talaia.hub.notify.senders import Sender
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -19,7 +24,7 @@ __all__ = ["ArchiveFeature"]
 
 
 class ArchiveFeature(Feature):
-    """FITS files that gateways send.
+    """FITS files that gateways send: kept, measured, and handed over to the owner's hook.
 
     Attributes:
         frames: those that are kept.
@@ -30,11 +35,28 @@ class ArchiveFeature(Feature):
     name = "archive"
 
     def __init__(self, core: Core, *, audit: Audit) -> None:
-        """Write down in ``audit`` what is kept and what is refused."""
+        """Write down in ``audit`` what is kept and what is refused.
+
+        Raises:
+            CannotStart: the file of the owner's hook cannot be read.
+
+        """
         settings = core.settings
+        folder = settings.data / "archive"
         # Files on their way are in another folder, so that the archive holds whole ones only.
-        self.frames = Archive(core.database, settings.data / "archive")
+        self.frames = Archive(core.database, folder, hooked=settings.archive_hook is not None)
         # By the kind that a gateway's offer names; what has no keeper is refused.
         keepers = {"fits": FitsArchiver(core.sites, self.frames, audit)}
         self.uploads = Uploads(settings.data / "uploads", keepers, settings.file_bytes)
         self.routers = [ArchivePages(self.frames).make_router(), SkyPages().make_router()]
+        queues = FrameQueues(core.database, self.frames)
+        self.tasks = [BackgroundTask(name="measure", run=FrameMeasurer(queues).run)]
+        if settings.archive_hook is not None:
+            told = read_archive_hook(settings.archive_hook)
+            hooked = (
+                HookCommand(told, settings.data)
+                if told.command
+                else HookPost(told, Sender(settings.notify_networks))
+            )
+            hook = ArchiveHook(queues, hooked, audit)
+            self.tasks.append(BackgroundTask(name="hook", run=hook.run))

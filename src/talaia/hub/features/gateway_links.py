@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.description_intake import DescriptionIntake
     from talaia.hub.live.gateways.live_samples import LiveSamples
     from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.observing.night_link import NightLink
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.ports import History
 
@@ -39,6 +40,7 @@ class GatewayLinksFeature(Feature):
         samples: LiveSamples,
         sightings: SightingJournal,
         media: PictureFanout,
+        nights: NightLink,
         history: History,
     ) -> None:
         """Lead what a gateway says to the parts that it is for."""
@@ -50,6 +52,7 @@ class GatewayLinksFeature(Feature):
             sightings=sightings,
             media=media,
             taps=core.taps,
+            nights=nights,
             history=history,
             attendance=gateways.registry.attendance,
             links=gateways.links,

@@ -24,6 +24,7 @@ class NotificationsFeature(Feature):
 
     Attributes:
         sender: sends a message by mail, chat, webhook or push.
+        wake_up: lets it look into the outbox at once.
 
     """
 
@@ -45,7 +46,8 @@ class NotificationsFeature(Feature):
             told=alarms.refresh_troubles,
         )
         # So a message goes out at once, and not at the next look at the outbox.
-        alarms.on_notice(self._delivering.wake_up)
+        self.wake_up = self._delivering.wake_up
+        alarms.on_notice(self.wake_up)
         pages = NotifyPages(store=store, sender=self.sender, audit=audit, clock=core.clock)
         self.routers = [pages.make_router()]
         self.tasks = [BackgroundTask(name="deliver", run=self._delivering.run)]

@@ -87,6 +87,11 @@ class SitePresence:
         """Be online by ``link`` from ``now_us`` on (UTC)."""
         self.link, self.since_us, self.why = link, now_us, ""
 
+    def measure_skew(self, told_us: int, wall_ns: int) -> None:
+        """Note how far the gateway's wall clock is ahead; 0: it does not say."""
+        if told_us:
+            self.skew_ms = round(told_us / 1000 - wall_ns / 1e6, 1)
+
     def mark_offline(self, now_us: int) -> None:
         """Be away from ``now_us`` on (UTC)."""
         self.link, self.why = None, "the connection to its gateway was lost"

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from talaia.hub.anomaly.selection import score_channels
+from talaia.hub.live.gateways.frame_limits import FrameLimits
+from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.hub.live.last_values import Latest
 from talaia.hub.live.site_state import (
     CurrentState,
@@ -43,6 +45,8 @@ class LiveSite:
         rivals: other gateways with this identity.
         current: what holds only while a link stands.
         retained: what is shown until the next link, even while the gateway is away.
+        frame_limits: how much its gateways may say yet; kept over links.
+        handed_down: in whose names the hub has asked something of it; kept over links.
 
     """
 
@@ -57,6 +61,8 @@ class LiveSite:
     rivals: RivalGateways = field(default_factory=RivalGateways)
     current: CurrentState = field(default_factory=CurrentState)
     retained: RetainedState = field(default_factory=RetainedState)
+    frame_limits: FrameLimits = field(default_factory=FrameLimits)
+    handed_down: HandedDown = field(default_factory=HandedDown)
 
     @property
     def edition(self) -> str:
@@ -64,6 +70,12 @@ class LiveSite:
         # 64 bits of the hash: enough to tell the descriptions of one site apart.
         said, catalogue = self.gateway.fingerprint
         return said.hex()[:16] if said else catalogue or self.catalogue
+
+    @property
+    def described(self) -> int:
+        """How many things are described of which a gateway reports states."""
+        site = self.description
+        return len(site.devices) + len(site.interlocks) + len(site.enclosures)
 
     @property
     def name(self) -> str:

@@ -242,9 +242,10 @@ def _send_webhook(job: Job, left: _Left) -> Outcome:
         return _make_outcome("failed", f"the address is not valid: {error}")
     if parts.scheme not in {"http", "https"} or not parts.hostname:
         return _make_outcome("failed", "the address does not begin with https:// or http://")
-    body = json.dumps(
-        {key: job[key] for key in ("key", "title", "body", "severity", "sites")}
-    ).encode()
+    keys = ("key", "title", "body", "severity", "sites")
+    # A document that is no message goes as it is.
+    document = job.get("document") or {key: job[key] for key in keys}
+    body = json.dumps(document).encode()
     headers = {
         "Content-Type": "application/json",
         "User-Agent": "Talaia",

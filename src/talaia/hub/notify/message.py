@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import ZoneInfo
 
 from talaia.hub.alarms.state_machine import What
+from talaia.hub.auth.permissions import ANY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["AlarmMessage", "compose_message", "compose_test_message"]
 
 _ALARMS = "/alarms"  # path of the page of all alarms
+_START = "/"
 _WORDS = {What.CLEARED: "over: ", What.REMINDED: "still: "}
 
 
@@ -57,6 +59,10 @@ def compose_message(key: str, notices: Sequence[OutboxNotice], zone: str) -> Ala
     about = {(notice.site, notice.alarm) for notice in notices}
     # Of several there is no one page but that of all.
     shown = f"{_ALARMS}?alarm={first.site}/{first.alarm}" if len(about) == 1 else _ALARMS
+    if not any(notice.alarm for notice in notices):
+        # Of requests for observations alone; or of the nights of one site.
+        of_a_night = len(sites) == 1 and all(notice.device == ANY for notice in notices)
+        shown = f"/sites/{sites[0]}/night" if of_a_night else _START
     return AlarmMessage(key, title, body, worst.severity.value, sites, shown)
 
 

@@ -87,6 +87,23 @@ class Sender:
         }
         return await _run_child(json.dumps(job).encode())
 
+    async def post_document(
+        self, url: str, *, token: str, key: str, document: Mapping[str, object]
+    ) -> str:
+        """Post any JSON to a webhook; gives why it was not taken for certain, or nothing."""
+        job = {
+            "kind": WayKind.WEBHOOK.value,
+            "url": url,
+            "token": token,
+            "key": key,
+            "document": dict(document),
+            "networks": self._networks,
+        }
+        result = await _run_child(json.dumps(job).encode())
+        if result.outcome is Outcome.SENT:
+            return ""
+        return result.problem or result.outcome.value
+
 
 async def _run_child(job: bytes) -> DeliveryResult:
     kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}

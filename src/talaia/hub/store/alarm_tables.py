@@ -15,6 +15,7 @@ from sqlalchemy import (
     String,
     Table,
     UniqueConstraint,
+    false,
 )
 
 from talaia.hub.store.dialects.column_types import LONG_TEXT, ROW_ID
@@ -109,6 +110,10 @@ notify_rules = Table(
     Column("quiet_least", String(16), nullable=False),
     Column("zone", String(64), nullable=False),
     Column("group_s", Integer, nullable=False),
+    # Told also when a request of theirs is done, or has failed.
+    Column("own_requests", Boolean, nullable=False, server_default=false()),
+    # Told also how a night that runs by itself has ended, and when it needs somebody.
+    Column("nights", Boolean, nullable=False, server_default=false()),
 )
 
 push_browsers = Table(

@@ -56,7 +56,13 @@ _HEAD = 1
 
 
 class AuditEntry(NamedTuple):
-    """One row: what happened, where, by whom."""
+    """One row: what happened, where, by whom, and whose word it is.
+
+    Attributes:
+        source: ``hub``: it did or saw it itself; ``gateway``: the site's gateway says so; empty in
+            rows that are older than this column.
+
+    """
 
     time_us: int
     kind: str
@@ -66,6 +72,7 @@ class AuditEntry(NamedTuple):
     device: str = ""
     message: str = ""
     good: bool = True
+    source: str = "hub"
 
 
 class AuditRecord(NamedTuple):
@@ -140,7 +147,9 @@ class Chain(NamedTuple):
 def chain_hash(before: str, entry: AuditEntry) -> str:
     """Give a row's hash (SHA-256, hex) from the hash of the row before and its own fields."""
     # Only one way to write an entry: another spelling would be another hash.
-    said = json.dumps([before, *entry], ensure_ascii=True, separators=(",", ":"))
+    # Rows of before the last column were chained without it.
+    columns = entry if entry.source else entry[:-1]
+    said = json.dumps([before, *columns], ensure_ascii=True, separators=(",", ":"))
     return hashlib.sha256(said.encode()).hexdigest()
 
 
@@ -174,8 +183,9 @@ class Audit:
         device: str = "",
         message: str = "",
         good: bool = True,
+        source: str = "hub",
     ) -> AuditEntry:
-        """Take a note; never waits.
+        """Take a note; never waits. ``source`` is `AuditEntry.source`.
 
         Texts are cut to what a column holds. Characters that are not seen, a new line too, are
         written as escapes, so that nobody can make one row look like two.
@@ -189,6 +199,7 @@ class Audit:
             safe_text(device, 200),
             safe_text(message, 2000),
             good,
+            source,
         )
         if len(self._waiting) < _MOST_WAITING:
             self._waiting.append(entry)

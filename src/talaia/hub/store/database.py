@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from sqlalchemy import Connection, inspect, text
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
@@ -14,16 +14,19 @@ from sqlalchemy.ext.asyncio import create_async_engine
 from talaia.hub.errors import StoreDown, StoreError
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
-from talaia.hub.store.dialects.dialect import WRITES
+from talaia.hub.store.dialects.dialect import SINGLE, WRITES
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Sequence
 
+    from sqlalchemy import Select
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
     from talaia.hub.store.database_url import Reach
 
 __all__ = ["Database"]
+
+ScalarT = TypeVar("ScalarT")
 
 _MIGRATIONS = Path(__file__).parent / "migrations"
 # Whoever waits longer than this for one of the connections is told that the database is busy (s).
@@ -46,6 +49,8 @@ class Database:
         self._engine = _make_engine(self._reach)
         # The same connections; their transactions begin by waiting for the turn to write.
         self._writer = self._engine.execution_options(**{WRITES: True})
+        # The same connections; for one query each, with no transaction around it.
+        self._single = self._engine.execution_options(**{SINGLE: True})
         # What the engine raises when it does not do what it is asked.
         self._failures: tuple[type[Exception], ...] = (
             DBAPIError,
@@ -62,8 +67,23 @@ class Database:
             StoreDown: the database does not answer.
 
         """
-        async with self._translate_errors(), self._engine.begin() as connection:
+        # Its end is a rollback, which a connection does anyway when it goes back to the others: a
+        # commit would only be one more way to the database.
+        async with self._translate_errors(), self._engine.connect() as connection:
             yield connection
+
+    async def fetch_scalars(self, query: Select[ScalarT]) -> Sequence[ScalarT]:
+        """Run one query by itself and give its first column.
+
+        For what is asked again and again: where the engine begins no transaction by itself, none
+        is begun, since one statement sees one state anyway.
+
+        Raises:
+            StoreDown: the database does not answer.
+
+        """
+        async with self._translate_errors(), self._single.connect() as connection:
+            return (await connection.execute(query)).scalars().all()
 
     @asynccontextmanager
     async def write(self) -> AsyncIterator[AsyncConnection]:
@@ -103,6 +123,7 @@ class Database:
     async def close(self) -> None:
         """Close every connection."""
         await self._engine.dispose()
+        await dialect_of(self._engine.sync_engine).wait_closed(self._engine.sync_engine)
 
     @property
     def address(self) -> str:

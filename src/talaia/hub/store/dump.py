@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import Column, MetaData, String, Table, create_engine, insert, select, tuple_
 
 # Every table of ours must be known before `metadata` is gone through.
-from talaia.hub.store import alarm_tables as _alarm_tables, history_tables as _history_tables
+from talaia.hub.store import (
+    alarm_tables as _alarm_tables,
+    alert_notice_tables as _alert_notice_tables,
+    history_tables as _history_tables,
+    observing_tables as _observing_tables,
+)
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
 from talaia.hub.store.tables import metadata
@@ -21,7 +26,7 @@ __all__ = ["VERSION_TABLE", "copy_tables", "open_plain"]
 
 # Rows at a time: those of blocks are large.
 _AT_ONCE = 200
-_ = (_alarm_tables, _history_tables)
+_ = (_alarm_tables, _alert_notice_tables, _history_tables, _observing_tables)
 VERSION_TABLE = Table(
     "alembic_version", MetaData(), Column("version_num", String(32), primary_key=True)
 )

@@ -308,6 +308,8 @@ audit = Table(
     Column("device", String(_NAME), nullable=False),
     Column("message", String(2000), nullable=False),
     Column("good", Boolean, nullable=False),
+    # Whose word it is: the hub's or the gateway's; empty in older rows.
+    Column("source", String(16), nullable=False, server_default=""),
     # Over this row and the hash of the one before; a changed or missing row breaks the chain.
     Column("hash", String(_HASH), nullable=False),
 )
@@ -347,9 +349,22 @@ frames = Table(
     Column("digest", String(_HASH), nullable=False),
     # What the verification found, a line each.
     Column("problems", Text, nullable=False),
+    # `archive.store.MeasureState` and `HookState`: two queues that outlive the hub.
+    Column("measured", Integer, nullable=False, server_default="2"),
+    Column("hook", Integer, nullable=False, server_default="0"),
+    Column("stars", Integer, nullable=True),
+    Column("fwhm", Double, nullable=True),
+    Column("background", Double, nullable=True),
+    Column("zero_point", Double, nullable=True),
+    # JSON of `imaging.tangent_plane.TanWcs`; empty where it was not solved.
+    Column("wcs", String(400), nullable=False, server_default=""),
+    # Why it was not solved, or not measured.
+    Column("measure_note", String(400), nullable=False, server_default=""),
     UniqueConstraint("site", "digest", name="uq_frames_site"),
     Index("ix_frames_site_time_us", "site", "time_us"),
     Index("ix_frames_site_night", "site", "night"),
+    Index("ix_frames_measured", "measured", "id"),
+    Index("ix_frames_hook", "hook", "id"),
 )
 
 # What each anomaly detector has learned, so that a restart forgets nothing.

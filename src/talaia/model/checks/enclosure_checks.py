@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from talaia.model.interlocks.enclosure import Enclosure, Follow, Heartbeat, Pointing, Sighting
     from talaia.model.site import Device, Site
 
-__all__ = ["enclosure_findings"]
+__all__ = ["enclosure_findings", "sighting_findings"]
 
 
 def enclosure_findings(site: Site) -> Iterator[Finding]:
@@ -58,7 +58,7 @@ def _check_enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[F
         yield Finding(f"{where}.closed", "nothing says when it is closed", "name its end switch")
     for key in ("closed", "moving", "opening"):
         for index, sighting in enumerate(getattr(enclosure, key)):
-            yield from _check_sighting(site, f"{where}.{key}[{index}]", sighting)
+            yield from sighting_findings(site, f"{where}.{key}[{index}]", sighting)
     yield from step_findings(site, f"{where}.close", enclosure.close)
     for index, step in enumerate(enclosure.abort):
         yield from step_findings(site, f"{where}.abort[{index}]", step)
@@ -72,7 +72,7 @@ def _check_enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[F
         if enclosure.parked is None:
             yield Finding(f"{where}.parked", "nothing says when the telescope is parked")
     if enclosure.parked is not None:
-        yield from _check_sighting(site, f"{where}.parked", enclosure.parked)
+        yield from sighting_findings(site, f"{where}.parked", enclosure.parked)
     for key in ("mount_within", "move_within", "alarm_every"):
         yield from check_above(f"{where}.{key}", getattr(enclosure, key), 0)
     yield from at_least(f"{where}.retries", enclosure.retries, 0)
@@ -96,11 +96,11 @@ def _heartbeat(site: Site, where: str, heartbeat: Heartbeat) -> Iterator[Finding
 def _check_follow(site: Site, where: str, follow: Follow) -> Iterator[Finding]:
     for key in ("target", "azimuth"):
         yield from _check_signal(site, f"{where}.{key}", getattr(follow, key), SignalType.NUMBER)
-    yield from _check_sighting(site, f"{where}.when", follow.when)
+    yield from sighting_findings(site, f"{where}.when", follow.when)
     for key in ("moving", "open"):
         sighting: Sighting | None = getattr(follow, key)
         if sighting is not None:
-            yield from _check_sighting(site, f"{where}.{key}", sighting)
+            yield from sighting_findings(site, f"{where}.{key}", sighting)
     for index, name in enumerate(follow.before):
         if name not in _command_addresses(site):
             at = f"{where}.before[{index}]"
@@ -147,7 +147,8 @@ def _check_pointing(
                 )
 
 
-def _check_sighting(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
+def sighting_findings(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
+    """List what does not fit in what a sensor is to say."""
     signal = site.signal(sighting.signal)
     # A text or a position says neither.
     if signal is None or signal.type not in (SignalType.STATE, SignalType.NUMBER):
@@ -187,7 +188,7 @@ def _check_parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Findi
         if not part.closed:
             yield Finding(f"{at}.closed", "nothing says when it is closed", "name its end switch")
         for index, sighting in enumerate(part.closed):
-            yield from _check_sighting(site, f"{at}.closed[{index}]", sighting)
+            yield from sighting_findings(site, f"{at}.closed[{index}]", sighting)
         if part.position:
             yield from _check_signal(site, f"{at}.position", part.position, SignalType.NUMBER)
         if part.close is not None:

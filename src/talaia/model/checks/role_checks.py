@@ -135,6 +135,10 @@ def _has_form(command: Command, form: CommandForm, unit: str) -> bool:
             return len(arguments) == 1 and (
                 arguments[0].type in _NUMBERS and arguments[0].unit == unit
             )
+        case CommandForm.NUMBERS:
+            return bool(arguments) and all(argument.type in _NUMBERS for argument in arguments)
+        case CommandForm.TEXT:
+            return [argument.type for argument in arguments] == [ArgumentType.TEXT]
         case CommandForm.DURATION:
             return any(argument.unit == "s" and argument.type in _NUMBERS for argument in arguments)
         case CommandForm.PLACE:

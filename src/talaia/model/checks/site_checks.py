@@ -36,6 +36,7 @@ from talaia.model.checks.identifiers import (
     topic_fits,
 )
 from talaia.model.checks.interlock_checks import interlock_findings
+from talaia.model.checks.night_checks import night_findings
 from talaia.model.checks.role_checks import role_findings
 from talaia.model.checks.topic_checks import topics_findings
 from talaia.model.checks.validity_checks import validity_fits
@@ -48,6 +49,7 @@ from talaia.model.connection import (
 )
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, UnknownWord
+from talaia.model.list_texts import LIST_TYPES, parse_list
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
 from talaia.model.units.time_zones import known_zones
@@ -119,6 +121,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from models_findings(site)
     yield from interlock_findings(whole)
     yield from enclosure_findings(whole)
+    yield from night_findings(whole)
     yield from hub_sight_findings(whole)
     yield from former_findings(whole)
     yield from alarms_findings(whole)
@@ -254,6 +257,12 @@ def _check_command(where: str, command: Command) -> Iterator[Finding]:
     for argument_id, argument in command.arguments.items():
         yield from id_fits(f"{where}.arguments.{argument_id}", argument_id)
         yield from _check_argument(f"{where}.arguments.{argument_id}", argument)
+        if argument.type in LIST_TYPES and command.kind is not CommandKind.PARAMETER:
+            yield Finding(
+                f"{where}.arguments.{argument_id}.type",
+                "only parameters of ROS nodes are lists",
+                "take kind: parameter, or an argument for each item",
+            )
 
 
 def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
@@ -263,6 +272,16 @@ def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
     except UnknownWord as error:
         yield _finding_of(error)
     if argument.default is None:
+        return
+    if argument.type in LIST_TYPES:
+        problem = f"expected a list as text, found {argument.default!r}"
+        found = (
+            parse_list(argument.type, argument.default)
+            if isinstance(argument.default, str)
+            else problem
+        )
+        if isinstance(found, str):
+            yield Finding(f"{where}.default", found)
         return
     expected: dict[ArgumentType, type | tuple[type, ...]] = {
         ArgumentType.NUMBER: (int, float),

@@ -19,6 +19,7 @@ class ConnectionKind(StrEnum):
     MQTT = "mqtt"
     HTTP = "http"
     SOCKETIO = "socketio"
+    ALPACA = "alpaca"
     # Whatever an installed extension speaks; see docs/how-to/extend.
     EXTENSION = "extension"
 

@@ -27,6 +27,7 @@ __all__ = [
     "TRANSITION",
     "RosRules",
     "RosSource",
+    "is_parameter_name",
     "node_fits",
 ]
 
@@ -126,7 +127,7 @@ class RosRules(KindRules[ConnectionT, RosSource]):
 
     def parameter_fits(self, where: str, source: RosSource) -> Iterator[Finding]:
         """Judge the name of a parameter."""
-        if not _PARAMETER.match(source.parameter):
+        if not is_parameter_name(source.parameter):
             problem = f"{source.parameter!r} is not the name of a parameter"
             yield Finding(f"{where}.parameter", problem, "write it as /node/name")
         if source.topic:
@@ -216,6 +217,11 @@ def _without_stamp(source: RosSource) -> str:
     if source.parameter:
         return "a parameter"
     return "a sensor by name" if source.name else ""
+
+
+def is_parameter_name(name: str) -> bool:
+    """Tell whether a description may name a parameter so."""
+    return _PARAMETER.match(name) is not None
 
 
 def node_fits(where: str, node: str) -> Iterator[Finding]:

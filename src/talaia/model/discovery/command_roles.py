@@ -47,8 +47,13 @@ class CommandRoles:
                 self._propose_camera()
             case DeviceKind.POWER:
                 self._propose_power()
-            case DeviceKind.WEATHER | DeviceKind.VEHICLE | DeviceKind.OTHER:
+            case DeviceKind.OTHER:
+                # A robot's filters are of another kind.
+                if has_word("", self._device.name, "filter", "filterwheel"):
+                    self._propose_filter()
+            case DeviceKind.WEATHER | DeviceKind.VEHICLE:
                 pass
+        self._propose_focuser()  # a camera or a telescope may carry one
 
     # ── what is there to choose from ──
 
@@ -170,12 +175,63 @@ class CommandRoles:
         for name in self._with_one("°C"):
             self._assign_role(CommandRole.CAMERA_COOL, name)
         self._assign_role(CommandRole.CAMERA_ABORT, self._find_plain("abort", "stop"))
+        self._assign_role(CommandRole.CAMERA_BINNING, self._find_setting("binning"))
+        self._assign_role(CommandRole.CAMERA_GAIN, self._find_setting("gain"))
+        self._propose_filter()
         cooler = self._find_switch("cooler", "cooling")
         if cooler is not None:
             self._assign_role(CommandRole.CAMERA_COOLER, cooler)
         else:
             self._assign_role(CommandRole.CAMERA_COOLER_ON, self._find_plain("cooler_on"))
             self._assign_role(CommandRole.CAMERA_COOLER_OFF, self._find_plain("cooler_off"))
+
+    def _propose_filter(self) -> None:
+        self._assign_role(
+            CommandRole.CAMERA_FILTER, self._find_setting("filter") or self._find_named_filter()
+        )
+
+    def _find_named_filter(self) -> str | None:
+        """Name a command that asks for a filter's name."""
+        return next(
+            (
+                name
+                for name, command in self._free_commands().items()
+                if has_word(name, command.name, "filter")
+                and [one.type for one in command.arguments.values()] == [ArgumentType.TEXT]
+            ),
+            None,
+        )
+
+    def _find_setting(self, word: str) -> str | None:
+        """Name a command that asks for numbers only, and has this word."""
+        return next(
+            (
+                name
+                for name, command in self._free_commands().items()
+                if has_word(name, command.name, word)
+                and command.arguments
+                and all(is_number(argument) for argument in command.arguments.values())
+                and (word == "binning" or len(command.arguments) == 1)
+            ),
+            None,
+        )
+
+    def _propose_focuser(self) -> None:
+        """Find what moves a focuser: of a device of that name, or by words of its own."""
+        own = has_word("", self._device.name, "focuser", "focus")
+        for role, words in (
+            (CommandRole.FOCUSER_IN, ("focus_in",)),
+            (CommandRole.FOCUSER_OUT, ("focus_out",)),
+            (CommandRole.FOCUSER_GOTO, ("focus", "goto") if own else ("focus",)),
+            (CommandRole.FOCUSER_MOVE, ("move",) if own else ()),
+        ):
+            numbers = (name for name in self._with_one("") if name in words)
+            self._assign_role(role, next(numbers, None))
+        stops = ("stop_focus", *_STOPS) if own else ("stop_focus",)
+        self._assign_role(
+            CommandRole.FOCUSER_STOP,
+            next((name for name in stops if name == self._find_plain(name)), None),
+        )
 
     def _propose_power(self) -> None:
         free = self._free_commands()

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
+from talaia.model.camera_addresses import NO_ADDRESS, why_no_camera
 from talaia.model.checks.site_checks import check_site
 from talaia.model.closed_lists import LogLevel
-from talaia.model.connection import IndiConnection, Ros1Connection, RosSource
+from talaia.model.connection import AlpacaConnection, IndiConnection, Ros1Connection, RosSource
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
 from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
@@ -59,7 +60,7 @@ if TYPE_CHECKING:
         TopicFound,
     )
 
-__all__ = ["Proposal", "propose_description"]
+__all__ = ["DescriptionProposal", "propose_description"]
 
 _T = TypeVar("_T")
 
@@ -80,14 +81,14 @@ _ARGUMENT_TYPES = {
 }
 
 
-class Proposal(NamedTuple):
+class DescriptionProposal(NamedTuple):
     """A description, and in words what of the robot is not in it and why."""
 
     site: Site
     left_out: tuple[str, ...]
 
 
-def propose_description(found: Found, site: str, name: str, zone: str) -> Proposal:
+def propose_description(found: Found, site: str, name: str, zone: str) -> DescriptionProposal:
     """Make a description of what was found.
 
     Args:
@@ -130,7 +131,7 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Propos
             break
         left_out += [str(finding) for finding in wrong]
         proposed = _leave_out_findings(proposed, [finding.where.split(".") for finding in wrong])
-    return Proposal(proposed, tuple(left_out))
+    return DescriptionProposal(proposed, tuple(left_out))
 
 
 def _ros2_of(found: Found) -> Ros2Settings | None:
@@ -153,12 +154,20 @@ def _connections_of(found: Found) -> dict[str, Connection]:
             return {"ros1": Ros1Connection(master=found.master)}
         case "indi":
             return {"indi": IndiConnection(host=found.host, port=found.port)}
+        case "alpaca":
+            return {"alpaca": _alpaca_of(found)}
         case "mqtt" | "http":
             named = connection_of(found)
             return dict([named]) if named else {}
         case _:
             # ROS 2 has a key of its own in a description; the others are named connections.
             return {}
+
+
+def _alpaca_of(found: Found) -> AlpacaConnection:
+    # A server on the gateway's own computer has to be meant; whoever probed it there means it.
+    here = why_no_camera(found.host) not in ("", NO_ADDRESS)
+    return AlpacaConnection(host=found.host, port=found.port, here=here)
 
 
 def _devices_described(found: Found) -> dict[str, Device]:
@@ -169,7 +178,7 @@ def _devices_described(found: Found) -> dict[str, Device]:
 
 
 def _drivers_away(found: Found) -> list[str]:
-    """Name the INDI drivers that show nothing yet, for they are not connected."""
+    """Name the drivers that show nothing yet, for they are not connected."""
     away = [device.device for device in found.devices if device.described is None]
     if not away:
         return []
@@ -226,17 +235,15 @@ class _ProposedDevices:
             self._add_service(service)
         for action in self._found.actions:
             self._add_action(action)
-        for node in self._found.nodes:
-            self._add_node(node)
         # After what is published: a drive names the camera and the position to drive by.
         for topic in self._found.topics:
             if topic.subscribers and not topic.publishers:
                 self._add_listener(topic)
+        # Last: a node that is called as a device there is belongs to it.
+        for node in self._found.nodes:
+            self._add_node(node)
         self._signals.choose_primary()
-        places = sorted(
-            {*self._signals.by_place, *self._streams, *self._commands, *self._drives},
-            key=place_order,
-        )
+        places = sorted(self._places(), key=place_order)
         return {
             place.word: Device(
                 name=place.name,
@@ -316,12 +323,19 @@ class _ProposedDevices:
             confirm=True,
         )
 
+    def _places(self) -> set[DevicePlace]:
+        """Give the devices that there are so far."""
+        return {*self._signals.by_place, *self._streams, *self._commands, *self._drives}
+
     def _add_node(self, node: NodeFound) -> None:
         place = place_of_node(node, self._found.topics)
+        # By its word: two of one word would be one device in the end, and one of them lost.
+        place = next((known for known in self._places() if known.word == place.word), place)
         for word, signal in signals_of_node(node, place):
             self._signals.add_signal(place, word, signal)
-        commands = self._commands.setdefault(place, {})
         for word, command in commands_of_node(node, place):
+            # A node that has nothing to be commanded needs no device of its own.
+            commands = self._commands.setdefault(place, {})
             commands[free_word(word, commands)] = command
         self.left_out += [f"{node.node} {parameter}" for parameter in node.left_out]
         more = len(node.parameters) - MAX_OF_A_NODE

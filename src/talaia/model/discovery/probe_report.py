@@ -1,6 +1,6 @@
 """What is out there, as `talaia probe` writes it down and `talaia init` reads it.
 
-Values only: who looked (ROS 2, ROS 1, INDI, MQTT, HTTP) fills them, and
+Values only: who looked (ROS 2, ROS 1, INDI, Alpaca, MQTT, HTTP) fills them, and
 `propose_description` makes a description of them.
 The JSON form is the contract between a probe on the robot and a configurator on a laptop.
 """
@@ -40,7 +40,8 @@ class FieldFound(msgspec.Struct, frozen=True, omit_defaults=True):
 
     Attributes:
         path: as in `Source.field`: ``pose.position.x``, ``position[0]``.
-        type: ``number``, ``integer``, ``boolean`` or ``text``.
+        type: ``number``, ``integer``, ``boolean`` or ``text``; of a list ``numbers``,
+            ``integers``, ``booleans``, ``texts`` or ``bytes``.
         unit: a symbol of `model.units.unit` after ``scale``; empty where nothing tells it.
         scale: what the robot's number is multiplied by to be in ``unit``.
         words: for a whole number that counts states: what 0, 1, 2 … mean.
@@ -125,7 +126,7 @@ class ParameterFound(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 class NodeFound(msgspec.Struct, frozen=True, omit_defaults=True):
-    """A ROS 2 node that has a life cycle or parameters of its own.
+    """A ROS node that has parameters of its own or, in ROS 2, a life cycle.
 
     Attributes:
         node: absolute, with its name space.
@@ -207,15 +208,15 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
 
     Attributes:
         talaia_probe: version of this form; 1.
-        protocol: ``ros2``, ``ros1``, ``indi``, ``mqtt`` or ``http``.
+        protocol: ``ros2``, ``ros1``, ``indi``, ``alpaca``, ``mqtt`` or ``http``.
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
         definitions: folder or recording that definitions of types were read from, if there was one.
         sim_time: the robot has a clock of its own, as a simulator's (``/clock``).
         master: where the ROS 1 master answers; empty for other protocols.
-        host: of the INDI server; empty for other protocols.
-        port: of the INDI server.
+        host: of the INDI or Alpaca server; empty for other protocols.
+        port: of that server.
         url: of the MQTT broker, or the address that a server was asked for.
         user: that signed in there.
         password_file: where its password was read; never the password.

@@ -9,6 +9,7 @@ from talaia.model.connections.ros import LIFECYCLE_STATES, LIFECYCLE_TRANSITIONS
 from talaia.model.discovery.device_places import place_of
 from talaia.model.discovery.ros_units import readable_name, word_of
 from talaia.model.discovery.topic_words import path_in_words
+from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind, Signal, SignalType
 
 if TYPE_CHECKING:
@@ -21,12 +22,8 @@ __all__ = ["MAX_OF_A_NODE", "commands_of_node", "place_of_node", "signals_of_nod
 
 # More parameters of one node than that bury what else is on its device's page.
 MAX_OF_A_NODE = 30
-_TYPES = {
-    "number": ArgumentType.NUMBER,
-    "integer": ArgumentType.INTEGER,
-    "boolean": ArgumentType.BOOLEAN,
-    "text": ArgumentType.TEXT,
-}
+# Of what a person may write as a list, in letters.
+_MAX_LIST = 2000
 
 
 def place_of_node(node: NodeFound, found: Iterable[TopicFound]) -> DevicePlace:
@@ -92,12 +89,14 @@ def _setter_of(
     said = path_in_words(parameter.parameter)
     shown = _beside(node, place, said)
     name = f"Set {shown[:1].lower()}{shown[1:]}"
+    kind = ArgumentType(parameter.type)
     argument = Argument(
-        type=_TYPES[parameter.type],
+        type=kind,
         field=parameter.parameter,
         name=said,
         minimum=parameter.minimum,
         maximum=parameter.maximum,
+        max_length=_MAX_LIST if kind in LIST_TYPES else 200,
     )
     return word_of(name), Command(
         name=name,
@@ -111,10 +110,11 @@ def _setter_of(
 
 def _signal_of(node: NodeFound, parameter: ParameterFound, name: str) -> Signal:
     source = RosSource(parameter=f"{node.node}/{parameter.parameter}")
-    match parameter.type:
-        case "text":
+    match ArgumentType(parameter.type):
+        # A list is read as one text.
+        case kind if kind is ArgumentType.TEXT or kind in LIST_TYPES:
             return Signal(name=name, type=SignalType.TEXT, source=source, primary=False)
-        case "boolean":
+        case ArgumentType.BOOLEAN:
             states = ("off", "on")
             return Signal(
                 name=name, type=SignalType.STATE, states=states, source=source, primary=False

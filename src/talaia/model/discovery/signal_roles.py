@@ -60,7 +60,10 @@ class SignalRoles:
             case DeviceKind.VEHICLE:
                 self._propose_vehicle()
             case DeviceKind.OTHER:
-                pass
+                # A robot's filters are of another kind.
+                if has_word("", self._device.name, "filter", "filterwheel"):
+                    self._propose_filter()
+        self._propose_focuser()
         self._propose_batteries()  # last: any device may carry one
 
     # ── what is there to choose from ──
@@ -196,12 +199,41 @@ class SignalRoles:
             SignalRole.CAMERA_COOLER_POWER,
             first_named(self._number_signals("%"), "cooler", "cooler_power", "power"),
         )
+        self._propose_filter()
+        self._assign_role(
+            SignalRole.CAMERA_BINNING, first_named(self._number_signals(""), "binning")
+        )
+        self._assign_role(SignalRole.CAMERA_GAIN, first_named(self._number_signals(""), "gain"))
+
+    def _propose_filter(self) -> None:
         filters = {
             name: signal
             for name, signal in self._free_signals().items()
             if signal.type is not SignalType.POSITION and has_word(name, signal.name, "filter")
         }
         self._assign_role(SignalRole.CAMERA_FILTER, first_of(filters))
+
+    def _propose_focuser(self) -> None:
+        """Find a focuser's own: of a device of that name, or by words of its own."""
+        own = has_word("", self._device.name, "focuser", "focus")
+        place = ("focus", "position") if own else ("focus",)
+        self._assign_role(
+            SignalRole.FOCUSER_POSITION,
+            first_of(
+                {name: found for name, found in self._number_signals("").items() if name in place}
+            ),
+        )
+        warm = ("focuser_temperature", "temperature") if own else ("focuser_temperature",)
+        self._assign_role(
+            SignalRole.FOCUSER_TEMPERATURE,
+            first_of(
+                {name: found for name, found in self._number_signals("°C").items() if name in warm}
+            ),
+        )
+        if own:
+            self._assign_role(
+                SignalRole.FOCUSER_MOVING, first_named(self._state_signals(), "moving")
+            )
 
     def _propose_weather(self) -> None:
         safe = re.compile(r"(un)?safe", re.IGNORECASE)

@@ -15,7 +15,12 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from talaia.ros_installation import ForeignRos, use_ros
-from talaia.sim.observatory.client_requests import PROGRAMS, InvalidRequest, Request, parse_request
+from talaia.sim.observatory.client_requests import (
+    PROGRAMS,
+    ClientRequest,
+    InvalidRequest,
+    parse_request,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +66,7 @@ def main(argv: Sequence[str]) -> int:
     return 0 if good else 1
 
 
-def answer_of(request: Request) -> tuple[bool, str]:
+def answer_of(request: ClientRequest) -> tuple[bool, str]:
     """Ask the server, and wait for its answer; tell whether it was done, and its words."""
     # The middleware of the simulator's own servers; see `ros_domain.domain_environment`.
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
@@ -87,7 +92,7 @@ def answer_of(request: Request) -> tuple[bool, str]:
         rclpy.try_shutdown()
 
 
-def _call_service(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401 - rclpy has no types
+def _call_service(node: Any, request: ClientRequest) -> tuple[bool, str]:  # noqa: ANN401 - rclpy has no types
     import rclpy
     from rcl_interfaces.srv import SetParametersAtomically
     from rclpy.parameter import Parameter
@@ -119,7 +124,7 @@ def _call_service(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN
     return answer.success, answer.message
 
 
-def _publish_fault(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401
+def _publish_fault(node: Any, request: ClientRequest) -> tuple[bool, str]:  # noqa: ANN401
     from std_msgs.msg import String
 
     words = str(request.values["data"])

@@ -11,7 +11,7 @@ from talaia.sim.observatory.servers.catalog import DEVICES, make_server
 if TYPE_CHECKING:
     from talaia.sim.observatory.servers.base import Server, Value
 
-__all__ = ["PROGRAMS", "InvalidRequest", "Request", "parse_number", "parse_request"]
+__all__ = ["PROGRAMS", "ClientRequest", "InvalidRequest", "parse_number", "parse_request"]
 
 PROGRAMS = {f"{device}_servcli": device for device in DEVICES}
 # Hours or degrees, minutes, and perhaps seconds, with a sign before all of them.
@@ -22,7 +22,7 @@ class InvalidRequest(Exception):
     """What was written asks for nothing that there is."""
 
 
-class Request(NamedTuple):
+class ClientRequest(NamedTuple):
     """One request to a server.
 
     Attributes:
@@ -60,7 +60,7 @@ def parse_number(text: str) -> float:
     return value
 
 
-def parse_request(device: str, words: list[str]) -> Request:
+def parse_request(device: str, words: list[str]) -> ClientRequest:
     """Read what stands behind ``client``.
 
     Raises:
@@ -71,15 +71,15 @@ def parse_request(device: str, words: list[str]) -> Request:
     server = make_server(device, seed=0, unix_s=0.0, call=_call_nobody)
     action, rest = (words[0], words[1:]) if words else ("", [])
     if device == "observatory" and action == "fault":
-        return Request(device, "fault", action, {"data": " ".join(rest)})
+        return ClientRequest(device, "fault", action, {"data": " ".join(rest)})
     if action in server.triggers and not rest:
-        return Request(device, "trigger", action, {})
+        return ClientRequest(device, "trigger", action, {})
     if action in server.switches:
         if rest not in (["on"], ["off"]):
             raise InvalidRequest(f"{action}: expected on or off")
-        return Request(device, "switch", action, {"data": rest == ["on"]})
+        return ClientRequest(device, "switch", action, {"data": rest == ["on"]})
     if action in server.asks:
-        return Request(device, "ask", action, _parse_values(server, action, rest))
+        return ClientRequest(device, "ask", action, _parse_values(server, action, rest))
     raise InvalidRequest(f"Invalid {device} action")
 
 

@@ -11,7 +11,7 @@ import rospy
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from talaia.sim.observatory.client_requests import Request, parse_request
+from talaia.sim.observatory.client_requests import ClientRequest, parse_request
 
 __all__ = ["main"]
 
@@ -26,7 +26,7 @@ def main(argv: list[str]) -> int:
     return 0 if good else 1
 
 
-def _answer_of(request: Request) -> tuple[bool, str]:
+def _answer_of(request: ClientRequest) -> tuple[bool, str]:
     uri = os.environ.setdefault("ROS_MASTER_URI", "http://localhost:11311")
     if not rosgraph.is_master_online(uri):
         return False, f"no ROS master answers at {uri}"

@@ -13,11 +13,12 @@ sys.path.append(str(Path(__file__).resolve().parents[3]))
 
 if __name__ == "__main__":
     try:
+        import numpy as np  # noqa: F401
         import rospy  # noqa: F401
     except ImportError as error:
         sys.stderr.write(
             f"talaia sim: ROS 1 cannot be imported ({error}); "
-            "install Debian's python3-rospy and python3-rosmaster\n"
+            "install Debian's python3-rospy, python3-rosmaster and python3-numpy\n"
         )
         sys.exit(1)
     module = import_module(f"talaia.sim.observatory.{sys.argv[1]}")

@@ -218,6 +218,9 @@ class _Shell:
         numbers = [
             argument for argument, value in ask.arguments.items() if isinstance(value, float)
         ]
+        # A filter's name, and nothing else: there is no topic for that.
+        if not numbers:
+            return
         texts = {
             argument: value for argument, value in ask.arguments.items() if isinstance(value, str)
         }

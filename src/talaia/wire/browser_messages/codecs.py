@@ -10,6 +10,11 @@ from talaia.wire.browser_messages.camera import (
     PictureShown,
     ViewerAttention,
 )
+from talaia.wire.browser_messages.night_updates import (
+    NightPlanUpdate,
+    NightUpdate,
+    ObservingRequestUpdate,
+)
 from talaia.wire.browser_messages.requests import (
     PageCommand,
     PageCommandCancel,
@@ -88,6 +93,9 @@ ToBrowser = (
     | SightingUpdate
     | AnomalyUpdate
     | EventUpdate
+    | NightUpdate
+    | NightPlanUpdate
+    | ObservingRequestUpdate
     | PagePong
     | RequestError
     | SessionUpdate

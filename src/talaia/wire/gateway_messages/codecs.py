@@ -27,6 +27,16 @@ from talaia.wire.gateway_messages.files import (
     RecordingRequest,
 )
 from talaia.wire.gateway_messages.interlocks import EnclosureState, InterlockState, OverrideRequest
+from talaia.wire.gateway_messages.night import (
+    NightArmRequest,
+    NightDisarmRequest,
+    NightPlan,
+    NightState,
+    ObservationAck,
+    ObservationUpdate,
+    RequestRevision,
+    RequestSync,
+)
 from talaia.wire.gateway_messages.pictures import (
     DetectedBoxes,
     KeyframeRequest,
@@ -94,6 +104,10 @@ FromGateway = (
     | DescriptionUpdate
     | ChangeState
     | SightingReport
+    | NightState
+    | NightPlan
+    | RequestRevision
+    | ObservationUpdate
     | Event
     | Beat
     | BeatReply
@@ -119,6 +133,10 @@ FromHub = (
     | TapSubscription
     | ReconnectRequest
     | RecordingRequest
+    | NightArmRequest
+    | NightDisarmRequest
+    | RequestSync
+    | ObservationAck
     | Beat
     | BeatReply
     | Bye

@@ -7,6 +7,9 @@ What both say stands here once. A gateway's message adds what only the hub may k
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Annotated
+
+from msgspec import Meta
 
 from talaia.wire.gateway_messages.field_types import Count, Micros, Name, Sentence, Word
 from talaia.wire.message import Message
@@ -16,9 +19,14 @@ __all__ = [
     "CommandPhase",
     "DriveFields",
     "EventFields",
+    "NightFields",
+    "NightPhase",
     "StopFields",
     "TickFields",
 ]
+
+
+_UnixSeconds = Annotated[float, Meta(ge=0, le=2**34)]
 
 
 class CommandPhase(StrEnum):
@@ -97,3 +105,46 @@ class EventFields(Message, frozen=True, kw_only=True):
     time_us: Micros = 0
     # False for what went wrong or was refused.
     good: bool = True
+
+
+class NightPhase(StrEnum):
+    """What the executor of a night does."""
+
+    DISARMED = "disarmed"
+    # Armed, and the Sun is too high.
+    WAITING = "waiting"
+    OPENING = "opening"
+    OBSERVING = "observing"
+    # Armed, and a condition keeps the roof closed.
+    CLOSED = "closed"
+    CALIBRATING = "calibrating"
+    PARKING = "parking"
+    # A device failed, and a person is called; nothing goes on by itself.
+    FAULT = "fault"
+
+
+class NightFields(Message, frozen=True, kw_only=True):
+    """How a night stands, in words that name no target: whoever may view the site reads them.
+
+    Attributes:
+        phase: see `NightPhase`.
+        armed_by: who; empty: nobody.
+        armed_until: (s since the epoch, UTC); 0: until disarmed, or not armed.
+        why: why it waits, is closed or failed, in words.
+        since: of the phase (s since the epoch, UTC).
+        request: which is observed; empty: none.
+        step: of its block, in words: *slewing*, *centring*, *exposing*.
+        frames_done: of the request that is observed.
+        frames: of it in all.
+
+    """
+
+    phase: NightPhase
+    armed_by: Word = ""
+    armed_until: _UnixSeconds = 0.0
+    why: Sentence = ""
+    since: _UnixSeconds = 0.0
+    request: Word = ""
+    step: Word = ""
+    frames_done: Count = 0
+    frames: Count = 0

@@ -113,7 +113,8 @@ class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
     Attributes:
         acked: one past the last sequence number of this boot that is stored.
         takes: messages that may be sent to this hub, and not to older ones: ``enclosure``,
-            ``newest``, ``seen``, and ``topic_list`` for all of raw topics.
+            ``newest``, ``seen``, ``topic_list`` for all of raw topics, and ``night_state`` for all
+            of the night.
 
     """
 

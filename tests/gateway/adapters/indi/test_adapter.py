@@ -389,3 +389,38 @@ class Watcher:
                 [await self.value(f"{device}.{name}.{each}") != wanted[each] for each in wanted]
             ):
                 await asyncio.sleep(0.2)
+
+
+async def test_a_person_sets_filter_focus_binning_and_gain_by_hand(
+    indi: Callable, tmp_path: Path
+) -> None:
+    names = ("ccd", "focus", "wheel")
+    async with indi(*(f"indi_simulator_{name}" for name in names)) as server:
+        async with bench(server.port, tmp_path / "data") as one:
+            await one.described("ccd_simulator", "focuser_simulator", "filter_simulator")
+
+            async def ask_by_role(device: str, role: str, *values: float) -> None:
+                commands = one.site.devices[device].commands
+                name = next(key for key, found in commands.items() if found.role == role)
+                args = dict(zip(commands[name].arguments, values, strict=True))
+                state = await one.does(device, name, **args)
+                assert state.phase is CommandPhase.SUCCEEDED, (role, state.message)
+
+            async def until_reads(device: str, role: str, value: float) -> None:
+                signals = one.site.devices[device].signals
+                name = next(key for key, found in signals.items() if found.role == role)
+
+                await one.hub.until(
+                    lambda: one.newest(f"{device}/{name}") == value, f"{role} reads {value}"
+                )
+
+            await ask_by_role("filter_simulator", "camera.filter", 3)
+            await until_reads("filter_simulator", "camera.filter", 3)
+            await ask_by_role("focuser_simulator", "focuser.goto", 50_600)
+            await until_reads("focuser_simulator", "focuser.position", 50_600)
+            await ask_by_role("focuser_simulator", "focuser.in", 100)
+            await until_reads("focuser_simulator", "focuser.position", 50_500)
+            await ask_by_role("ccd_simulator", "camera.binning", 2, 2)
+            await until_reads("ccd_simulator", "camera.binning", 2)
+            await ask_by_role("ccd_simulator", "camera.gain", 42)
+            await until_reads("ccd_simulator", "camera.gain", 42)

@@ -85,6 +85,7 @@ devices:
         type: text
         source: {topic: /odd, type: nowhere_msgs/msg/Odd, field: other.word}
       gain: {name: G, source: {parameter: /base/gain}}
+      limits: {name: L, type: text, source: {parameter: /base/limits}}
       wrong: {name: X, source: {topic: /stop, type: std_msgs/msg/Float64, field: data}}
     streams:
       <front>
@@ -105,7 +106,9 @@ devices:
         name: Tune
         kind: parameter
         target: /base
-        arguments: {gain: {type: number, field: gain}}
+        arguments:
+          gain: {type: number, field: gain}
+          limits: {type: numbers, field: limits, default: ""}
     drive:
       topic: /cmd_vel
       max_speed: 0.2
@@ -254,6 +257,10 @@ async def test_a_parameter_is_set_and_read(robot: Robot) -> None:
     assert (await command(hub, "tune", "t1", gain=2.5)).phase is CommandPhase.SUCCEEDED
     await hub.until(lambda: hub.values("base/gain"), "the parameter")
     assert hub.values("base/gain")[-1] == 2.5
+    assert (await command(hub, "tune", "t2", gain=1, limits="1, 2.5")).phase is (
+        CommandPhase.SUCCEEDED
+    )
+    await hub.until(lambda: hub.values("base/limits")[-1:] == ["[1.0, 2.5]"], "the list")
 
 
 async def test_driving_reaches_each_kind_of_listener_and_ends_in_zeros(robot: Robot) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import struct
+import xmlrpc.client
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -46,6 +47,22 @@ MSG: own_msgs/Part
 float64 hot   # in degrees Celsius
 bool[3] flags
 """
+# As `rosparam` sets them: some within the robot's own node, some in no node's name space.
+PARAMETERS = {
+    "/robot_peer/gain": 0.5,
+    "/robot_peer/enabled": True,
+    "/robot_peer/costmap/width": 40,
+    "/robot_peer/frame": "base_link",
+    "/robot_peer/wifi_password": "hush",
+    "/robot_peer/cloud": {"key": "hush", "keyframes": 3},
+    "/robot_peer/gains": [1, 2.5],
+    "/robot_peer/legs": [[1], [2]],
+    "/robot_peer/nobody": [],
+    "/robot_peer/rooms": ["hall", "lab"],
+    "/robot_description": "<robot/>" * 100,
+    "/base/track": 0.4,
+    "/gain": 1.0,
+}
 
 
 @pytest.fixture(autouse=True)
@@ -65,6 +82,9 @@ async def robot(tmp_path: Path) -> AsyncIterator[tuple[int, Peer]]:
 async def seen(tmp_path: Path, seconds: float = 3.0) -> Found:
     """Look at the robot while it publishes at 10 Hz."""
     async with robot(tmp_path) as (port, peer):
+        with xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}") as master:
+            for name, value in PARAMETERS.items():
+                master.setParam("/test", name, value)
         looking = asyncio.ensure_future(
             asyncio.to_thread(probe_graph, f"http://127.0.0.1:{port}", seconds)
         )
@@ -105,6 +125,31 @@ async def test_a_probe_lists_topics_services_and_actions_of_types_that_no_packag
     (action,) = found.actions
     assert (action.action, action.type) == ("/count", "actionlib/action/Test")
     assert [each.path for each in action.fields] == ["goal"]
+    nodes = {each.node: each for each in found.nodes}
+    own = {each.parameter: each.type for each in nodes["/robot_peer"].parameters}
+    assert own == {
+        "cloud/keyframes": "integer",
+        "costmap/width": "integer",
+        "enabled": "boolean",
+        "frame": "text",
+        "gain": "number",
+        "gains": "numbers",
+        "rooms": "texts",
+    }
+    assert "/odom" in nodes["/robot_peer"].publishes
+    assert nodes["/robot_peer"].left_out == (
+        "cloud/key: by its name it is a secret",
+        "legs: it is no number, truth or text, nor a list of one of these",
+        "nobody: it is no number, truth or text, nor a list of one of these",
+        "wifi_password: by its name it is a secret",
+    )
+    assert [each.parameter for each in nodes["/base"].parameters] == ["track"]
+    assert nodes["/"].left_out == (
+        "gain: it stands in no node's name space",
+        "robot_description: a text of 800 characters",
+    )
+    assert nodes.keys() == {"/robot_peer", "/base", "/"}
+    assert b"hush" not in msgspec.json.encode(found)
 
 
 async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
@@ -123,6 +168,10 @@ async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
                 for each in device.commands.values()}  # fmt: skip
     assert commands["/count"].kind == "action"
     assert commands["/wander"].kind == "service"
+    read = {each.source.parameter for device in site.devices.values()
+            for each in device.signals.values()} - {""}  # fmt: skip
+    assert {"/robot_peer/costmap/width", "/robot_peer/gain", "/base/track"} <= read
+    assert commands["/base"].kind == "parameter"
 
 
 def test_no_master_is_told_with_its_address() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 import threading
+from array import array
 from collections.abc import Callable
 from typing import Any
 
@@ -35,6 +36,13 @@ def say(**row: object) -> None:
     sys.stdout.flush()
 
 
+def plain(value: Any) -> Any:
+    """Give a parameter's value as JSON has it; a byte as a number."""
+    if isinstance(value, (list, tuple, array)):
+        return [each[0] if isinstance(each, bytes) else each for each in value]
+    return value
+
+
 class Lidar(LifecycleNode):
     """Does what it is asked for, but fails to be activated when it was told so."""
 
@@ -50,12 +58,18 @@ class Lidar(LifecycleNode):
         self.declare_parameter("echoes", 2)
         self.declare_parameter("wifi_password", "hunter2")
         self.declare_parameter("angles", [1.0, 2.0])
+        self.declare_parameter("beams", [1, -2])
+        self.declare_parameter("mirrors", [True, False])
+        self.declare_parameter("frames", ["a, b", "c"])
+        self.declare_parameter("key_code", [1])
+        self.declare_parameter("serial", [b"\x01", b"\xff"])
+        self.declare_parameter("mask", list(range(200)))
         self.add_on_set_parameters_callback(self.judge)
 
     def judge(self, parameters: list[Parameter]) -> SetParametersResult:
         if any(each.name == "echoes" and each.value > 3 for each in parameters):
             return SetParametersResult(successful=False, reason="at most three echoes")
-        say(set={each.name: each.value for each in parameters})
+        say(set={each.name: plain(each.value) for each in parameters})
         return SetParametersResult(successful=True)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -60,6 +60,7 @@ def main() -> None:
         said = subprocess.run([python, "-c", which], capture_output=True, text=True, check=True)
         cache = f"{folder}/cache"
         rows = run_tests("test_system_ros.py", cache, TALAIA_TEST_ROS_PYTHON=python)
+        rows += run_tests("test_system_ros_types.py", cache, TALAIA_TEST_ROS_PYTHON=python)
         rows += run_tests("test_adapter.py", cache, TALAIA_ROS_PYTHON=python)
     version, rclpy = said.stdout.split()
     mine = ".".join(map(str, sys.version_info[:3]))

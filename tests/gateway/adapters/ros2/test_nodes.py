@@ -23,7 +23,7 @@ from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, Event
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from talaia.model.discovery.generate_description import Proposal
+    from talaia.model.discovery.generate_description import DescriptionProposal
 
 pytestmark = [pytest.mark.robot, pytest.mark.asyncio(loop_scope="module")]
 
@@ -32,7 +32,7 @@ class Bench(NamedTuple):
     """A robot, what a probe proposes of it, and the hub of a gateway that goes by just that."""
 
     peer: Peer
-    proposal: Proposal
+    proposal: DescriptionProposal
     hub: FakeHub
 
 
@@ -84,16 +84,25 @@ async def test_a_description_of_its_nodes_is_proposed(bench: Bench) -> None:
     assert lidar.signals["life_cycle"].source == RosSource(lifecycle="/front/lidar")
     assert [name for name, signal in lidar.signals.items() if signal.primary] == ["life_cycle"]
     # No number of /rosout, /parameter_events or the node's own services.
-    assert list(lidar.signals) == ["life_cycle", "echoes", "model", "motor_rate"]
-    assert list(lidar.commands) == [
-        "configure", "activate", "deactivate", "cleanup", "shutdown", "set_echoes", "set_motor_rate"
-    ]  # fmt: skip
+    lists = {
+        "angles": "numbers", "beams": "integers", "frames": "texts", "mirrors": "booleans",
+        "serial": "bytes",
+    }  # fmt: skip
+    assert sorted(lidar.signals) == sorted(["life_cycle", "echoes", "model", "motor_rate", *lists])
+    assert sorted(lidar.commands) == sorted([
+        "configure", "activate", "deactivate", "cleanup", "shutdown", "set_echoes",
+        "set_motor_rate", *(f"set_{name}" for name in lists),
+    ])  # fmt: skip
+    for name, kind in lists.items():
+        assert lidar.commands[f"set_{name}"].arguments["value"].type == kind
+        assert lidar.signals[name].type == "text"
     rate = lidar.commands["set_motor_rate"]
     assert rate.description == "Turns a second"
     assert (rate.arguments["value"].minimum, rate.arguments["value"].maximum) == (1, 20)
     left_out = " ".join(bench.proposal.left_out)
     assert "wifi_password: by its name it is a secret" in left_out
-    assert "angles: it is not one number" in left_out
+    assert "mask: a list that takes 890 characters" in left_out
+    assert "key_code: by its name it is a secret" in left_out
     assert "hunter2" not in str(site)
 
 
@@ -149,7 +158,38 @@ async def test_parameters_are_read_and_set_and_a_refusal_is_in_the_nodes_words(
     refused = await ask(bench, "set_echoes", value=4)
     assert (refused.phase, refused.message) == (CommandPhase.FAILED, "at most three echoes")
     assert (await ask(bench, "set_echoes", value=3)).phase is CommandPhase.SUCCEEDED
-    assert bench.peer.heard("set") == [{"motor.rate": 12.0}, {"echoes": 3}]
+    assert bench.peer.heard("set")[-2:] == [{"motor.rate": 12.0}, {"echoes": 3}]
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "typed", "taken", "shown"),
+    [
+        ("angles", "[1.0, 2.0]", "0.5, 3", [0.5, 3.0], "[0.5, 3.0]"),
+        ("beams", "[1, -2]", "[4, 5, 6]", [4, 5, 6], "[4, 5, 6]"),
+        ("mirrors", "[true, false]", "on, off, true", [True, False, True], "[true, false, true]"),
+        ("frames", '["a, b", "c"]', "", [], "[]"),
+        ("serial", "[1, 255]", "0, 7", [0, 7], "[0, 7]"),
+    ],
+)
+async def test_a_list_is_read_as_one_text_and_set_by_one(
+    bench: Bench, name: str, before: str, typed: str, taken: list[object], shown: str
+) -> None:
+    hub, address = bench.hub, f"front_lidar/{name}"
+    await hub.until(lambda: hub.values(address), "the list")
+    assert hub.values(address)[0] == before
+    assert (await ask(bench, f"set_{name}", value=typed)).phase is CommandPhase.SUCCEEDED
+    assert bench.peer.heard("set")[-1] == {name: taken}
+    await hub.until(lambda: hub.values(address)[-1] == shown, "the new list")
+
+
+async def test_what_is_no_list_of_its_type_is_refused_with_the_item(bench: Bench) -> None:
+    heard = len(bench.peer.heard("set"))
+    refused = await ask(bench, "set_beams", value="1, 2.5")
+    assert (refused.phase, refused.message) == (
+        CommandPhase.REFUSED,
+        "value: item 2: expected a whole number, found 2.5",
+    )
+    assert len(bench.peer.heard("set")) == heard
 
 
 async def test_the_robots_log_stands_in_the_logbook_and_a_flood_costs_little(bench: Bench) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,16 @@ from talaia.gateway.adapters.presence import Deafness
 from talaia.wire.frames import Event
 
 pytestmark = pytest.mark.robot
+
+
+async def count_until(peer: Peer, heard: Callable[[], object]) -> None:
+    """Have the robot say one number after the other until one of them was heard."""
+    sent = 100
+    async with asyncio.timeout(PATIENCE_S):
+        while not heard():
+            sent += 1
+            await peer.do("count", **{"from": sent, "to": sent + 1, "hz": 100})
+            await asyncio.sleep(0.2)
 
 
 async def test_a_gateway_that_hears_nobody_joins_anew_and_hears_again(
@@ -43,9 +54,9 @@ async def test_a_gateway_that_hears_nobody_joins_anew_and_hears_again(
         finally:
             os.kill(peer._process.pid, signal.SIGCONT)
         assert "nobody of all who are there is heard or answers" in said("connection lost")[0]
-        await peer.until_heard_by(1)
-        await peer.do("count", **{"from": 7, "to": 8, "hz": 100})
-        await hub.until(lambda: 7.0 in hub.values("base/number"), "a value after it")
+        before = len(hub.values("base/number"))
+        # Its listener may be the one that left meanwhile: one word alone could go to nobody.
+        await count_until(peer, lambda: len(hub.values("base/number")) > before)
 
 
 async def test_a_port_of_shared_memory_that_was_made_anew_beside_us_is_heard_after_joining_anew(
@@ -58,16 +69,13 @@ async def test_a_port_of_shared_memory_that_was_made_anew_beside_us_is_heard_aft
         first = 7400 + 250 * ros_domain + 11
         folder = Path("/dev/shm")  # noqa: S108 - where Fast DDS has them
         ports = [folder / f"fastdds_port{first + 2 * number}" for number in range(8)]
-        gone = [each for each in ports if each.exists()]
-        for each in gone:
-            each.unlink()
-        assert gone
+        # ROS is joined beside the line to the hub, and maybe after it: a robot shows that it is.
+        async with peer_in(ros_domain) as first_peer:
+            await count_until(first_peer, lambda: hub.values("base/number"))
+        before = len(hub.values("base/number"))
+        for each in ports:
+            each.unlink(missing_ok=True)
         async with peer_in(ros_domain) as peer:
-            sent = 0
-            async with asyncio.timeout(PATIENCE_S):
-                while not hub.values("base/number"):
-                    sent += 1
-                    await peer.do("count", **{"from": sent, "to": sent + 1, "hz": 100})
-                    await asyncio.sleep(0.2)
+            await count_until(peer, lambda: len(hub.values("base/number")) > before)
             lost = [x for x in hub.messages if isinstance(x, Event) and x.kind == "connection lost"]
             assert lost

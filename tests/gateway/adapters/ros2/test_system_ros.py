@@ -8,72 +8,29 @@ from __future__ import annotations
 
 import ast
 import asyncio
-import contextlib
 import os
 import signal
 import sys
 import time
-from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from fake_hub import FakeHub, fake_hub
+from gateway.adapters.ros2.bridged_program import bridge_of, bridged, bridged_environment
 from gateway_bench import addresses_of, command, drive, take_lease
 from patience import PATIENCE_S
 from websockets.protocol import State
 
 from talaia.gateway.adapters.ros2.rclpy_bridge.velocities import STALE_NS, VelocityPublisher
+from talaia.model.closed_lists import ArgumentType
 from talaia.model.discovery.probe_report import found_from
 from talaia.wire.frames import CommandPhase, DriveState, StopRequest, StopState
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
     from gateway_bench import Peer
 
-HERE = Path(__file__).parent
 SOURCES = Path(__file__).parents[4] / "src/talaia/gateway/adapters/ros2"
-OTHER_PYTHON = os.environ.get("TALAIA_TEST_ROS_PYTHON", sys.executable)
-
-
-def bridged_environment() -> dict[str, str]:
-    paths = [str(each) for each in (HERE.parents[1], HERE.parents[2], SOURCES.parents[3])]
-    changed = {"TALAIA_ROS_PYTHON": OTHER_PYTHON, "PYTHONPATH": os.pathsep.join(paths)}
-    return {**os.environ, **changed}
-
-
-@asynccontextmanager
-async def bridged(url: str, data: Path) -> AsyncIterator[asyncio.subprocess.Process]:
-    environment = bridged_environment()
-    gateway = await asyncio.create_subprocess_exec(
-        sys.executable, str(HERE / "bridged_gateway.py"), url, str(data),
-        stdin=asyncio.subprocess.PIPE, env=environment,
-    )  # fmt: skip
-    try:
-        yield gateway
-    finally:
-        assert gateway.stdin is not None
-        gateway.stdin.close()
-        with contextlib.suppress(ProcessLookupError):
-            gateway.send_signal(signal.SIGCONT)
-        await asyncio.wait_for(gateway.wait(), PATIENCE_S)
-
-
-def children_of(pid: int) -> list[int]:
-    found = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    # Threads have children of their own.
-    for task in Path(f"/proc/{pid}/task").iterdir():
-        found += (task / "children").read_text().split()
-    return sorted({int(each) for each in found})
-
-
-def bridge_of(pid: int) -> int:
-    (found,) = (
-        each for each in children_of(pid)
-        if b"ros2/bridge.py" in Path(f"/proc/{each}/cmdline").read_bytes()
-    )  # fmt: skip
-    return found
 
 
 async def driving(hub: FakeHub, peer: Peer) -> None:
@@ -213,11 +170,43 @@ def test_zeros_follow_a_velocity_that_nobody_renews_and_nothing_else() -> None:
 
 
 @pytest.mark.parametrize(
+    ("kind", "items", "shown"),
+    [
+        (ArgumentType.NUMBERS, [0.5, 3.0], "[0.5, 3.0]"),
+        (ArgumentType.INTEGERS, [1, -(2**40)], "[1, -1099511627776]"),
+        (ArgumentType.BOOLEANS, [True, False], "[true, false]"),
+        (ArgumentType.TEXTS, ["a, b"], '["a, b"]'),
+        (ArgumentType.BYTES, [0, 255], "[0, 255]"),
+    ],
+)
+def test_a_list_parameter_goes_through_a_bridge_as_it_goes_by_rclpy(
+    kind: ArgumentType, items: list[object], shown: str
+) -> None:
+    pytest.importorskip("rclpy", reason="needs ROS 2")
+    from rcl_interfaces.msg import ParameterValue
+    from rclpy.serialization import deserialize_message, serialize_message
+
+    from talaia.gateway.adapters.ros2.nodes.parameters import fill_list, value_of
+    from talaia.gateway.adapters.ros2.rclpy_bridge.descriptions import describe_type
+    from talaia.gateway.adapters.ros2.system_ros.types import RemoteMessage
+
+    # As the bridge answers, which is not needed here.
+    remote = RemoteMessage("rcl_interfaces/msg/ParameterValue", lambda _, name: describe_type(name))
+    ours, theirs = remote(), ParameterValue()
+    for one in (ours, theirs):
+        fill_list(one, kind, items)
+        assert value_of(one) == shown
+    encoded = remote.encode(ours)
+    assert deserialize_message(encoded, ParameterValue) == theirs
+    assert value_of(remote.decode(serialize_message(theirs))) == shown
+
+
+@pytest.mark.parametrize(
     "file",
     sorted([SOURCES / "bridge.py", *SOURCES.glob("rclpy_bridge/*.py")]),
     ids=lambda p: p.stem,
 )
-def test_what_the_other_python_runs_is_written_for_it_and_needs_rclpy_alone(file: Path) -> None:
+def test_what_the_other_python_runs_is_written_for_it_and_needs_ros_alone(file: Path) -> None:
     tree = ast.parse(file.read_text(), feature_version=(3, 8))
     imported = {
         name.split(".")[0]
@@ -230,4 +219,4 @@ def test_what_the_other_python_runs_is_written_for_it_and_needs_rclpy_alone(file
             else []
         )
     }
-    assert imported - set(sys.stdlib_module_names) <= {"rclpy", "rclpy_bridge"}
+    assert imported - set(sys.stdlib_module_names) <= {"rclpy", "rclpy_bridge", "std_msgs"}

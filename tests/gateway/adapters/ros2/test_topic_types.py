@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 import pytest_asyncio
-from conftest import peer_in
 from fake_hub import FakeHub, fake_hub
+from gateway.conftest import peer_in
 from gateway_bench import Peer, addresses_of, running
 from patience import PATIENCE_S
 from rosbags.highlevel import AnyReader
@@ -321,7 +321,7 @@ async def test_a_probe_reads_types_by_the_definitions_that_are_named(
         shutil.copytree(Path(sys.prefix, "share", package), tmp_path / package)
     problems = []
     for definitions in (None, tmp_path):
-        found = await asyncio.to_thread(look, 1.5, definitions)
+        found = await asyncio.to_thread(look, 6.0, definitions)
         (topic,) = (each for each in found.topics if each.topic == "/own/undescribed")
         problems.append(topic.problem)
     assert "test_msgs/msg/BoundedSequences" in problems[0]

@@ -177,6 +177,18 @@ async def test_nobody_comes_in_without_the_token_or_from_a_page(bench: Bench) ->
         assert (await other.get(address)).status_code == 404
 
 
+async def test_a_program_that_falls_silent_keeps_its_place_for_a_quarter_of_a_minute(
+    bench: Bench,
+) -> None:
+    async with RawClient(bench, token=TOKEN) as raw:
+        told = json.loads((await raw.get()).text[1:])
+        # Old and new clients go by these; `test_engine_connection` sees that we do.
+        assert told["pingInterval"] + told["pingTimeout"] == 15_000
+        # `socketIO-client` waits no longer than this for an answer to a poll.
+        assert told["pingTimeout"] > told["pingInterval"]
+        await raw.post("1", sid=told["sid"])
+
+
 async def test_bodies_beyond_bounds_and_words_that_are_no_packets_end_one_program_alone(
     bench: Bench,
 ) -> None:

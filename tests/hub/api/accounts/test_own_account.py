@@ -53,6 +53,14 @@ def sign_in(name="operator", password=PASSWORD, **more):
         "operator",
         "Operator123",
         "talaia99",
+        # Not in any list as they stand, and among the first that guessing programs try.
+        "aaaaaaaa",
+        "letmein2026",
+        "Password2026!",
+        "operator-operator",
+        "Montserrat1",
+        "qwertzuiop12",
+        "x" * 64,
     ],
 )
 def test_common_passwords_and_names_are_refused(password) -> None:
@@ -61,7 +69,15 @@ def test_common_passwords_and_names_are_refused(password) -> None:
 
 
 @pytest.mark.parametrize(
-    "password", ["a password for tests", "ünï¢ödé pass", "x" * 64, "        z1"]
+    "password",
+    [
+        "a password for tests",
+        "ünï¢ödé pass",
+        "rain on seven green hills " * 3,
+        # Drawn at random, and as short as may be.
+        "k7!vq9zt",
+        "xK9#mQ2p",
+    ],
 )
 def test_any_character_and_length_is_taken(password) -> None:
     check_password(password, "operator")

@@ -329,6 +329,26 @@ async def test_token_that_is_revoked_or_whose_person_is_disabled_is_dead_at_once
     assert await socket.closed() == 4401
 
 
+async def test_token_ends_with_the_password_of_its_person_whoever_changes_it(hub, gateway) -> None:
+    admin, operator = await hub.client("admin"), await hub.client("operator")
+    mine = await token_of(operator, may("use"))
+    of_admin = await token_of(admin, may("use"))
+    socket = await script_socket(hub, mine["token"])
+    await socket.hear(page_wire.Greeting)
+    changed = {"old": PASSWORD, "new": "another long password"}
+    assert (await operator.post("/api/me/password", json=changed)).status_code == 204
+    assert await socket.closed() == 4401
+    assert (await operator.get("/api/me/tokens")).json()["tokens"] == []
+    second = await token_of(operator, may("use"))
+    person = (await people_of(admin))["operator"]["id"]
+    reset = await admin.patch(f"/api/people/{person}", json={"password": "one more password"})
+    assert reset.status_code == 200
+    for text, answer in ((mine, 401), (second, 401), (of_admin, 200)):
+        script = await hub.client()
+        script.headers["Authorization"] = f"Bearer {text['token']}"
+        assert (await script.get("/api/me")).status_code == answer
+
+
 async def test_token_of_someone_else_cannot_be_revoked(hub) -> None:
     made = await token_of(await hub.client("operator"), may("view"))
     admin = await hub.client("admin")

@@ -177,6 +177,8 @@ async def test_who_dawdles_over_a_request_is_sent_away(hub, host, monkeypatch) -
         ("evil.test", 421),
         ("127.0.0.1.evil.test:{port}", 421),
         ("evil.test:{port}@127.0.0.1", 421),
+        ("localhost:{port}.evil", 421),
+        ("127.0.0.1:{port}.evil.test", 421),
         ("127.0.0.1, evil.test", 421),
         ("127.0.0.2:{port}", 421),
         ("", 421),

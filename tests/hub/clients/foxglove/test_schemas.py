@@ -12,7 +12,12 @@ from google.protobuf import descriptor_pb2
 
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.clients.foxglove.offer import make_foxglove_offer
-from talaia.hub.clients.foxglove.schemas import FRAME_SCHEMA, IMAGE_SCHEMA, encode_picture
+from talaia.hub.clients.foxglove.schemas import (
+    FRAME_SCHEMA,
+    IMAGE_SCHEMA,
+    VIDEO_SCHEMA,
+    encode_picture,
+)
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import Subscribe, Unsubscribe, Values
@@ -46,6 +51,7 @@ KNOWN = [
     (OFFER.signals["/base/pose"].schema, "PoseInFrame"),
     (OFFER.signals["/base/fix"].schema, "LocationFix"),
     (IMAGE_SCHEMA, "CompressedImage"),
+    (VIDEO_SCHEMA, "CompressedVideo"),
     (FRAME_SCHEMA, "FrameTransform"),
 ]
 
@@ -67,7 +73,7 @@ def test_well_known_schema_has_no_field_that_the_sdk_does_not_know(schema, name)
 
     compare(json.loads(schema.text)["properties"], types[name])
     # What a message has is what its schema says.
-    if name == "CompressedImage":
+    if name in {"CompressedImage", "CompressedVideo"}:
         said = json.loads(encode_picture(b"jpeg", camera="eye", time_us=1))
         assert said.keys() == json.loads(schema.text)["properties"].keys()
 

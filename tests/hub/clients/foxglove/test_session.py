@@ -24,11 +24,11 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 # What each may see of the site, written by hand: see `everyone.world`.
 SEEN = {
     "guest": {"/base/open"},
-    "driver": {"/base/open", "/base/shut", "/base/words", "/base/eye"},
+    "driver": {"/base/open", "/base/shut", "/base/words", "/base/eye", "/base/eye/video"},
     "operator": {
         f"/{device}/{name}"
         for device in ("base", "power", "camera")
-        for name in ("open", "shut", "words", "eye")
+        for name in ("open", "shut", "words", "eye", "eye/video")
     },
 }
 SEEN["admin"] = SEEN["operator"]

@@ -201,6 +201,13 @@ async def test_who_may_drive_several_says_which(shared_world) -> None:
         assert answer["reason"].startswith("power is driven from Talaia's own pages only")
 
 
+def forget_subscriptions(gateway) -> None:
+    """Forget what was asked of the gateway's cameras before, such as nothing when one came."""
+    gateway.heard[:] = [
+        said for said in gateway.heard if not isinstance(said, frames.StreamSubscription)
+    ]
+
+
 JPEG = b"\xff\xd8not looked at\xff\xd9"
 BASE64 = base64.b64encode(JPEG).decode()
 
@@ -221,6 +228,7 @@ async def test_picture_is_sent_as_it_is_wished_only_while_somebody_is_there(
 ) -> None:
     gateway = shared_world.gateways["agv"]
     camera = await shared_world.hub.camera()
+    forget_subscriptions(gateway)
     async with await client_of(
         shared_world, "driver", kind, "/server2web", transports=transports, pictures=pictures
     ) as client:
@@ -241,10 +249,7 @@ async def test_picture_is_sent_as_it_is_wished_only_while_somebody_is_there(
             )
             heard = await client.hear("server2web")
             assert heard == (BASE64 if pictures == "base64" else {"bytes": BASE64})
-        # What was asked before its end, such as nothing when the camera came.
-        gateway.heard[:] = [
-            said for said in gateway.heard if not isinstance(said, frames.StreamSubscription)
-        ]
+        forget_subscriptions(gateway)
     await gateway.hear(frames.StreamSubscription, lambda asked: not asked.streams)
 
 

@@ -3,13 +3,14 @@
 import tracemalloc
 
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.history.blocks.journal_rows import JournalRows
 
 MANY = 100_000
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(25, many=1000), deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 3), st.integers(1, 9), st.integers(0, 12)), max_size=60))
 def test_it_counts_as_a_list_of_pairs_does(steps: list[tuple[int, int, int]]) -> None:
     # Each step adds a row some numbers further on, and forgets those so far behind it.

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.history.queries.quantiles import Ranks
 
@@ -22,7 +23,7 @@ def linear(values):
     return [float(each) for each in np.quantile(np.asarray(values, float), PARTS)]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(75, many=3000), deadline=None)
 @given(
     st.lists(
         st.lists(st.floats(-1e6, 1e6) | st.sampled_from([0.0, 1.0, 1.5]), max_size=60), max_size=30
@@ -56,7 +57,7 @@ drifting = st.lists(
 ])  # fmt: skip
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=examples(50, many=2000), deadline=None)
 @given(drifting, st.sampled_from([1, 4, 16, 64]))
 @example([[0.0] * 20, [1000.0] * 300, [1001.0] * 300], 4)
 def test_a_signal_that_drifts_gives_exact_quantiles_or_says_that_they_were_missed(

@@ -235,7 +235,7 @@ async def test_somebody_has_control_from_the_grant_to_its_end(hub, gateway) -> N
     assert not hub.hub.is_driven()
     held = LeaseState(device="base", session="s", who="operator", epoch=1, remains_ms=3000)
     await gateway.say(held)
-    await page.hear(LeaseUpdate, lambda news: news.holder == "operator")
+    await page.hear(LeaseUpdate, lambda news: news.holder == "gateway: operator")
     assert hub.hub.is_driven()
     await gateway.say(LeaseState(device="base"))
     await page.hear(LeaseUpdate, lambda news: not news.holder)

@@ -53,6 +53,16 @@ async def test_every_change_reaches_every_page_and_one_that_comes_later(hub, gua
     assert later.longest_s == 600
 
 
+async def test_commands_of_a_device_are_named_to_those_who_may_see_them(hub, guarded) -> None:
+    # Its speed is public, and by that a guest knows of the vehicle.
+    guest = await hub.page("guest")
+    await guarded.say(state(why="Speed is above 1 m/s"))
+    news = await guest.hear(page_wire.InterlockUpdate)
+    # That it is locked, and neither which of its commands nor that it drives.
+    assert (news.name, news.locked) == ("Too steep", True)
+    assert (news.refuses, news.targets, news.slows, news.slowed) == ([], [], [], [])
+
+
 async def test_only_an_admin_overrides_with_a_reason_and_within_the_bound(hub, guarded) -> None:
     operator, admin = await hub.page("operator"), await hub.page("admin")
     await operator.say(override(60))
@@ -70,7 +80,12 @@ async def test_an_override_is_shown_with_who_why_and_for_how_long(hub, guarded) 
     page = await hub.page("operator")
     await guarded.say(state(overridden_by="admin", reason="ramp test", override_ms=60_000))
     news = await page.hear(page_wire.InterlockUpdate)
-    assert (news.overridden_by, news.reason) == ("admin", "ramp test")
+    assert (news.overridden_by, news.reason) == ("gateway: admin", "ramp test")
+    # In the name of whoever asked for it here.
+    await (admin := await hub.page("admin")).say(override(60))
+    await guarded.hear(frames.OverrideRequest)
+    await guarded.say(state(overridden_by="admin", reason="ramp test", override_ms=60_000))
+    await admin.hear(page_wire.InterlockUpdate, lambda news: news.overridden_by == "admin")
     assert 50_000 <= news.override_ms <= 60_000
 
 

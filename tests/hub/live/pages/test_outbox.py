@@ -4,6 +4,7 @@ from math import isnan, nan
 
 import numpy as np
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.live.pages.conflate import conflate, join, newest, weight
 from talaia.hub.live.pages.outbox import Outbox, values_of
@@ -81,7 +82,7 @@ def test_texts_stay_with_their_samples() -> None:
     assert set(kept.texts.values()) >= {"a", "z", "new"}
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(15, many=600))
 @given(puts)
 def test_newest_of_every_channel_is_delivered_however_small_the_budget(batches) -> None:
     outbox = Outbox(TO_BROWSER.encode, budget=40_000)
@@ -96,7 +97,7 @@ def test_newest_of_every_channel_is_delivered_however_small_the_budget(batches) 
     assert all(same(delivered[key], value) for key, value in last.items())
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(15, many=600))
 @given(puts)
 def test_extremes_are_delivered_to_a_browser_that_is_behind(batches) -> None:
     outbox = Outbox(TO_BROWSER.encode)
@@ -112,7 +113,7 @@ def test_extremes_are_delivered_to_a_browser_that_is_behind(batches) -> None:
             assert max(numbers) in values
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(15, many=600))
 @given(
     st.lists(
         st.one_of(
@@ -196,7 +197,7 @@ def test_spike_survives_when_thinning_by_extremes_is_enough() -> None:
     assert values[-1] == 2.0
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(12, many=400))
 @given(puts)
 def test_outbox_that_must_drop_owes_the_newest_value_of_each_channel(batches) -> None:
     """So small a budget that even one sample of each channel is too much."""

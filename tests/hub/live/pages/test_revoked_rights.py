@@ -60,7 +60,10 @@ TAKEN_AWAY = [_disabled, _removed, _demoted, _right_taken, _sessions_ended]
 
 
 @pytest.mark.parametrize("take_away", TAKEN_AWAY, ids=lambda each: each.__name__.strip("_"))
-async def test_socket_ends_and_the_robot_is_let_go_within_a_second(world, take_away) -> None:
+async def test_sockets_and_pictures_end_and_the_robot_is_let_go_within_a_second(
+    world, take_away
+) -> None:
+    viewer = await world.viewer("driver", "agv/base", "eye")
     page = await world.hub.page("driver")
     other = await world.hub.page("operator")
     gateway = world.gateways["agv"]
@@ -74,6 +77,7 @@ async def test_socket_ends_and_the_robot_is_let_go_within_a_second(world, take_a
     await gateway.hear(frames.DriveFrame)
     await take_away(world)
     async with asyncio.timeout(PROMISED_S):
+        assert await viewer.closed() == 4401
         assert await page.closed() == 4401
         free = await gateway.hear(frames.LeaseRequest, lambda ask: ask.op is LeaseOp.FREE)
     assert (free.device, free.session) == ("base", ask.session)
@@ -83,14 +87,6 @@ async def test_socket_ends_and_the_robot_is_let_go_within_a_second(world, take_a
     # Others are not disturbed.
     await other.say(browser.PagePing(n=1, at_ms=0.0))
     await other.hear(browser.PagePong)
-
-
-@pytest.mark.parametrize("take_away", TAKEN_AWAY, ids=lambda each: each.__name__.strip("_"))
-async def test_pictures_end_within_a_second(world, take_away) -> None:
-    viewer = await world.viewer("driver", "agv/base", "eye")
-    await take_away(world)
-    async with asyncio.timeout(PROMISED_S):
-        assert await viewer.closed() == 4401
 
 
 @pytest.mark.parametrize("take_away", TAKEN_AWAY, ids=lambda each: each.__name__.strip("_"))

@@ -6,6 +6,7 @@ from collections import deque
 from typing import NamedTuple
 
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.live.pictures.picture_pacing import PicturePacing, Ready
 from talaia.wire.frames import PictureForm
@@ -196,7 +197,7 @@ def test_pictures_of_a_gateway_that_names_no_forms_are_for_everyone() -> None:
     able=st.sampled_from([["h264"], ["jpeg"], []]),
     later=st.floats(2_000, 20_000_000),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25, many=250), deadline=None)
 def test_whatever_the_line_no_film_is_spoilt_little_waits_and_it_never_stops(
     speed: float, way: int, able: list[str], later: float
 ) -> None:

@@ -20,7 +20,7 @@ class StyleDirective extends Directive {
   }
 
   override update({ element }: ElementPart, [styles]: [Styles]): unknown {
-    if (!(element instanceof HTMLElement)) return noChange;
+    if (!(element instanceof HTMLElement || element instanceof SVGElement)) return noChange;
     for (const name of this.set) if (!(name in styles)) element.style.removeProperty(name);
     for (const [name, value] of Object.entries(styles)) element.style.setProperty(name, value);
     return this.render(styles);

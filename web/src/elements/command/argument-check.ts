@@ -9,6 +9,21 @@ export type CheckedArgument =
   | { readonly ok: true; readonly value: ArgumentValue }
   | { readonly ok: false; readonly why: string };
 
+const TRUTHS: Readonly<Record<string, boolean>> = { true: true, on: true, false: false, off: false };
+
+const HINTS: Partial<Record<ArgumentShape["type"], string>> = {
+  numbers: "With commas between: 0.5, 2",
+  integers: "With commas between: 1, 2",
+  bytes: "With commas between: 1, 2",
+  booleans: "With commas between: true, false",
+  texts: 'With commas between: a, b; texts with commas as ["a, b", "c"]',
+};
+
+/** How a list is written; empty where the argument is none. */
+export function listHint(argument: ArgumentShape): string {
+  return HINTS[argument.type] ?? "";
+}
+
 /** @param text - as typed; of a boolean: "true" or "false" */
 export function checkArgument(argument: ArgumentShape, text: string): CheckedArgument {
   switch (argument.type) {
@@ -20,7 +35,63 @@ export function checkArgument(argument: ArgumentShape, text: string): CheckedArg
     case "number":
     case "integer":
       return checkNumber(argument, text.trim().replace(",", "."));
+    case "numbers":
+    case "integers":
+    case "booleans":
+    case "texts":
+    case "bytes":
+      return checkList(argument, text.trim());
   }
+}
+
+/** Items of a list as one text: `[1, 2.5]`, or `1, 2.5`; null where it begins with [ and is no JSON list. */
+function itemsOf(argument: ArgumentShape, text: string): readonly unknown[] | null {
+  if (text === "") return [];
+  if (!text.startsWith("[")) {
+    const words = text.split(",").map((word) => word.trim());
+    return argument.type === "texts" ? words : words.map(wordValue);
+  }
+  try {
+    return JSON.parse(text) as unknown[];
+  } catch {
+    return null;
+  }
+}
+
+function wordValue(word: string): unknown {
+  const truth = TRUTHS[word.toLowerCase()];
+  if (truth !== undefined) return truth;
+  return word === "" ? word : Number(word);
+}
+
+function checkList(argument: ArgumentShape, text: string): CheckedArgument {
+  if (text.length > argument.max_length) {
+    return { ok: false, why: `At most ${String(argument.max_length)} characters; these are ${String(text.length)}.` };
+  }
+  const items = itemsOf(argument, text);
+  if (items === null) return { ok: false, why: "It begins with [ but is no JSON list." };
+  const wrong = items.findIndex((item) => !isItem(argument, item));
+  // As it was typed: numbers of JavaScript hold no integer of 64 bits.
+  if (wrong < 0) return { ok: true, value: text };
+  return { ok: false, why: `Item ${String(wrong + 1)}: ${itemText(argument)} is needed.` };
+}
+
+function isItem(argument: ArgumentShape, item: unknown): boolean {
+  if (argument.type === "booleans") return typeof item === "boolean";
+  if (argument.type === "texts") return typeof item === "string";
+  if (typeof item !== "number" || !Number.isFinite(item)) return false;
+  if (argument.type !== "numbers" && !Number.isInteger(item)) return false;
+  if (argument.type === "bytes" && (item < 0 || item > 255)) return false;
+  return item >= (argument.minimum ?? -Infinity) && item <= (argument.maximum ?? Infinity);
+}
+
+function itemText(argument: ArgumentShape): string {
+  if (argument.type === "booleans") return "true or false";
+  if (argument.type === "texts") return "a text";
+  const what = argument.type === "numbers" ? "a number" : "a whole number";
+  if (argument.type === "bytes") return `${what} from 0 to 255`;
+  const limits = argumentLimitText(argument);
+  return limits === "" ? what : `${what}, ${limits},`;
 }
 
 function checkNumber(argument: ArgumentShape, text: string): CheckedArgument {

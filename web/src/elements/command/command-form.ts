@@ -12,11 +12,11 @@ import "../forms/field.js";
 import "../base/icon.js";
 import "../feedback/status.js";
 import { PHASES, type RequestPhase } from "./command-phases.js";
-import { checkArgument, argumentLimitText, initialText, type ArgumentValue } from "./argument-check.js";
+import { checkArgument, argumentLimitText, initialText, listHint, type ArgumentValue } from "./argument-check.js";
 
 export type { RequestPhase as AskPhase };
 
-export interface RequestState {
+export interface CommandRequestState {
   readonly phase: RequestPhase;
   /** The robot's own words, where it gave any. */
   readonly message: string;
@@ -117,7 +117,7 @@ export class CommandForm extends LitElement {
   ];
 
   @property({ attribute: false }) command: CommandShape | null = null;
-  @property({ attribute: false }) asked: RequestState | null = null;
+  @property({ attribute: false }) asked: CommandRequestState | null = null;
   /** The site is connected. */
   @property({ type: Boolean }) online = true;
   /** This person may use the device. */
@@ -186,9 +186,10 @@ export class CommandForm extends LitElement {
         />${argument.name}: ${value === "true" ? "on" : "off"}</label
       >`;
     }
-    const number = argument.type !== "text";
+    const number = argument.type === "number" || argument.type === "integer";
+    const hint = [listHint(argument), argumentLimitText(argument)].filter((part) => part !== "").join("; ");
     const label = argument.unit === "" ? argument.name : `${argument.name} (${argument.unit})`;
-    return html`<t-field .label=${label} .hint=${argumentLimitText(argument)} .error=${this.errors[argument.id] ?? ""}>
+    return html`<t-field .label=${label} .hint=${hint} .error=${this.errors[argument.id] ?? ""}>
       <input
         name=${argument.id}
         type="text"

@@ -64,6 +64,8 @@ export class Dialog extends LitElement {
   }
 
   private readonly onClosed = (): void => {
+    // The browser reports it a task later, when the next question may already be open.
+    if (this.dialog.open) return;
     this.open = false;
     this.dispatchEvent(new CustomEvent("t-close"));
   };

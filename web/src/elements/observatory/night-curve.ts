@@ -81,6 +81,10 @@ export class NightCurve extends LitElement {
       .at {
         fill: var(--t-bad);
       }
+      .allowed {
+        fill: var(--t-ok);
+        stroke: var(--t-surface);
+      }
       .best {
         fill: var(--t-text);
         stroke: var(--t-surface);
@@ -121,6 +125,8 @@ export class NightCurve extends LitElement {
   @property({ type: Number }) limit = 0;
   @property({ type: Number }) ms = 0;
   @property() zone = "UTC";
+  /** While the target may be observed (ms); none are drawn where nobody asked. */
+  @property({ attribute: false }) allowed: readonly { readonly from: number; readonly to: number }[] | null = null;
   /** The same in words. */
   @property() words = "";
 
@@ -144,6 +150,7 @@ export class NightCurve extends LitElement {
           <path class="moon" d=${path(this.moon)}></path>
           <path class="curve" d=${path(night.points.map(({ alt }) => alt))}></path>
         </g>
+        ${map(this.allowed ?? [], ({ from, to }) => svg`<rect class="allowed" x=${this.xOfTime(from)} y=${TALL - 8} width=${this.xOfTime(to) - this.xOfTime(from)} height="8"></rect>`)}
         ${this.renderMarks(night, seen)}
       </svg>
       ${this.renderLegend()}`;
@@ -179,6 +186,7 @@ export class NightCurve extends LitElement {
       ${renderMark(svg`<path class="curve" d="M0 8H32"></path>`, "target")} ${renderMark(svg`<path class="moon" d="M0 8H32"></path>`, "Moon")}
       ${renderMark(svg`<path class="now" d="M16 0V16"></path>`, "now")}
       ${this.limit > 0 ? renderMark(svg`<path class="limit" d="M0 8H32"></path>`, "lowest allowed") : nothing}
+      ${this.allowed === null ? nothing : renderMark(svg`<rect class="allowed" y="4" width="32" height="8"></rect>`, "may be observed")}
       ${map(DARKNESS, ({ id, name }) => renderMark(svg`<rect class="${id} grid" width="32" height="16"></rect>`, name))}
     </ul>`;
   }

@@ -8,6 +8,7 @@ import { moonFrom, moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
 import { STARS } from "../../sky/bright-stars.js";
 import { toHorizontal, precessedFromJ2000, radians, type Horizontal, type GeoPlace } from "../../sky/coordinates.js";
 import { base } from "../base/base-style.js";
+import { styled } from "../base/style-directive.js";
 
 const R = 100;
 const NAMED_BELOW = 1.3;
@@ -16,6 +17,13 @@ const WINDS = [["N", 0], ["NE", 45], ["E", 90], ["SE", 135], ["S", 180], ["SW", 
 /** A direction with a name. */
 export interface TelescopeAim extends Horizontal {
   readonly name: string;
+}
+
+/** A place that is looked at in this night: where, and how it is marked. */
+export interface PlannedAim extends TelescopeAim {
+  /** Of its proposal: a letter, and one of the eight colours. */
+  readonly letter: string;
+  readonly colour: number;
 }
 
 @customElement("t-sky-chart")
@@ -112,6 +120,16 @@ export class SkyChart extends LitElement {
         stroke: var(--t-bad);
         stroke-width: 1.8;
       }
+      .planned circle {
+        fill: var(--t-surface);
+        stroke: var(--colour);
+        stroke-width: 1.6;
+      }
+      .planned text {
+        font-size: 5px;
+        font-weight: var(--t-weight-strong);
+        fill: var(--t-text);
+      }
       .aim {
         font-size: 7px;
         font-weight: var(--t-weight-strong);
@@ -131,6 +149,8 @@ export class SkyChart extends LitElement {
   /** That is the last that was known. */
   @property({ type: Boolean }) stale = false;
   @property({ attribute: false }) target: TelescopeAim | null = null;
+  /** What else this night looks at. */
+  @property({ attribute: false }) planned: readonly PlannedAim[] = [];
   /** The telescope may not look lower (°). */
   @property({ type: Number }) limit = 0;
 
@@ -151,7 +171,7 @@ export class SkyChart extends LitElement {
         return svg`<text class=${name.length === 1 ? "wind" : ""} x=${x} y=${y}>${name}</text>`;
       })}
       <g class=${sun.alt > 0 ? "day" : ""}>${this.renderStars(place)}</g>
-      ${this.renderMoon(moon)} ${this.renderSun(sun)} ${this.renderAims()}
+      ${this.renderMoon(moon)} ${this.renderSun(sun)} ${this.renderPlanned()} ${this.renderAims()}
     </svg>`;
   }
 
@@ -191,6 +211,18 @@ export class SkyChart extends LitElement {
       <text class="body" x=${x} y=${y + 10}>Moon</text>`;
   }
 
+  private renderPlanned(): SVGTemplateResult[] {
+    return this.planned.flatMap((aim) => {
+      if (aim.alt < 0) return [];
+      const { x, y } = chartPosition(aim);
+      return [
+        svg`<g class="planned" transform="translate(${x} ${y})" ${styled({ "--colour": `var(--t-series-${String(aim.colour)})` })}>
+          <circle r="4.2"></circle><text>${aim.letter}</text><title>${aim.name}</title>
+        </g>`,
+      ];
+    });
+  }
+
   private renderAims(): unknown {
     const { telescope, target } = this;
     const from = telescope === null || telescope.alt < -1 ? null : chartPosition(telescope);
@@ -222,7 +254,9 @@ export class SkyChart extends LitElement {
     const target = this.target === null ? "" : positionText(`Target ${this.target.name}`, this.target);
     const lit = `${(moonPhase(this.ms).lit * 100).toFixed(0)} % lit`;
     const limit = this.limit > 0 ? `It may not look below ${this.limit.toFixed(0)}°.` : "";
-    return `The sky over the site, north up and east to the left. ${scope}${target}${positionText("Sun", sun)}${positionText(`Moon (${lit})`, moon)}${limit}`;
+    const up = this.planned.filter(({ alt }) => alt >= 0);
+    const planned = up.length === 0 ? "" : `Planned and up now: ${up.map(({ name }) => name).join(", ")}. `;
+    return `The sky over the site, north up and east to the left. ${scope}${target}${planned}${positionText("Sun", sun)}${positionText(`Moon (${lit})`, moon)}${limit}`;
   }
 }
 

@@ -37,7 +37,7 @@ export class ChangePassword extends LitElement {
         </t-field>
         ${this.password.render("New password")} ${renderAdvice(problem)}
         ${renderFormActions({ submit: "Change the password", busy }, html`<span class="said" role="status">${done}</span>`)}
-        <p class="muted">Every other session of yours ends with it.</p>
+        <p class="muted">Every other session of yours ends with it, and every token for scripts.</p>
       </form>`;
   }
 

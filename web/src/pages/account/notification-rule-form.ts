@@ -77,6 +77,14 @@ export class NotificationRuleForm extends LitElement {
       </t-field>
       <t-field label="Gathered for (s)" hint="A burst comes as one message"><input name="group_s" inputmode="numeric" .value=${String(rule.group_s)} /></t-field>
       <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> Also when it is over</label>
+      <label class="tick">
+        <input name="own_requests" type="checkbox" .checked=${rule.own_requests} /> Also when a request of yours is done, or has
+        failed
+      </label>
+      <label class="tick">
+        <input name="nights" type="checkbox" .checked=${rule.nights} /> Also how a night that runs by itself has ended, and
+        when it needs somebody
+      </label>
       ${renderFormActions({ submit: this.rule === null ? "Notify me" : "Save", busy: this.busy, cancel: this.onCancel })}
       ${renderAdvice(this.problem)}
     </form>`;

@@ -351,7 +351,8 @@ export class PageAlarms extends LitElement {
     const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
     const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
     void this.action.run(`${doing.what} it`, () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
-      if (done) this.doing.close();
+      // Another question may have been opened while the hub was asked.
+      if (done && this.doing.subject === doing) this.doing.close();
     });
   };
 }

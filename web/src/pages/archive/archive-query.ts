@@ -1,6 +1,7 @@
 /** What of the archive is asked for, as the page's address and as the hub's question. Pure. */
 
 import { queryTexts, textsQuery } from "../../format/filter-query.js";
+import type { FrameShape } from "../../generated/api.js";
 import { formatDec, formatRa, wrapped } from "../../format/sexagesimal.js";
 
 export interface ArchiveFilter {
@@ -67,4 +68,17 @@ export function skyPlace(raDeg: number, decDeg: number): string {
 export function formatFileSize(bytes: number): string {
   if (bytes < 1e6) return `${(bytes / 1e3).toFixed(0)} kB`;
   return bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(2)} GB`;
+}
+
+/** How good a picture is, as rows of name and value; what is not known is left out. */
+export function qualityRows(frame: FrameShape): [string, string][] {
+  if (!frame.measured) return [["Quality", "not measured"]];
+  const rows: [string, string | null][] = [
+    ["Width of stars", frame.fwhm === null ? null : `${frame.fwhm.toFixed(2)}″`],
+    ["Stars", frame.stars === null ? null : String(frame.stars)],
+    ["Sky", frame.background === null ? null : `${frame.background.toFixed(0)} counts`],
+    ["Zero point", frame.zero_point === null ? null : `${frame.zero_point.toFixed(2)} mag`],
+    ["Plate", frame.solved ? "solved" : frame.note === "" ? null : `not solved: ${frame.note}`],
+  ];
+  return rows.filter((row): row is [string, string] => row[1] !== null);
 }

@@ -12,7 +12,7 @@ import { ArchiveApi, filePath } from "../../wire/archive-api.js";
 import type { FrameDetail, FrameShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../../tiles/archive/frame-preview.js";
-import { formatFileSize, skyPlace } from "./archive-query.js";
+import { formatFileSize, qualityRows, skyPlace } from "./archive-query.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
@@ -143,6 +143,7 @@ export class FrameDetailSheet extends LitElement {
       ["Place (J2000)", frame.ra_deg === null || frame.dec_deg === null ? "–" : skyPlace(frame.ra_deg, frame.dec_deg)],
       ["Size", `${String(frame.width)} × ${String(frame.height)} px`],
       ["Camera", frame.device],
+      ...qualityRows(frame),
     ];
     return html`<dl>${map(rows, ([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`)}</dl>`;
   }

@@ -15,7 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
-import { ArchiveApi, previewPath } from "../../wire/archive-api.js";
+import { ArchiveApi, obscorePath, previewPath } from "../../wire/archive-api.js";
 import type { FrameList, FrameShape, NightList } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import {
@@ -152,6 +152,8 @@ export class PageArchive extends LitElement {
       <div class="actions">
         <t-button type="submit">Search</t-button>
         <t-button kind="quiet" ?disabled=${writeArchiveFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        <a download href=${obscorePath(this.site, "votable")} title="All pictures that you may see, as a table of the Virtual Observatory">ObsCore (VOTable)</a>
+        <a download href=${obscorePath(this.site, "csv")}>ObsCore (CSV)</a>
       </div>
     </form>`;
   }
@@ -188,6 +190,11 @@ export class PageArchive extends LitElement {
         <span class="facts">
           <span>${[frame.kind, frame.filter, exposure].filter(Boolean).join(" · ")}</span>
         </span>
+        ${frame.stars === null
+          ? nothing
+          : html`<span class="muted small">
+              ${[`${String(frame.stars)} stars`, frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.solved ? "solved" : ""].filter(Boolean).join(" · ")}
+            </span>`}
         <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone()}></t-time></span>
         ${frame.ra_deg === null || frame.dec_deg === null
           ? nothing

@@ -118,7 +118,7 @@ export class PageAudit extends LitElement {
     { title: "Time", name: "when", cell: ({ time_us, site }) => html`<t-time .us=${time_us} .zone=${this.sites.store?.zoneOf(site) ?? "UTC"}></t-time>` },
     { title: "Who", name: "who", cell: renderPerson },
     { title: "What", name: "what", cell: ({ kind, message }) => html`<strong>${kind}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
-    { title: "Where", name: "where", cell: ({ site, device }) => [site, device].filter(Boolean).join(" · ") || html`<span class="muted">hub</span>` },
+    { title: "Where", name: "where", cell: ({ site, device, source }) => [site, device, source === "gateway" ? "said by the gateway" : ""].filter(Boolean).join(" · ") || html`<span class="muted">hub</span>` },
     { title: "Outcome", cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? "done" : "refused"}></t-status>` },
   ];
 

@@ -54,7 +54,7 @@ export class ClientProtocol extends LitElement {
 
   private renderAddresses(row: ClientProtocolShape): TemplateResult {
     if (row.path === "") {
-      return html`<p class="muted">The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.</p>
+      return html`<p class="muted">${aboutFile(row)}</p>
         ${row.brokers.length === 0 ? html`<p class="muted">It was started without such a file.</p>` : map(row.brokers, renderBroker)}`;
     }
     return html`${map(
@@ -100,6 +100,13 @@ export class ClientProtocol extends LitElement {
     this.dispatchEvent(new CustomEvent("t-changed"));
     return done;
   }
+}
+
+/** What the file says by which the hub was started. */
+function aboutFile(row: ClientProtocolShape): TemplateResult {
+  return row.protocol === "alpaca"
+    ? html`The hub answers at the address that the file of <code>talaia hub --alpaca</code> names. Alpaca has no sign-in: whoever reaches that address reads what the file's token may see.`
+    : html`The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.`;
 }
 
 /** How one broker stands; who has lost it looks here first. */

@@ -5,7 +5,7 @@ import { ref } from "lit/directives/ref.js";
 import { padStick } from "../../controllers/drive/stick.js";
 import { CameraView, type CameraLink } from "../../elements/camera/camera-view.js";
 import "../../elements/command/command-form.js";
-import type { RequestState } from "../../elements/command/command-form.js";
+import type { CommandRequestState } from "../../elements/command/command-form.js";
 import "../../elements/drive/arrow-pad.js";
 import "../../elements/drive/drive-readout.js";
 import "../../elements/drive/lease-line.js";
@@ -123,7 +123,7 @@ const SLEW: CommandShape = {
   ],
 };
 
-function asked(phase: RequestState["phase"], message = "", progress = 0): GalleryState {
+function asked(phase: CommandRequestState["phase"], message = "", progress = 0): GalleryState {
   return {
     name: phase,
     show: () => html`<t-command .command=${WANDER} .asked=${{ phase, message, progress }}></t-command>`,

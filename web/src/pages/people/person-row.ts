@@ -138,7 +138,7 @@ export class PersonSection extends LitElement {
         <t-button type="submit" ?busy=${this.action.runningKey === "role"}>Give this role</t-button>
       </form>
       <form novalidate @submit=${this.changePassword}>
-        <t-field label="New password" hint="All their sessions end with it." error=${this.trouble}>
+        <t-field label="New password" hint="All their sessions and their tokens for scripts end with it." error=${this.trouble}>
           <input id="password" type="password" autocomplete="new-password" />
         </t-field>
         <t-button type="submit" ?busy=${this.action.runningKey === "password"}>Set this password</t-button>

@@ -118,7 +118,8 @@ export class PageRoles extends LitElement {
         <strong>view</strong> sees values, pictures and history, and may STOP. <strong>use</strong> drives and commands
         besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only.
         <strong>tap</strong> has the robot’s raw topics, <strong>metrics</strong> lets Prometheus read figures of the
-        signals that it sees, whatever else it may. A dashed cell has its right from a line above it.
+        signals that it sees, whatever else it may. <strong>request</strong> asks for observations for a proposal,
+        <strong>approve</strong> lets them be observed, <strong>arm</strong> lets the night run by itself. A dashed cell has its right from a line above it.
       </p>`;
   }
 

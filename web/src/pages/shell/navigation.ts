@@ -12,7 +12,7 @@ import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/base/icon.js";
 
 interface NavigationPlace {
-  readonly page: "home" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "people";
+  readonly page: "home" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "night" | "people";
   readonly icon: IconName;
   readonly title?: string;
 }
@@ -25,6 +25,7 @@ const PLACES: readonly NavigationPlace[] = [
   { page: "history", icon: "history" },
   { page: "alarms", icon: "bell" },
   { page: "drive", icon: "drive" },
+  { page: "night", icon: "moon" },
   { page: "archive", icon: "camera" },
   { page: "people", icon: "shield", title: "Admin" },
 ];
@@ -112,6 +113,10 @@ export class Navigation extends LitElement {
         .people {
           display: none;
         }
+        /* There is no room for eight; the night leads to its pictures. */
+        .night-here .archive {
+          display: none;
+        }
         a[aria-current] {
           border-block-start-color: var(--t-accent);
           border-block-end-color: transparent;
@@ -128,9 +133,11 @@ export class Navigation extends LitElement {
   @property({ type: Boolean }) actuable = false;
   /** The site has cameras that take exposures, or pictures of them, and the person may see them. */
   @property({ type: Boolean }) archived = false;
+  /** The site has a telescope that the person may see. */
+  @property({ type: Boolean }) observing = false;
 
   override render(): TemplateResult {
-    return html`<nav aria-label="Pages">
+    return html`<nav aria-label="Pages" class=${this.observing ? "night-here" : ""}>
       ${map(
         this.visiblePlaces(),
         (place) => html`<a
@@ -150,7 +157,7 @@ export class Navigation extends LitElement {
     // One beginning for each: the sites for who may see them, all public data for who sees no more.
     const hidden = seesOnlyPublic(person) ? "home" : "public";
     return PLACES.filter(
-      ({ page }) => page !== hidden && mayOpen(page, person) && (page !== "drive" || this.actuable) && (page !== "archive" || this.archived),
+      ({ page }) => page !== hidden && mayOpen(page, person) && (page !== "drive" || this.actuable) && (page !== "archive" || this.archived) && (page !== "night" || this.observing),
     );
   }
 
@@ -160,6 +167,7 @@ export class Navigation extends LitElement {
       page === this.page ||
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
       (page === "history" && this.page === "recordings") ||
+      (page === "night" && (this.page === "requests" || this.page === "proposals")) ||
       (page === "alarms" && (this.page === "logbook" || this.page === "sightings"))
     );
   }
@@ -178,6 +186,7 @@ export class Navigation extends LitElement {
       case "history":
       case "drive":
       case "archive":
+      case "night":
         return this.site === "" ? null : sitePath(this.site, page);
     }
   }

@@ -162,18 +162,19 @@ export class Shell extends LitElement {
     const site = this.siteNow();
     const actuable = this.hasActuators();
     const archived = this.hasArchive();
+    const observing = this.detail.value?.devices.some(({ kind }) => kind === "telescope") ?? false;
     return html`
       <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
       <div class="top">
         <t-header .site=${site}>
-          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
+          ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
         </t-header>
         ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-alarm-bar></t-alarm-bar><t-interlocks></t-interlocks>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.renderContent()}</main>
-      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived}></t-nav>` : nothing}
+      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
     `;
   }
 

@@ -152,7 +152,7 @@ export class CameraPart extends DevicePart {
     return html`<section class="two" aria-label="Camera">
       <div class="card">${this.renderPicture()}</div>
       <div class="card exposure">${this.renderExposure()}</div>
-      ${this.renderCooler()}
+      ${this.renderCooler()} ${this.renderSettings()}
     </section>`;
   }
 
@@ -238,6 +238,17 @@ export class CameraPart extends DevicePart {
       <div class="readings">${map([temperature, cooler, power], (signal) => this.renderReading(signal, "l"))}</div>
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
       ${map(cool, (command) => this.renderForm(command))}
+    </div>`;
+  }
+
+  private renderSettings(): unknown {
+    const { filter, binning, gain } = cameraSignals(this.device ?? NO_DEVICE);
+    const { settings } = cameraCommands(this.device ?? NO_DEVICE);
+    if (settings.length === 0) return nothing;
+    return html`<div class="card">
+      <h2>For the next exposure</h2>
+      <div class="readings">${map([filter, binning, gain], (signal) => this.renderReading(signal, "l"))}</div>
+      ${map(settings, (command) => this.renderForm(command))}
     </div>`;
   }
 

@@ -166,6 +166,8 @@ export interface CameraSignals {
   readonly cooler: SignalShape | undefined;
   readonly power: SignalShape | undefined;
   readonly filter: SignalShape | undefined;
+  readonly binning: SignalShape | undefined;
+  readonly gain: SignalShape | undefined;
 }
 
 export function cameraSignals(device: DeviceShape): CameraSignals {
@@ -176,6 +178,8 @@ export function cameraSignals(device: DeviceShape): CameraSignals {
     cooler: signalWith(device, "camera.cooler"),
     power: signalWith(device, "camera.cooler_power"),
     filter: signalWith(device, "camera.filter"),
+    binning: signalWith(device, "camera.binning"),
+    gain: signalWith(device, "camera.gain"),
   };
 }
 
@@ -186,6 +190,8 @@ export interface CameraCommands {
   /** A set point as a form, and the cooler's switch. */
   readonly cool: readonly CommandShape[];
   readonly cooler: readonly CommandButton[];
+  /** What holds from the next exposure on: filter, binning, gain. */
+  readonly settings: readonly CommandShape[];
 }
 
 export function cameraCommands(device: DeviceShape): CameraCommands {
@@ -198,6 +204,7 @@ export function cameraCommands(device: DeviceShape): CameraCommands {
       cooler === undefined
         ? [...commandButton(commandWith(device, "camera.cooler_on")), ...commandButton(commandWith(device, "camera.cooler_off"))]
         : switchButtons(cooler, "Cooler on", "Cooler off"),
+    settings: (["camera.filter", "camera.binning", "camera.gain"] as const).flatMap((role) => commandsWith(device, role)),
   };
 }
 

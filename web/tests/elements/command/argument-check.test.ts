@@ -31,6 +31,36 @@ test("a boolean is one, a text is not too long", () => {
   expect(checkArgument(argument({ type: "text" }), "x".repeat(201))).toMatchObject({ ok: false });
 });
 
+test.each([
+  ["numbers", "1, -2.5, 1e3"],
+  ["numbers", "[1, 2]"],
+  ["numbers", ""],
+  ["integers", "9223372036854775807, 2"],
+  ["booleans", "true, Off"],
+  ["texts", "front left, 12"],
+  ["texts", '["a, b", ""]'],
+  ["bytes", "0, 255"],
+] as const)("a list of %s is sent as it was typed: %s", (type, text) => {
+  expect(checkArgument(argument({ type, minimum: null, maximum: null }), ` ${text} `)).toEqual({ ok: true, value: text });
+});
+
+test.each([
+  ["numbers", "1, two", "Item 2: a number is needed."],
+  ["numbers", "1,,2", "Item 2: a number is needed."],
+  ["integers", "1.5", "Item 1: a whole number is needed."],
+  ["booleans", "1", "Item 1: true or false is needed."],
+  ["texts", "[1]", "Item 1: a text is needed."],
+  ["bytes", "256", "Item 1: a whole number from 0 to 255 is needed."],
+  ["numbers", "[1, 2", "It begins with [ but is no JSON list."],
+] as const)("a list of %s that does not fit is told its place: %s", (type, text, why) => {
+  expect(checkArgument(argument({ type, minimum: null, maximum: null }), text)).toEqual({ ok: false, why });
+});
+
+test("the limits of a list are those of its items", () => {
+  const why = "Item 2: a number, 0 to 360\u202f°, is needed.";
+  expect(checkArgument(argument({ type: "numbers" }), "1, 361")).toEqual({ ok: false, why });
+});
+
 test("limits are said in words", () => {
   expect(argumentLimitText(argument({ maximum: null }))).toBe("0\u202f° or more");
   expect(argumentLimitText(argument({ minimum: null, maximum: 0.25, unit: "m" }))).toBe("0.25\u202fm or less");

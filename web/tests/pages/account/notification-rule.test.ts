@@ -3,7 +3,7 @@ import { ruleFromForm, quietHours } from "../../../src/pages/account/notificatio
 
 const FILLED: Readonly<Record<string, string>> = {
   way: "3", target: " op@example.org ", site: "agv", least: "info", from: "22:30", to: "06:05", zone: "Europe/Madrid",
-  quiet_least: "critical", group_s: "60", over: "on",
+  quiet_least: "critical", group_s: "60", over: "on", own_requests: "on",
 };
 const said = (fields: Readonly<Record<string, string>>): FormData => {
   const data = new FormData();
@@ -14,7 +14,7 @@ const said = (fields: Readonly<Record<string, string>>): FormData => {
 test("a form that is filled in asks for a rule", () => {
   expect(ruleFromForm(said(FILLED))).toEqual({
     site: "agv", way: "3", target: "op@example.org", least: "info", over: true, quiet_from: 1350, quiet_to: 365,
-    quiet_least: "critical", zone: "Europe/Madrid", group_s: 60,
+    quiet_least: "critical", zone: "Europe/Madrid", group_s: 60, own_requests: true,
   });
 });
 

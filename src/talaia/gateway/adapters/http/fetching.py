@@ -1,8 +1,8 @@
-"""One GET, whole and bounded: to the address that was judged, no redirect, one deadline. Blocks.
+"""One GET or PUT, whole and bounded: to the address that was judged, no redirect.
 
-The standard library's client takes a connection that is made already, so the name is looked up
-once, its address judged, and that very address is asked: a name that means another machine a
-moment later gains nothing.
+Blocks. The standard library's client takes a connection that is made already, so the name is
+looked up once, its address judged, and that very address is asked: a name that means another
+machine a moment later gains nothing.
 """
 
 from __future__ import annotations
@@ -20,15 +20,43 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Mapping
 
-__all__ = ["MAX_ANSWER", "FetchFailed", "HttpQuestion", "HttpServer"]
+__all__ = [
+    "MAX_ANSWER",
+    "FetchFailed",
+    "HttpQuestion",
+    "HttpServer",
+    "ServerNotReached",
+    "StatusRefused",
+]
 
 # Of an answer, in bytes: a device's whole state is some ten thousand.
 MAX_ANSWER = 1024 * 1024
 _PIECE = 64 * 1024
+# Of what a server says beside a status, in bytes.
+_MOST_WORDS = 2000
 
 
 class FetchFailed(GatewayError):
     """There is no answer, or none that can be read; says why, without any secret."""
+
+
+class ServerNotReached(FetchFailed):
+    """There is no line to it: whatever was to be asked was not sent."""
+
+
+class StatusRefused(FetchFailed):
+    """It answers with a status that is no success.
+
+    Attributes:
+        status: of HTTP.
+        words: the first of what it says, as text; its own, of any letters.
+
+    """
+
+    def __init__(self, status: int, words: str) -> None:
+        """Keep both apart: not every reader may show its words."""
+        super().__init__(f"it answers with the status {status}")
+        self.status, self.words = status, words
 
 
 class HttpServer(NamedTuple):
@@ -51,11 +79,22 @@ class HttpServer(NamedTuple):
 
 
 class HttpQuestion:
-    """One GET; `fetch_answer` on a thread of its own, `cut_off` from any other."""
+    """One GET or PUT; `fetch_answer` on a thread of its own, `cut_off` from any other."""
 
-    def __init__(self, server: HttpServer, get: str) -> None:
-        """Ask for ``get`` below the server's root."""
+    def __init__(
+        self, server: HttpServer, get: str, *, form: bytes | None = None, longest: int = MAX_ANSWER
+    ) -> None:
+        """Ask for ``get`` below the server's root.
+
+        Args:
+            server: who is asked.
+            get: the path, with its query.
+            form: put there, as a form's fields; none only asks. It is sent once and never again.
+            longest: of the answer (bytes).
+
+        """
         self._server, self._get = server, get
+        self._form, self._longest = form, longest
         self._line: socket.socket | None = None  # While it is under way.
         self._is_cut = False  # Its time is over: what came so far is no answer.
 
@@ -83,16 +122,20 @@ class HttpQuestion:
             self._line = connection.sock = _connect(self._server, host, port)
             # The name that was looked up, as a server with several of them wants it.
             headers = {**self._server.headers, "Host": parts.netloc, "Connection": "close"}
-            connection.request("GET", parts.path.rstrip("/") + self._get, headers=headers)
+            path, method = parts.path.rstrip("/") + self._get, "GET"
+            if self._form is not None:
+                method, headers["Content-Type"] = "PUT", "application/x-www-form-urlencoded"
+            connection.request(method, path, self._form, headers)
             with connection.getresponse() as answer:
-                body = _read_answer(answer)
+                body = _read_answer(answer, self._longest)
         except (OSError, http.client.HTTPException) as error:
             if self._is_cut:
                 raise FetchFailed(_late_words(self._server.timeout)) from error
             why = (str(error) or type(error).__name__)[:200]
             where = f"at {host}:{port}"
-            said = f"its answer {where} cannot be read" if self._line else f"none answers {where}"
-            raise FetchFailed(f"{said} ({why})") from error
+            if self._line is None:
+                raise ServerNotReached(f"none answers {where} ({why})") from error
+            raise FetchFailed(f"its answer {where} cannot be read ({why})") from error
         finally:
             connection.close()
             # The client has let go of a line that the server is to close.
@@ -115,7 +158,7 @@ def _connect(server: HttpServer, host: str, port: int) -> socket.socket:
         why = why_no_camera(str(address[0]), here=server.here)
         if why:
             # Never the next one instead: a name with one such address is no device's.
-            raise FetchFailed(f"{host} is not asked: it is {address[0]}, {why}")
+            raise ServerNotReached(f"{host} is not asked: it is {address[0]}, {why}")
         line = socket.socket(family, kind, protocol)
         line.settimeout(server.timeout)
         try:
@@ -130,17 +173,16 @@ def _connect(server: HttpServer, host: str, port: int) -> socket.socket:
     raise failed
 
 
-def _read_answer(answer: http.client.HTTPResponse) -> bytes:
+def _read_answer(answer: http.client.HTTPResponse, longest: int) -> bytes:
     if 300 <= answer.status < 400:
         raise FetchFailed(f"it sends us elsewhere ({answer.status}), which is not followed")
-    # Not its words: they are the server's, of any length and letters.
     if answer.status != 200:
-        raise FetchFailed(f"it answers with the status {answer.status}")
+        raise StatusRefused(answer.status, answer.read(_MOST_WORDS).decode(errors="replace"))
     body = bytearray()
     while piece := answer.read(_PIECE):
         body += piece
-        if len(body) > MAX_ANSWER:
-            raise FetchFailed(f"its answer is longer than {MAX_ANSWER // 1024} KiB")
+        if len(body) > longest:
+            raise FetchFailed(f"its answer is longer than {longest // 1024} KiB")
     # `read` with a size does not say so by itself.
     if answer.length:
         raise FetchFailed("its answer ends before its stated length")

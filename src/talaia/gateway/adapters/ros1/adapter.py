@@ -31,6 +31,7 @@ from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.worker import PictureWorker
+from talaia.model.arguments import list_fields
 from talaia.model.connection import Ros1Connection
 from talaia.model.site import CommandKind
 from talaia.wire.frames import CommandPhase
@@ -191,7 +192,8 @@ class Ros1Adapter:
             return None
         address, call = f"{device}/{command}", self._calls.begin_call(done)
         described = self._scope.devices[device].commands[command]
-        node.send_frame(op="act", id=address, call=call, fields=fields, target=described.target)
+        with_lists = list_fields(described, fields)
+        node.send_frame(op="act", id=address, call=call, fields=with_lists, target=described.target)
         # Of ROS 1's ways only actions can be ended early.
         if described.kind is not CommandKind.ACTION:
             return None

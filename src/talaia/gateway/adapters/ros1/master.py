@@ -151,6 +151,28 @@ class RosMaster:
             raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error
         return {topic: kind for topic, kind in found.items() if kind != "*"}
 
+    def parameter_names(self) -> tuple[str, ...]:
+        """Tell the absolute names of all parameters.
+
+        Raises:
+            AdapterLost: it is not there.
+
+        """
+        _, value = self._call_master("getParamNames")
+        if not isinstance(value, list):
+            raise AdapterLost(f"what answers at {self.uri} is no ROS master")
+        return tuple(str(name) for name in value)
+
+    def read_parameter(self, name: str) -> tuple[bool, object]:
+        """Tell whether a parameter is set, and its value.
+
+        Raises:
+            AdapterLost: the master is not there.
+
+        """
+        code, value = self._call_master("getParam", name)
+        return code == 1, value
+
     def service_type(self, service: str) -> str:
         """Ask a service for its type, ``package/Name``; empty when it does not answer.
 

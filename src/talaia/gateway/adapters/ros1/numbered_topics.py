@@ -20,6 +20,7 @@ from talaia.gateway.adapters.topic_readers import (
 from talaia.gateway.errors import FieldError
 from talaia.gateway.video.camera import PictureStream
 from talaia.model.connection import RosSource, source_as, topic_of
+from talaia.model.list_texts import list_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
@@ -250,7 +251,8 @@ class NumberedTopics:
     def read_parameter(self, frame: Mapping[str, Any]) -> None:
         """Read a parameter's value, as a message with it as ``data``."""
         plan = self._parameters[frame["number"]]
-        message = SimpleNamespace(data=frame["value"])
+        value = frame["value"]
+        message = SimpleNamespace(data=list_text(value) if isinstance(value, list) else value)
         plan.read_message(message, frame["at"], self._clock.monotonic_ns(), self._gathered)
 
     def learn_type(self, frame: Mapping[str, Any]) -> None:

@@ -4,7 +4,7 @@ Listens only: it publishes nothing and calls nothing. Topics are heard raw throu
 own process of the machine's Python; a service is asked for its type by the header that is
 exchanged before any call. What a message holds is read from the definition that its publisher
 sends with it, so that no package of the robot's is needed; of a request, and of a topic that is
-silent, only the packages of this machine can tell.
+silent, only the packages of this machine can tell. Parameters are read from the master.
 
 Long, because listening and telling are two sides of what was heard.
 """
@@ -17,6 +17,8 @@ import os
 import time
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
 from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros1.decode import decoder_of, full_name
@@ -24,6 +26,7 @@ from talaia.gateway.adapters.ros1.frames import ReceivedMessage
 from talaia.gateway.adapters.ros1.master import RosMaster
 from talaia.gateway.adapters.ros1.message_types import definition_of
 from talaia.gateway.adapters.ros1.node import NodeProcess
+from talaia.gateway.adapters.ros1.probed_parameters import find_parameters
 from talaia.gateway.errors import AdapterLost, FieldError
 from talaia.model.connection import Ros1Connection
 from talaia.model.discovery.probe_report import (
@@ -166,11 +169,12 @@ class _Look:
             }
             for heard in self._heard:
                 types[heard.topic] = heard.type or types.get(heard.topic, "")
+            nodes = await loop.run_in_executor(None, find_parameters, self._master, system)
             await self._describe(node, types, kinds)
         finally:
             node.hang_up()
             await loop.run_in_executor(None, node.wait_ended)
-        return self._describe_found(system, types, kinds)
+        return msgspec.structs.replace(self._describe_found(system, types, kinds), nodes=nodes)
 
     async def _wait_until(self, holds: Callable[[], bool], seconds: float) -> None:
         """Wait until it holds, or so long (s).

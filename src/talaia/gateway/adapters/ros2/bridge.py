@@ -1,7 +1,8 @@
 """Starts a system's ROS 2 for a gateway. Run as a script by that ROS's own Python, 3.8 or later.
 
-What it does is in the package `rclpy_bridge` beside this file. Neither imports anything of talaia:
-the other Python has none of what that needs.
+With the word ``class-trial`` it tries made message classes and ends. What it does is in the package
+`rclpy_bridge` beside this file. Neither imports anything of talaia: the other Python has none of
+what that needs.
 """
 
 from __future__ import annotations
@@ -14,7 +15,10 @@ import rclpy_bridge  # noqa: F401
 # Our `actions`, `services` and `parameters` would hide packages of the same names.
 sys.path.pop(0)
 
-from rclpy_bridge.main import main
-
 if __name__ == "__main__":
+    # In a process of its own, so that what it may break is not what drives a robot.
+    if sys.argv[1:] == ["class-trial"]:
+        from rclpy_bridge.class_trial import main
+    else:
+        from rclpy_bridge.main import main
     main()

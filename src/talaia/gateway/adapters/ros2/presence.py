@@ -104,7 +104,10 @@ class Ros2Presence:
         else:
             return DeviceEndpoints(self._commands.offered(device))
         return DeviceEndpoints(
-            bool(nodes), nodes, frozenset(node for node in nodes if self._askable(node))
+            there=bool(nodes),
+            nodes=nodes,
+            askable=frozenset(node for node in nodes if self._askable(node)),
+            nameless=any(node.endswith(_UNKNOWN) for node in nodes),
         )
 
     def _askable(self, node: str) -> bool:

@@ -289,8 +289,9 @@ class Ros2Commands:
     ) -> None:
         client = self._clients[address]
         request = client.kind.Request()
-        if self._commands[address].kind is CommandKind.PARAMETER:
-            request.parameters = parameters_of(fields)
+        command = self._commands[address]
+        if command.kind is CommandKind.PARAMETER:
+            request.parameters = parameters_of(command, fields)
         else:
             fill(request, fields)
         if not client.entity.service_is_ready():

@@ -13,6 +13,7 @@ from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING
 
+from talaia.bounded_http import serve_bounded
 from talaia.gateway.adapters.credentials import read_secret
 from talaia.gateway.adapters.json_signals import JsonSignals
 from talaia.gateway.adapters.socketio.engine_endpoint import EngineEndpoint
@@ -24,7 +25,6 @@ from talaia.gateway.adapters.socketio.event_data import (
     place_of,
     sensors_in,
 )
-from talaia.gateway.adapters.socketio.http_server import serve_application
 from talaia.gateway.adapters.undriven_adapter import JsonAdapter
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost, SettingsError
@@ -33,6 +33,7 @@ from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import SocketioConnection, SocketioSource, source_as
 from talaia.wire.frames import CommandPhase
+from talaia.wire.socketio.engine_packets import MAX_SOCKETIO_BODY
 from talaia.wire.socketio.founding_namespaces import NAMESPACES, PICTURES_IN, SENSED
 
 if TYPE_CHECKING:
@@ -47,6 +48,8 @@ __all__ = ["SocketioAdapter"]
 # Pace at which held-back values are given out, and samples at most.
 _TURN_S = 0.05
 _SHORTEST_TOKEN = 16
+# TCP connections at once.
+_MOST_CONNECTIONS = 128
 # Sensors that no signal is of, and which are told.
 _MOST_NEW = 100
 _NOBODY = "no program that sends it is connected"
@@ -106,7 +109,15 @@ class SocketioAdapter(JsonAdapter):
         self._worker.start()
         self._programs.clear()
         try:
-            async with serve_application(endpoint, settings.host, settings.port, self._tls):
+            serving = serve_bounded(
+                endpoint,
+                settings.host,
+                settings.port,
+                most_connections=_MOST_CONNECTIONS,
+                tls=self._tls,
+                websocket_bytes=MAX_SOCKETIO_BODY,
+            )
+            async with serving:
                 self._endpoint = endpoint
                 self._status.up()
                 for device in self._places_of:

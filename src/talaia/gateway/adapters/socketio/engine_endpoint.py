@@ -9,8 +9,9 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from talaia.clock import SECOND
 from talaia.engineio.engine_carrier import serve_socket
-from talaia.engineio.engine_connection import EngineConnection, LineGone
+from talaia.engineio.engine_connection import EngineConnection, EngineTimes, LineGone
 from talaia.first_completed import until_first
 from talaia.gateway.adapters.socketio.asgi_requests import (
     AsgiSocket,
@@ -39,8 +40,10 @@ if TYPE_CHECKING:
 __all__ = ["EngineEndpoint"]
 
 log = logging.getLogger(__name__)
+# A program is on this computer or its network: one that fell silent keeps its place for 15 s.
+_TIMES = EngineTimes(ping_ns=5 * SECOND, timeout_ns=10 * SECOND)
 _PATHS = {"/socket.io", "/socket.io/"}
-# More than a robot has: one that went without a word counts until it was not heard for 45 s.
+# More than a robot has: one that went without a word counts until it was not heard for 15 s.
 _MOST_PROGRAMS = 32
 # After a wrong token everybody with a wrong one waits: a guesser gets one try a second.
 _WRONG_S = 1.0
@@ -211,7 +214,7 @@ class EngineEndpoint:
             why = f"at most {_MOST_PROGRAMS} programs at once"
             raise ProgramRefused(HTTPStatus.SERVICE_UNAVAILABLE, why)
         as_text = request.query.get("b64") in {"1", "true"}
-        line = EngineConnection(revision, clock=self._clock, as_text=as_text)
+        line = EngineConnection(revision, clock=self._clock, as_text=as_text, times=_TIMES)
         self._lines[line.sid] = line
         task = asyncio.create_task(self._serve_line(line, request.peer))
         self._tasks.add(task)

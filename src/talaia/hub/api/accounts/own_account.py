@@ -71,7 +71,7 @@ class OwnPages:
     async def change_password(
         self, asked: PasswordChange, request: Request, response: Response
     ) -> None:
-        """Take another password; your other sessions end."""
+        """Take another password; your other sessions and all your tokens end."""
         who = who_of(request)
         await self._proving.confirm_password(
             request, who.user, asked.old, "password change refused"

@@ -79,7 +79,10 @@ class PeoplePages:
         return _person_schema(made)
 
     async def change(self, person: str, asked: PersonChange, request: Request) -> PersonShape:
-        """Change a person's role, password, or whether they may sign in; their sessions end."""
+        """Change a person's role, password, or whether they may sign in; their sessions end.
+
+        With another password their tokens end, too.
+        """
         number = number_of(person, "person")
         with _translate_refusals():
             # For the log, which names what has changed.

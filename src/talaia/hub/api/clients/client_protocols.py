@@ -18,10 +18,10 @@ from talaia.hub.api.schemas.client_schemas import (
     ClientProtocolList,
     ClientProtocolShape,
 )
-from talaia.hub.clients.catalog import CLIENT_PROTOCOLS, MQTT
+from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from talaia.hub.clients.mqtt.broker_presence import BrokerContact, BrokerPresence
     from talaia.hub.clients.open_protocols import OpenProtocols
@@ -43,13 +43,14 @@ class ClientProtocolPages:
         *,
         store: ClientProtocols,
         protocols: OpenProtocols,
-        brokers: Sequence[BrokerPresence],
+        brokers: Mapping[str, Sequence[BrokerPresence]],
         sites: Sites,
         audit: Audit,
     ) -> None:
         """Write into ``store``; ``protocols`` follows at once.
 
-        ``brokers`` tell how those stand that the hub connects to; they may become more.
+        ``brokers`` tell, by protocol, how those stand that files of their own name; they may
+        become more.
         """
         self._brokers = brokers
         self._store = store
@@ -144,8 +145,7 @@ class ClientProtocolPages:
             changed_by=state.changed_by if state is not None else "",
             changed_us=state.changed_us if state is not None else 0,
             connected=self._protocols.count_connected(name),
-            # Only one protocol goes out to brokers.
-            brokers=[_broker_shape(one.contact) for one in self._brokers] if name == MQTT else [],
+            brokers=[_broker_shape(one.contact) for one in self._brokers.get(name, ())],
         )
 
     def _append_record(

@@ -21,16 +21,17 @@ from talaia.hub.api.schemas.archive_schemas import (
     NightList,
     NightShape,
 )
-from talaia.hub.archive.fits_reader import PREVIEW_PX, SMALL_PX, STRETCHES, NotKept
-from talaia.hub.archive.store import Cone, Wanted
+from talaia.hub.archive.fits_reader import PREVIEW_PX, SMALL_PX, STRETCHES, NotKept, TooMuchToRead
+from talaia.hub.archive.frame_rows import Cone, MeasureState, Wanted
 from talaia.hub.policy import AccessNeed, allows
 from talaia.model.site import Visibility
 
 if TYPE_CHECKING:
     from talaia.hub.archive.fits_reader import Looks
-    from talaia.hub.archive.store import Archive, ArchivedFrame
+    from talaia.hub.archive.frame_rows import ArchivedFrame
+    from talaia.hub.archive.store import Archive
 
-__all__ = ["ArchivePages"]
+__all__ = ["ArchivePages", "frame_shape", "visible_cameras"]
 
 # One for both coordinates; each is held against its own bounds below.
 _Degrees = Annotated[float | None, Query(ge=-90, le=360, allow_inf_nan=False)]
@@ -58,7 +59,7 @@ class ArchivePages:
 
     async def nights(self, request: Request, site: str) -> NightList:
         """List the nights of which there are pictures that you may see, newest first."""
-        found = await self._archive.list_nights(site, _visible_cameras(request))
+        found = await self._archive.list_nights(site, visible_cameras(request))
         return NightList(
             nights=[NightShape(night=a.night, frames=a.frames, bytes=a.bytes) for a in found]
         )
@@ -89,21 +90,21 @@ class ArchivePages:
                 raise ApiProblem(422, "invalid", "expected ra 0 to 360 and dec -90 to 90 degrees")
             cone = Cone(ra, dec, radius)
         # The right is a part of the query, so that pages and ``more`` count only what may be seen.
-        cameras = [camera for camera in _visible_cameras(request) if not device or camera == device]
+        cameras = [camera for camera in visible_cameras(request) if not device or camera == device]
         wanted = Wanted(night, target, filter, kind, from_us, to_us, cone)
         found, more = await self._archive.find_frames(site, cameras, wanted, limit)
-        return FrameList(frames=[_frame_schema(frame) for frame in found], more=more)
+        return FrameList(frames=[frame_shape(frame) for frame in found], more=more)
 
     async def one(self, request: Request, site: str, frame: str) -> FrameDetail:
         """Give a picture's facts, its header, and how its values lie."""
         found = await self._find_frame(request, site, frame)
         try:
             looks = await self._archive.frame_looks(found)
-        except NotKept as error:
+        except (NotKept, TooMuchToRead) as error:
             # The row is there and the file is not, or is damaged: somebody worked on the folder.
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
         return FrameDetail(
-            frame=_frame_schema(found),
+            frame=frame_shape(found),
             histogram=_histogram_schema(looks),
             header=[CardShape(key=a, value=b, comment=c) for a, b, c in looks.cards],
         )
@@ -132,19 +133,19 @@ class ArchivePages:
             data = await self._archive.render_preview(
                 found, stretch, SMALL_PX if px <= SMALL_PX else px
             )
-        except NotKept as error:
+        except (NotKept, TooMuchToRead) as error:
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
         return Response(data, media_type="image/png", headers=STILL)
 
     async def _find_frame(self, request: Request, site: str, frame: str) -> ArchivedFrame:
         found = await self._archive.find_frame(site, number_of(frame, "picture"))
         # A picture of another's camera is told like one that is not there.
-        if found is None or found.device not in _visible_cameras(request):
+        if found is None or found.device not in visible_cameras(request):
             raise ApiProblem(404, "unknown", "there is no such picture")
         return found
 
 
-def _visible_cameras(request: Request) -> list[str]:
+def visible_cameras(request: Request) -> list[str]:
     """Name the devices whose pictures the person may see."""
     site, grants = live_of(request).description, who_of(request).grants
     return [
@@ -155,7 +156,9 @@ def _visible_cameras(request: Request) -> list[str]:
     ]
 
 
-def _frame_schema(frame: ArchivedFrame) -> FrameShape:
+def frame_shape(frame: ArchivedFrame) -> FrameShape:
+    """Write a picture for a page."""
+    measures = frame.measures
     return FrameShape(
         id=str(frame.id),
         device=frame.device,
@@ -173,6 +176,13 @@ def _frame_schema(frame: ArchivedFrame) -> FrameShape:
         bytes=frame.bytes,
         digest=frame.digest,
         problems=list(frame.problems),
+        measured=measures.state is MeasureState.MEASURED,
+        solved=bool(measures.wcs),
+        stars=measures.stars,
+        fwhm=_format_number(measures.fwhm),
+        background=_format_number(measures.background),
+        zero_point=_format_number(measures.zero_point),
+        note=measures.note,
     )
 
 

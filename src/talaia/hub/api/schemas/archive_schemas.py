@@ -56,8 +56,15 @@ class FrameShape(_Shape):
     width: int
     height: int
     bytes: int
-    digest: str
+    digest: str  # of the file as its gateway sent it
     problems: list[str]
+    measured: bool  # its quality was looked at; what is null then cannot be told
+    solved: bool  # its header says where each pixel stands
+    stars: int | None
+    fwhm: float | None  # of its stars (arc seconds)
+    background: float | None  # of the sky (counts)
+    zero_point: float | None  # magnitude of a star that gives one count in a second
+    note: str  # why it was not solved, or not measured
 
 
 class FrameList(_Shape):

@@ -442,6 +442,8 @@ class AuditRow(Schema):
     device: str
     message: str
     good: bool
+    # Whose word it is: `hub` or `gateway`; empty in rows of before this was written down.
+    source: str
 
 
 # A text to look for; no database holds a NUL.

@@ -130,6 +130,10 @@ class RuleAsk(Schema):
     quiet_least: Severity = Severity.CRITICAL
     zone: str = Field(default="UTC", max_length=64)
     group_s: int = Field(default=10, ge=0, le=3600)
+    # Told also when a request for observations of yours is done, or has failed.
+    own_requests: bool = False
+    # Told also how a night that runs by itself has ended, and when it needs somebody.
+    nights: bool = False
 
     @model_validator(mode="after")
     def _known(self) -> Self:

@@ -32,6 +32,7 @@ _API = "/api/"
 # The routes whose body holds a whole description.
 _DESCRIPTION = re.compile(r"/api/sites/[^/]+/descriptions(/check|/edit)?")
 # The host becomes a part of the Content-Security-Policy, and of the command to enrol by.
+_PORT = re.compile(r"^(\[[^\]]*\]|[^:\[\]]*)(:[0-9]{1,5})?$", re.ASCII)
 _STRANGE = frozenset("\"' ;,\\/@?#<>")
 _SECURE = frozenset({"https", "wss"})
 
@@ -100,6 +101,9 @@ class RequestGuard:
 
     def _is_ours(self, host: str, scope: Scope) -> bool:
         if not _STRANGE.isdisjoint(host):
+            return False
+        # What follows the name is a port and nothing else: a page's origin is made of it.
+        if _PORT.search(host) is None:
             return False
         name = host_name(host)
         if name in self._hosts:

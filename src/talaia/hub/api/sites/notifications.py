@@ -217,6 +217,8 @@ class NotifyPages:
             quiet_least=Severity(asked.quiet_least),
             zone=asked.zone,
             group_s=asked.group_s,
+            own_requests=asked.own_requests,
+            nights=asked.nights,
         )
 
     async def _save_channel(self, number: int | None, asked: WayAsk) -> int | None:
@@ -351,4 +353,6 @@ def _rule_shape(rule: Rule) -> NoticeRuleShape:
         quiet_least=rule.quiet_least,
         zone=rule.zone,
         group_s=rule.group_s,
+        own_requests=rule.own_requests,
+        nights=rule.nights,
     )

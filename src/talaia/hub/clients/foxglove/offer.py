@@ -11,6 +11,7 @@ from talaia.hub.clients.foxglove.schemas import (
     EMPTY_SCHEMA,
     FRAME_SCHEMA,
     IMAGE_SCHEMA,
+    VIDEO_SCHEMA,
     arguments_schema,
     signal_schema,
 )
@@ -57,10 +58,18 @@ class SignalChannel(NamedTuple):
 
 
 class CameraChannel(NamedTuple):
-    """A channel with a camera's pictures; ``stream`` is ``<device>/<stream>``."""
+    """A channel with a camera's pictures; ``stream`` is ``<device>/<stream>``.
+
+    Attributes:
+        stream: see above.
+        schema: of its messages.
+        film: they are of an H.264 film instead of single.
+
+    """
 
     stream: str
     schema: NamedSchema
+    film: bool = False
 
 
 class TopicChannel(NamedTuple):
@@ -141,6 +150,8 @@ def _offer_views(offer: FoxgloveOffer, site: Site, account: AccountOffer) -> Non
         # A signal of the same name keeps its topic.
         topic = f"{topic}/picture" if topic in offer.signals else topic
         offer.cameras[topic] = CameraChannel(camera.address, IMAGE_SCHEMA)
+        film = CameraChannel(camera.address, VIDEO_SCHEMA, film=True)
+        offer.cameras[f"/{camera.address}/video"] = film
 
 
 def _is_local(signal: Signal) -> bool:

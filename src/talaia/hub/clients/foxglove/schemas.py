@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
+from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import ArgumentType, PositionFrame, SignalType
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ __all__ = [
     "EMPTY_SCHEMA",
     "FRAME_SCHEMA",
     "IMAGE_SCHEMA",
+    "VIDEO_SCHEMA",
     "NamedSchema",
     "arguments_schema",
     "encode_answer",
@@ -96,15 +98,14 @@ _FIX = _made(
         "position_covariance_type": {"type": "integer"},
     },
 )
-IMAGE_SCHEMA = _made(
-    "foxglove.CompressedImage",
-    {
-        "timestamp": _TIME,
-        "frame_id": _TEXT,
-        "data": {"type": "string", "contentEncoding": "base64"},
-        "format": _TEXT,
-    },
-)
+_PICTURE = {
+    "timestamp": _TIME,
+    "frame_id": _TEXT,
+    "data": {"type": "string", "contentEncoding": "base64"},
+    "format": _TEXT,
+}
+IMAGE_SCHEMA = _made("foxglove.CompressedImage", _PICTURE)
+VIDEO_SCHEMA = _made("foxglove.CompressedVideo", _PICTURE)
 # Where a device's own frame is in the local one: what is drawn in it moves along.
 FRAME_SCHEMA = _made(
     "foxglove.FrameTransform",
@@ -126,6 +127,7 @@ _TYPES = {
     ArgumentType.INTEGER: "integer",
     ArgumentType.BOOLEAN: "boolean",
     ArgumentType.TEXT: "string",
+    **dict.fromkeys(LIST_TYPES, "string"),
 }
 
 
@@ -210,14 +212,14 @@ def encode_frame(child: str, values: Mapping[str, float | str], time_us: int) ->
     )
 
 
-def encode_picture(data: bytes, *, camera: str, time_us: int) -> bytes:
-    """Write a JPEG picture of a camera."""
+def encode_picture(data: bytes, *, camera: str, time_us: int, form: str = "jpeg") -> bytes:
+    """Write a picture of a camera, ``jpeg`` or of an ``h264`` film (Annex B)."""
     return msgspec.json.encode(
         {
             "timestamp": _time_of(time_us),
             "frame_id": camera,
             "data": base64.b64encode(data).decode(),
-            "format": "jpeg",
+            "format": form,
         }
     )
 

@@ -6,7 +6,6 @@ Long, because each message of the protocol, both ways, has its few lines here in
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -16,9 +15,10 @@ from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
 from talaia.hub.clients.foxglove.asset_requests import AssetRequests
+from talaia.hub.clients.foxglove.camera_channels import CameraChannels
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_foxglove_offer
 from talaia.hub.clients.foxglove.published_channels import PublishedChannels
-from talaia.hub.clients.foxglove.schemas import encode_answer, encode_picture
+from talaia.hub.clients.foxglove.schemas import encode_answer
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
 from talaia.wire.browser import (
@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from talaia.hub.clients.foxglove.offer import ServiceEntry
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage
-    from talaia.wire.browser import CameraPicture, ToBrowser
+    from talaia.wire.browser import ToBrowser
     from talaia.wire.foxglove.server_messages import ServerMessage
 
 __all__ = ["FoxgloveSession"]
@@ -121,7 +121,12 @@ class FoxgloveSession:
             deliver=self._deliver_topic,
             warn=self.warn_person,
         )
-        self._cameras = cameras
+        self._cameras = CameraChannels(
+            cameras,
+            subscription_of=self._things.subscription_of,
+            send=socket.send_bytes,
+            warn=self.warn_person,
+        )
         grants, site = connection.who.grants, self._site
         self._assets = AssetRequests(assets, site, grants, send=socket.send_bytes)
         self._clock = clock
@@ -233,8 +238,7 @@ class FoxgloveSession:
                 await self._send_status(_WARNING, why)
             camera = self._things.offer.cameras.get(topic)
             if camera is not None:
-                deliver = partial(self._deliver_picture, topic)
-                self._cameras.subscribe_stream(camera.stream, deliver, self.warn_person)
+                self._cameras.subscribe_topic(topic, camera)
         for asked in self._signals.add_topics(topics):
             problem = self._connection.request(asked)
             if problem is not None:
@@ -246,8 +250,7 @@ class FoxgloveSession:
 
     def _forget_topics(self, topics: list[str]) -> None:
         for topic in topics:
-            # A camera's topic is its address, with one word more where a signal has that.
-            self._cameras.unsubscribe_stream(topic.strip("/").removesuffix("/picture"))
+            self._cameras.unsubscribe_topic(topic)
             for raw, channel in self._channel_of.items():
                 if channel == topic:
                     self._tapped.unsubscribe_topic(raw)
@@ -342,13 +345,6 @@ class FoxgloveSession:
             await self._send_json(message)
         if self._wants_graph:
             await self._send_json(self._things.connection_graph(before))
-
-    async def _deliver_picture(self, topic: str, picture: CameraPicture) -> None:
-        subscription = self._things.subscription_of(topic)
-        if subscription is not None and picture.format == "jpeg":
-            data = encode_picture(picture.data, camera=topic, time_us=picture.time_us)
-            frame = encode_message_data(subscription, picture.time_us * 1000, data)
-            await self._socket.send_bytes(frame)
 
     async def _deliver_topic(self, message: TappedMessage) -> None:
         channel = self._channel_of.get(message.topic, "")

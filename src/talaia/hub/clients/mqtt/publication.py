@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.auth.permissions import Right, sees_device, sees_signal
+from talaia.hub.clients.account_offer import make_account_offer
 from talaia.wire.mqtt.channel_units import channel_unit
 
 if TYPE_CHECKING:
@@ -79,19 +79,29 @@ def make_publication(
     discovery: DiscoveryWriter | None,
 ) -> SitePublication:
     """Choose what is published of a site now, and what is listened to."""
+    # What the account may not see is not in it, as for every other protocol.
+    offer = make_account_offer(site, grants)
+    seen = {signal.address for signal in offer.signals}
     found = SitePublication(tree.site_state(site.site))
     for at, channel in enumerate(channels):
-        if choice.has_signal(f"{channel.device}/{channel.signal}") and sees_signal(
-            grants, site, channel.device, channel.signal
-        ):
+        address = f"{channel.device}/{channel.signal}"
+        if address in seen and choice.has_signal(address):
             found.channels.append(_publish_channel(site, at, channel, tree))
             found.devices[channel.device] = tree.device_state(site.site, channel.device)
             if discovery is not None:
                 topic, payload = discovery.describe_sensor(site, channel)
                 found.discovery[topic] = payload
-    for device in site.devices:
-        if sees_device(grants, site, device):
-            _listen_to_device(found, site, device, grants=grants, choice=choice)
+    found.commands.update(
+        (command.device, command.name)
+        for command in offer.commands
+        if choice.has_command(f"{command.device}/{command.name}")
+    )
+    # STOP is for whoever may view what is published; it needs no other word.
+    found.stops.update(
+        drive.device
+        for drive in offer.drives
+        if drive.device in found.devices or _has_chosen_commands(site, drive.device, choice)
+    )
     for device in {device for device, _ in found.commands} | found.stops:
         found.devices[device] = tree.device_state(site.site, device)
     if discovery is not None:
@@ -113,17 +123,8 @@ def _publish_channel(site: Site, at: int, channel: Channel, tree: TopicTree) -> 
     )
 
 
-def _listen_to_device(
-    found: SitePublication, site: Site, device: str, *, grants: Grants, choice: SiteChoice
-) -> None:
-    described = site.devices[device]
-    permitted = {name for name in described.commands if choice.has_command(f"{device}/{name}")}
-    if permitted and grants.has_right(Right.USE, site.site, device):
-        found.commands.update((device, name) for name in permitted)
-    # STOP is for whoever may view what is published; it needs no other word.
-    shown = device in found.devices or bool(permitted)
-    if described.drive is not None and shown and grants.has_right(Right.VIEW, site.site, device):
-        found.stops.add(device)
+def _has_chosen_commands(site: Site, device: str, choice: SiteChoice) -> bool:
+    return any(choice.has_command(f"{device}/{name}") for name in site.devices[device].commands)
 
 
 def _describe_buttons(found: SitePublication, site: Site, discovery: DiscoveryWriter) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.clients.account_offer import make_account_offer
+from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import ArgumentType, CommandKind, SignalType
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ _FIELD_TYPES = {
     ArgumentType.INTEGER: "int64",
     ArgumentType.BOOLEAN: "bool",
     ArgumentType.TEXT: "string",
+    # Lists are one text: `1, 2.5`, or as JSON has them.
+    **dict.fromkeys(LIST_TYPES, "string"),
 }
 
 

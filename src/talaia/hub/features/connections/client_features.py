@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.features.connections.alpaca import AlpacaFeature
 from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.metrics import MetricsFeature
 from talaia.hub.features.connections.mqtt import MqttFeature
@@ -49,6 +50,7 @@ def build_client_features(
 
     """
     return (
+        AlpacaFeature(core, clients=clients, access=access, audit=audit),
         FoxgloveFeature(core, clients=clients, streams=media.streams, history=history),
         MetricsFeature(core, clients=clients, alarms=alarms.engine, history=history),
         MqttFeature(core, clients=clients, access=access, audit=audit),

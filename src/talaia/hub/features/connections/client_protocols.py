@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.clients.client_admission import ClientAdmission
 from talaia.hub.api.clients.client_protocols import ClientProtocolPages
 from talaia.hub.api.clients.client_sockets import ClientSockets
+from talaia.hub.clients.catalog import MQTT
 from talaia.hub.clients.client_connection import ClientConnections
 from talaia.hub.clients.mqtt.broker_presence import BrokerPresence
 from talaia.hub.clients.open_protocols import OpenProtocols
@@ -55,8 +56,9 @@ class ClientProtocolsFeature(Feature):
         self.connections = ClientConnections(
             service=service, protocols=self.protocols, clock=core.clock
         )
-        # Filled by the features that connect to brokers, which are built after this one.
-        self._brokers: list[BrokerPresence] = []
+        # By protocol: filled by the features that a file of their own describes, which are built
+        # after this one.
+        self._brokers: dict[str, list[BrokerPresence]] = {}
         pages = ClientProtocolPages(
             store=store,
             protocols=self.protocols,
@@ -81,11 +83,11 @@ class ClientProtocolsFeature(Feature):
             audit=self.audit,
         )
 
-    def name_broker(self, address: str) -> BrokerPresence:
-        """Have the page tell of a broker that the hub connects to."""
+    def name_broker(self, address: str, protocol: str = MQTT) -> BrokerPresence:
+        """Have the page tell of a broker that the hub connects to, or of a server that it is."""
         presence = BrokerPresence()
         presence.name_broker(address)
-        self._brokers.append(presence)
+        self._brokers.setdefault(protocol, []).append(presence)
         return presence
 
     async def open(self) -> None:

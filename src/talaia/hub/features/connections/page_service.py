@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
     from talaia.hub.features.sightings import SightingsFeature
     from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.observing.night_board import NightBoard
     from talaia.hub.live.pages.session_registry import SocketSessions
     from talaia.hub.store.audit import Audit
 
@@ -36,15 +37,16 @@ class ConnectionsFeature(Feature):
         seats: SocketSessions,
         reporting: RobotEvents,
         sightings: SightingsFeature,
+        nights: NightBoard,
         audit: Audit,
     ) -> None:
-        """Tell a connection that comes what ``reporting`` and ``sightings`` know."""
+        """Tell a connection that comes what ``reporting``, ``sightings`` and ``nights`` know."""
         self.service = PageService(
             # Each message is held against the rights of this moment.
             gate=MessageAuthorizer(sites=core.sites, rights=seats),
             seats=seats,
             browsers=core.browsers,
-            greeters=(reporting, sightings.journal),
+            greeters=(reporting, sightings.journal, nights),
             messages=PageMessages(
                 fanout=core.fanout,
                 commanding=PageCommands(core.sites, audit),

@@ -360,7 +360,14 @@ class SightingJournal:
         live = self._sites.find_site(sighted.site)
         device, _, _ = sighted.camera.partition("/")
         message = said_of(sighted, None if live is None else live.description)
-        return AuditEntry(self._now_us(), KIND, site=sighted.site, device=device, message=message)
+        return AuditEntry(
+            self._now_us(),
+            KIND,
+            site=sighted.site,
+            device=device,
+            message=message,
+            source="gateway",
+        )
 
     async def _trim_old(self) -> None:
         self._trimmed_s = self._now_s()

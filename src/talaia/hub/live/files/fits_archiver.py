@@ -39,4 +39,14 @@ class FitsArchiver:
                 "picture refused", site=site, device=offer.device, message=str(error), good=False
             )
             raise UploadRefused(str(error)) from error
+        if not kept.width:
+            # Its file is there, and nothing of it could be looked at.
+            self._audit.append_record(
+                "picture not read",
+                site=site,
+                device=offer.device,
+                message=f"{kept.name}: {'; '.join(kept.problems)}",
+                good=False,
+            )
+            return
         self._audit.append_record("picture kept", site=site, device=offer.device, message=kept.name)

@@ -1,5 +1,8 @@
 """Recordings that gateways hand over: taken in piece by piece, checked, kept within a size.
 
+Each site has a room of its own: what one gateway announces or sends never takes the place of
+another site's files, and takes that of its own only once it is whole and what it was said to be.
+
 A recording is the file ``recordings/<site>/<id>.mcap`` (a camera's film: ``<id>.mp4``) with
 ``<id>.json`` beside it, and a row. The files come first: a row that was lost is made anew from
 them at the next start, and nothing is deleted because a list does not name it.
@@ -16,6 +19,7 @@ import logging
 import os
 import re
 import shutil
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING
 from zlib import crc32
@@ -24,6 +28,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from talaia.first_completed import until_first
 from talaia.hub.errors import StoreDown
+from talaia.hub.live.files.coming_uploads import ComingUploads
 from talaia.hub.store.sites.recordings import Recorded, RecordingState
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (
@@ -63,9 +68,11 @@ _SITE = re.compile(r"[a-z][a-z0-9_]{0,62}", re.ASCII)
 _FAREWELL_S = 0.5
 # What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
-# The row says how far it is after so many bytes; the file itself knows it exactly.
 _SPARE_BYTES = 256 * 1024 * 1024
-_TELL_BYTES = 4 * 1024 * 1024
+# So many of one site may be on their way at once; a gateway sends one after the other.
+_MOST_COMING = 100
+# An upload that nobody has gone on with for so long ends (s): a robot may be away for days.
+_STANDSTILL_S = 14 * 86_400
 
 
 class GatewayFiles:
@@ -149,15 +156,15 @@ class Recordings:
     """The folder of recordings and its list."""
 
     def __init__(self, rows: RecordingList, audit: Audit, data: Path, most_bytes: int) -> None:
-        """Keep files in ``data``; above ``most_bytes`` the oldest go (0: no limit)."""
+        """Keep files in ``data``; of a site's above ``most_bytes`` the oldest go (0: no limit)."""
         # One row for each recording; files are the truth, see `open`.
         self._rows = rows
         self._audit = audit
         self._folder = data / FOLDER
-        # All recordings together (bytes); 0: as much as the disk holds.
+        # All recordings of one site together (bytes); 0: as much as the disk holds.
         self._most_bytes = most_bytes
-        # How far each was when its row last said so; only of those that are coming.
-        self._told: dict[tuple[str, str], int] = {}
+        # What is on its way takes the room of its bytes on the disk, not of what is announced.
+        self._coming = ComingUploads()
         # One thing at a time for each recording: two connections may bring the same.
         self._turn = asyncio.Lock()
 
@@ -190,6 +197,9 @@ class Recordings:
         for key, recorded in found.items():
             before = rows.get(key)
             # What lies in the folder counts, whatever its row says.
+            if recorded.state is RecordingState.UPLOADING:
+                touched = await asyncio.to_thread(self._touched, recorded)
+                self._coming.begin_upload(*key, recorded.have, touched)
             if before is None or before.state is not recorded.state:
                 _LOG.info("the recording %s of %s is in the list again", key[1], key[0])
                 await self._rows.save_recording(recorded)
@@ -215,13 +225,16 @@ class Recordings:
             if not _SITE.fullmatch(site) or not offer.size:
                 return FileProgress(id=offer.id, refused="it cannot be kept")
             recorded = _recorded_of(site, offer)
-            if not await self._make_room(recorded):
-                why = "what comes already fills all the room that recordings may take"
-                return FileProgress(id=offer.id, refused=why)
+            await self._end_standing_uploads(site, but=offer.id)
+            others = self._coming.others_than(site, offer.id)
+            # A gateway sends one after the other, so the first has been left. It may come again.
+            for name in others[: max(0, len(others) + 1 - _MOST_COMING)]:
+                await self._end_upload(site, name)
             try:
                 have = await asyncio.to_thread(self._begin_file, recorded)
             except OSError as error:
                 raise StoreDown(f"the recording cannot be written: {error}") from error
+            self._coming.begin_upload(site, offer.id, have, time.time())
             await self._rows.save_recording(recorded._replace(have=have))
             if have == offer.size:
                 return await self._finish_file(recorded)
@@ -248,16 +261,15 @@ class Recordings:
                 return FileProgress(id=offer.id, refused="it was deleted here")
             if row.state is RecordingState.COMPLETE:
                 return FileProgress(id=offer.id, have=row.size, done=True)
+            await self._end_what_has_no_room(site, offer.id, len(piece.data))
             try:
                 have = await asyncio.to_thread(self._write_piece, row, piece)
             except OSError as error:
                 raise StoreDown(f"the recording cannot be written: {error}") from error
-            key = (site, offer.id)
+            due = self._coming.update_upload(site, offer.id, have, time.time())
             if have == offer.size:
-                self._told.pop(key, None)
                 return await self._finish_file(row)
-            if have - self._told.get(key, 0) >= _TELL_BYTES:
-                self._told[key] = have
+            if due:
                 await self._rows.save_recording(row._replace(have=have))
             return FileProgress(id=offer.id, have=have)
 
@@ -267,46 +279,74 @@ class Recordings:
             await self._delete_recording(recorded)
 
     async def _finish_file(self, row: Recorded) -> FileProgress:
-        good = await asyncio.to_thread(self._close_part, row)
-        if good:
-            await self._rows.save_recording(
-                row._replace(state=RecordingState.COMPLETE, have=row.size)
-            )
-            self._audit.append_record(
-                "recording stored", site=row.site, message=f"{row.id}: {row.size} bytes; {row.why}"
-            )
-            return FileProgress(id=row.id, have=row.size, done=True)
-        note = "what came is not what its gateway has; it is sent again"
-        _LOG.warning("the recording %s of %s: %s", row.id, row.site, note)
-        await self._rows.save_recording(row._replace(have=0, note=note))
-        return FileProgress(id=row.id, have=0)
+        if not await asyncio.to_thread(self._check_part, row):
+            self._coming.end_upload(row.site, row.id)
+            note = "what came is not what its gateway has; it is sent again"
+            _LOG.warning("the recording %s of %s: %s", row.id, row.site, note)
+            await self._rows.save_recording(row._replace(have=0, note=note))
+            return FileProgress(id=row.id, have=0)
+        # Only now: what is announced, or is not what it was said to be, costs no other file.
+        await self._make_room(row)
+        await asyncio.to_thread(self._rename_part, row)
+        self._coming.end_upload(row.site, row.id)
+        await self._rows.save_recording(row._replace(state=RecordingState.COMPLETE, have=row.size))
+        self._audit.append_record(
+            "recording stored", site=row.site, message=f"{row.id}: {row.size} bytes; {row.why}"
+        )
+        return FileProgress(id=row.id, have=row.size, done=True)
 
-    async def _make_room(self, coming: Recorded) -> bool:
-        """Let the oldest go until there is room; False when what is coming fills all of it."""
+    async def _make_room(self, whole: Recorded) -> None:
+        """Let the oldest of the same site go until a whole file has room."""
         if not self._most_bytes:
-            return True
-        key = (coming.site, coming.id)
-        rows = [row for row in await self._rows.list_recordings() if (row.site, row.id) != key]
-        # Those have no file that takes room.
-        rows = [row for row in rows if row.state is not RecordingState.FAILED]
-        total = coming.size + sum(row.size for row in rows)
+            return
+        rows = [
+            row
+            for row in await self._rows.recordings_of(whole.site)
+            if row.state is RecordingState.COMPLETE and row.id != whole.id
+        ]
+        total = whole.size + sum(row.size for row in rows)
         # From the oldest on: the list has the newest first.
         for oldest in reversed(rows):
             if total <= self._most_bytes:
                 break
-            # What is still coming is not deleted under its gateway.
-            if oldest.state is RecordingState.COMPLETE:
-                await self._delete_recording(oldest)
-                total -= oldest.size
-                self._audit.append_record(
-                    "recording deleted",
-                    site=oldest.site,
-                    message=f"{oldest.id}: the oldest had to go, for all may take"
-                    f" {self._most_bytes} bytes",
-                )
-        return total <= self._most_bytes
+            await self._delete_recording(oldest)
+            total -= oldest.size
+            self._audit.append_record(
+                "recording deleted",
+                site=oldest.site,
+                message=f"{oldest.id}: the oldest had to go, for those of a site may take"
+                f" {self._most_bytes} bytes",
+            )
+
+    async def _end_standing_uploads(self, site: str, *, but: str) -> None:
+        """End what nobody has gone on with for long, so that it keeps no place."""
+        for name in self._coming.standing_uploads(site, time.time() - _STANDSTILL_S):
+            if name == but:
+                continue
+            row = await self._rows.find_recording(site, name)
+            self._coming.end_upload(site, name)
+            if row is not None:
+                await asyncio.to_thread(self._unlink_files, row)
+                note = "its gateway has not gone on with it for 14 days"
+                failed = row._replace(state=RecordingState.FAILED, note=note, have=0)
+                await self._rows.save_recording(failed)
+                _LOG.warning("the recording %s of %s is given up: %s", name, site, note)
+
+    async def _end_what_has_no_room(self, site: str, goes_on: str, more: int) -> None:
+        """End uploads of a site, the first offered first, until more of another has room."""
+        for name in self._coming.others_than(site, goes_on):
+            if not self._most_bytes or self._coming.total_bytes(site) + more <= self._most_bytes:
+                return
+            await self._end_upload(site, name)
+
+    async def _end_upload(self, site: str, name: str) -> None:
+        row = await self._rows.find_recording(site, name)
+        self._coming.end_upload(site, name)
+        if row is not None:
+            await self._delete_recording(row)
 
     async def _delete_recording(self, recorded: Recorded) -> None:
+        self._coming.end_upload(recorded.site, recorded.id)
         # The file first: a row without a file is found at the next start, and says so.
         await asyncio.to_thread(self._unlink_files, recorded)
         await self._rows.remove_recording(recorded.site, recorded.id)
@@ -355,7 +395,8 @@ class Recordings:
         finally:
             os.close(number)
 
-    def _close_part(self, recorded: Recorded) -> bool:
+    def _check_part(self, recorded: Recorded) -> bool:
+        """Tell whether what came is what was offered; what is not is deleted."""
         part = self._part_path(recorded)
         with part.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
@@ -363,10 +404,19 @@ class Recordings:
             os.fsync(file.fileno())
         if digest != recorded.digest:
             part.unlink()
-            return False
+        return digest == recorded.digest
+
+    def _rename_part(self, recorded: Recorded) -> None:
         # Only a whole file has the name without `.part`.
-        part.rename(self.file_path(recorded))
-        return True
+        self._part_path(recorded).rename(self.file_path(recorded))
+
+    def _touched(self, recorded: Recorded) -> float:
+        """Give when something of it was written last (s since the epoch, UTC)."""
+        # What was only offered has nothing but the words beside it.
+        for path in (self._part_path(recorded), self._file_with(recorded, _ABOUT)):
+            with suppress(FileNotFoundError):
+                return path.stat().st_mtime
+        return 0.0
 
     def _unlink_files(self, recorded: Recorded) -> None:
         for path in (

@@ -35,6 +35,9 @@ log = logging.getLogger(__name__)
 _SPARE_BYTES = 512 * 1024 * 1024
 # A piece of a file that nobody has gone on with for so long is deleted (s).
 _FORGET_S = 14 * 86_400
+# Parts of one site together may take the room of so many files of the largest size, so that no
+# gateway fills the disk of all.
+_MOST_PARTS = 4
 
 
 class UploadRefused(TalaiaError):
@@ -150,6 +153,9 @@ class Uploads:
             if time.time() - old.stat().st_mtime > _FORGET_S:
                 old.unlink(missing_ok=True)
         size = path.stat().st_size if path.exists() else 0
+        others = sum(part.stat().st_size for part in path.parent.glob("*.part") if part != path)
+        if others + offer.size > _MOST_PARTS * self._most:
+            raise OSError("too much of this site is on its way already")
         if shutil.disk_usage(path.parent).free < offer.size - size + _SPARE_BYTES:
             raise OSError("the hub's disk is full")
         # Longer than what is offered: it was another file.

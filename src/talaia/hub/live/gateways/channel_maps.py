@@ -97,7 +97,7 @@ class ChannelMaps:
         else:
             raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
         # Later the numbers index arrays, so they are checked where they come in.
-        if len(columns) and int(np.max(columns.channel)) >= len(addresses):
+        if len(columns) and int(columns.channel.max()) >= len(addresses):
             raise PeerError("a sample's channel is not in the catalogue")
         return addresses
 

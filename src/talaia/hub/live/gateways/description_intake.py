@@ -10,6 +10,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
+from talaia.hub.live.gateways.gateway_words import is_described
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.renames import list_renames
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.change_requests import ChangeRequestClient
     from talaia.hub.live.gateways.channel_maps import ChannelMaps
     from talaia.hub.live.gateways.ingest import Ingest
-    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.gateways.robot_events import RobotEvents, RobotMessage
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
@@ -38,6 +39,10 @@ __all__ = ["DescriptionIntake", "Redescription", "source_of"]
 _LOG = logging.getLogger(__name__)
 # Between two attempts while the database fails (s).
 _RETRY_S = 1.0
+# States of things that are not known yet, and descriptions, that wait: a gateway that sends more
+# does not mean them.
+_MOST_DEFERRED = 1000
+_MOST_PENDING = 20
 # While these are raised the database is away; anything else is a defect.
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
@@ -119,8 +124,8 @@ class DescriptionIntake:
         """Nobody answers for the changes that were asked for."""
         self._changes.link_lost(live)
 
-    def report_devices(self, live: LiveSite, states: list[frames.DeviceState]) -> None:
-        """Tell what was said of devices that were not known yet."""
+    def report_devices(self, live: LiveSite, states: list[RobotMessage]) -> None:
+        """Tell what was said of things that were not known yet."""
         for state in states:
             self._reporting.publish_message(live, state)
 
@@ -201,7 +206,7 @@ class Redescription:
             asyncio.Queue()
         )
         # States of devices that came while a description was waiting; told after it is shown.
-        self._later: list[frames.DeviceState] = []
+        self._later: list[RobotMessage] = []
         # Descriptions that came and are not shown yet.
         self.pending = 0
 
@@ -212,14 +217,20 @@ class Redescription:
         # Former addresses lead to the newest ones.
         renamed = {old: told.renamed.get(new, new) for old, new in self._live.renamed.items()}
         self._live.renamed = {**renamed, **told.renamed}
+        if self.pending >= _MOST_PENDING:
+            raise PeerError(f"{_MOST_PENDING} descriptions wait already")
         self.pending += 1
         # Asked now: whoever asked for the change may have given up waiting when it is stored.
         note = self._describing.note_of(told)
         self._waiting.put_nowait((told, note, self._ingest.rename_channels(told.renamed)))
 
-    def defer_state(self, state: frames.DeviceState) -> None:
-        """Tell it once the device may be known."""
-        self._later.append(state)
+    def defers(self, state: RobotMessage) -> bool:
+        """Keep a state of what only the description in hand may bring; tell whether it is one."""
+        if not self.pending or is_described(self._live, state):
+            return False
+        if len(self._later) < _MOST_DEFERRED:
+            self._later.append(state)
+        return True
 
     async def run(self) -> None:
         """Put each in its place until cancelled.

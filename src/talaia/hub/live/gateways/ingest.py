@@ -34,6 +34,8 @@ _MOST_WAITING = 500_000
 _MOST_A_COMMIT = 100_000
 # Pieces of it that do not follow each other.
 _MOST_PIECES = 1000
+# Runs of a gateway of which is remembered what is stored; the database knows it of the others.
+_MOST_RUNS = 1000
 # When so few wait, what is owed is asked for.
 _ROOM = _MOST_WAITING // 4
 _RETRY_S = 1.0
@@ -106,6 +108,9 @@ class Ingest:
             last = item.last if isinstance(item, SampleGap) else item.first + len(item.columns) - 1
             # One span for each run, over what was stored in between too: storing twice changes
             # nothing.
+            if item.boot not in self._owed and len(self._owed) >= _MOST_RUNS:
+                # Not acknowledged, so the gateway has it, and sends it on its next link.
+                return
             first, end = self._owed.get(item.boot, (item.first, last + 1))
             self._owed[item.boot] = (min(first, item.first), max(end, last + 1))
             return
@@ -239,4 +244,7 @@ class Ingest:
         if run is None:
             below = await self._history.stored_below(self._site, boot)
             run = self._runs[boot] = StoredRun(below)
+            while len(self._runs) > _MOST_RUNS:
+                # The oldest; a run that lives is asked for again, which is all.
+                del self._runs[next(iter(self._runs))]
         return run

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.gateways.clock_offset import ClockOffset
+from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
@@ -34,6 +35,8 @@ class GatewayLink:
         """Speak over ``socket``, which is accepted already."""
         # Of its clock, by beats; counts those that were answered too.
         self.offset = ClockOffset()
+        # The site's own once it is attached.
+        self.handed_down = HandedDown()
         self._socket = socket
         # What waits to go down; written by `write_queued` alone.
         self._lanes = PrioritySendQueue()
@@ -44,6 +47,7 @@ class GatewayLink:
 
     def send(self, message: FromHub) -> None:
         """Queue a message."""
+        self.handed_down.record_message(message)
         # So much waits that it cannot be reading.
         if not self._lanes.enqueue_message(message):
             self.dismiss_gateway("it does not listen")

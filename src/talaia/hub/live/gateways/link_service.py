@@ -19,6 +19,7 @@ from talaia.hub.live.gateways.channel_maps import ChannelMaps
 from talaia.hub.live.gateways.description_intake import Redescription, source_of
 from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, DuplicateGateways
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
+from talaia.hub.live.gateways.flood_guard import HELD_OFF, FloodGuard
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.gateways.link import GONE, GatewayLink
 from talaia.hub.live.site_state import LinkedGateway
@@ -32,6 +33,8 @@ from talaia.wire.message import is_compatible
 from talaia.wire.newest import chosen_newest, runs_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from starlette.websockets import WebSocket
 
     from talaia.clock import Clock
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.live_samples import LiveSamples
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.observing.night_link import NightLink
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.taps.tap_fanout import TapFanout
@@ -82,6 +86,7 @@ class LinkService:
         sightings: SightingJournal,
         media: PictureFanout,
         taps: TapFanout,
+        nights: NightLink,
         history: History,
         attendance: GatewayPresence,
         links: OpenLinks,
@@ -99,6 +104,7 @@ class LinkService:
             sightings: takes what cameras have seen.
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
+            nights: takes how nights stand and what was observed.
             history: keeps samples.
             attendance: keeps when a gateway was there.
             links: closes a link whose key is revoked.
@@ -114,14 +120,16 @@ class LinkService:
         self._sightings = sightings
         self._media = media
         self._taps = taps
+        self._nights = nights
         self._history = history
         self._attendance = attendance
         self._links = links
         self._admission = admission
         self._settings = settings
         self._clock = clock
-        # A second gateway with one key is kept out, and people are told.
+        # A second gateway with one key is kept out; one that says too much is cut off.
         self._rivals = DuplicateGateways(reporting)
+        self._flood_guard = FloodGuard(reporting, clock)
         # Comings and goings of links are written down one after the other.
         self._parting = asyncio.Lock()
 
@@ -152,6 +160,9 @@ class LinkService:
         if self._rivals.keeps_out(self._sites.find_site(site), hello.boot):
             await link.send_farewell(KEPT_OUT, REPLACED)
             return
+        if held_s := self._flood_guard.held_s(self._sites.find_site(site)):
+            await link.send_farewell(HELD_OFF, TRY_LATER, held_s)
+            return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
             async with self._admission.wait_turn():
@@ -176,7 +187,7 @@ class LinkService:
                 version=__version__,
                 acked=acked,
                 time_us=self._clock.wall_ns() // 1000,
-                takes=["seen", "newest", "enclosure", "topic_list"],
+                takes=["seen", "newest", "enclosure", "topic_list", "night_state"],
             )
         )
         gateway = LinkedGateway(
@@ -238,19 +249,12 @@ class LinkService:
             self._rivals.record_replacement(before, hello.boot)
         changed = before is None or before.description != description
         renamed = {} if before is None else list_renames(before.description, description)
-        known = {} if before is None else before.renamed
         live = self._sites.describe_site(description, hello.catalogue, renamed)
-        # A channel that was renamed twice is found by its first address too.
-        live.renamed = {
-            **former_addresses(description),
-            **{old: renamed.get(new, new) for old, new in known.items()},
-            **renamed,
-        }
+        live.renamed = _former_channels(live, renamed)
         live.attach_link(link, gateway, self._clock.wall_ns() // 1000)
+        link.handed_down = live.handed_down
         self._sightings.handle_attach(live)
-        # 0: the gateway does not say.
-        if hello.time_us:
-            live.presence.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
+        live.presence.measure_skew(hello.time_us, self._clock.wall_ns())
         if changed:
             self._describing.notify_followers(live)
         self._reporting.publish_site(live)
@@ -270,6 +274,7 @@ class LinkService:
             return
         live.detach_link(self._clock.wall_ns() // 1000)
         self._taps.link_lost(live.name)
+        self._nights.link_lost(live.name)
         self._describing.link_lost(live)
         self._reporting.link_lost(live)
         self._reporting.publish_site(live)
@@ -314,6 +319,7 @@ class LinkService:
         redescription: Redescription,
     ) -> None:
         while (message := await link.receive_message()) is not None:
+            await self._flood_guard.admit_frame(live, message)
             match message:
                 case frames.SampleBatch():
                     batch = lists.read_batch(message)
@@ -331,13 +337,17 @@ class LinkService:
                     redescription.enqueue_description(message)
                 case frames.ChangeState():
                     self._describing.receive_change_state(live, message)
-                # It may be of a device that only the description in hand brings.
-                case frames.DeviceState() if redescription.pending:
-                    redescription.defer_state(message)
                 case frames.SampleGap():
                     ingest.enqueue_batch(message)
                 case frames.SightingReport():
                     self._sightings.handle_report(live, message)
+                case (
+                    frames.NightState()
+                    | frames.NightPlan()
+                    | frames.RequestRevision()
+                    | frames.ObservationUpdate()
+                ):
+                    self._nights.handle_message(live, message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(
@@ -352,7 +362,10 @@ class LinkService:
                 case frames.Hello():
                     raise PeerError("hello is said once, at the beginning")
                 case _:
-                    self._reporting.publish_message(live, message)
+                    if isinstance(message, frames.Event):
+                        self._nights.handle_event(live, message)
+                    if not redescription.defers(message):
+                        self._reporting.publish_message(live, message)
         # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
         async with self._parting:
             await asyncio.sleep(0)
@@ -390,6 +403,13 @@ class LinkService:
     def _now_us(self) -> int:
         # Beats measure spans, which a clock that is set must not change.
         return self._clock.monotonic_ns() // 1000
+
+
+def _former_channels(live: LiveSite, renamed: Mapping[str, str]) -> dict[str, str]:
+    """Give channels that have another address now, by former ones."""
+    # A channel that was renamed twice is found by its first address too.
+    known = {old: renamed.get(new, new) for old, new in live.renamed.items()}
+    return {**former_addresses(live.description), **known, **renamed}
 
 
 def _read_site(text: str) -> Site:

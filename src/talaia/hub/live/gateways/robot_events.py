@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
 from talaia.hub.auth.permissions import sees_signal
+from talaia.hub.live.gateways.gateway_log import GatewayLog
+from talaia.hub.live.gateways.gateway_words import event_words, is_described, with_known_names
 from talaia.hub.live.pages.interlock_news import interlock_news
 from talaia.wire import browser as page, frames
 from talaia.wire.browser_messages.relay import relay_message
@@ -28,6 +30,8 @@ __all__ = ["RobotEvents", "site_news"]
 
 # One that is kept out dials again at least this often (µs), and then some.
 RIVAL_US = 120_000_000
+# Commands of a site by which somebody acts on a device at once, that are shown.
+_MOST_ACTING = 500
 # After one of these nothing more comes of a command.
 _FINAL = frozenset(
     {
@@ -66,7 +70,7 @@ class RobotEvents:
         self._sites = sites
         self._browsers = browsers
         # Takes records into memory and writes them by itself: nothing here waits for the database.
-        self._audit = audit
+        self._gateway_log = GatewayLog(audit, clock)
         # Monotonic for what runs out, wall for moments that people read.
         self._clock = clock
 
@@ -75,7 +79,7 @@ class RobotEvents:
         for live in self._sites:
             browser.send_message(site_news(live))
             for device in live.current.leases:
-                browser.send_message(self._lease_news(live, device, browser))
+                browser.send_message(_lease_news(live, device, browser, self._clock.monotonic_ns()))
             # Kept over a lost link: a latched STOP is shown while the gateway is away too.
             for stop in live.retained.stops.values():
                 browser.send_message(relay_message(page.StopUpdate, stop, live.name))
@@ -107,7 +111,14 @@ class RobotEvents:
             self._tell_interlock(live, name, browser)
 
     def publish_message(self, live: LiveSite, told: RobotMessage) -> None:
-        """Pass on what a gateway says, to each page that may know."""
+        """Pass on what a gateway says, to each page that may know.
+
+        What it says of a device, an interlock or an enclosure that is not described is passed
+        over: it may still speak of one that was taken out, and a hostile one makes names up.
+        """
+        if not is_described(live, told):
+            return
+        told = with_known_names(live, told)
         match told:
             case frames.LeaseState():
                 self._handle_lease(live, told)
@@ -150,14 +161,16 @@ class RobotEvents:
             case frames.DeviceState():
                 self._device_state(live, told)
             case frames.Event():
+                kind, message = event_words(told.kind, told.message)
                 self.report_event(
                     live,
-                    told.kind,
+                    kind,
                     device=told.device,
-                    message=told.message,
+                    message=message,
                     who=told.who,
                     good=told.good,
                     time_us=told.time_us,
+                    source="gateway",
                 )
 
     def report_event(
@@ -170,11 +183,12 @@ class RobotEvents:
         who: str = "",
         good: bool = True,
         time_us: int = 0,
+        source: str = "hub",
     ) -> None:
-        """Write an event down and tell it to all who may know."""
+        """Write an event down and tell it to all who may know; ``source``: whose word it is."""
         # Written down first: its moment stands in where the gateway gives none.
-        entry = self._audit.append_record(
-            kind, who=who, site=live.name, device=device, message=message, good=good
+        entry = self._gateway_log.append_row(
+            live, kind, who, device=device, message=message, good=good, source=source
         )
         self._browsers.broadcast_message(
             page.EventUpdate(
@@ -265,9 +279,6 @@ class RobotEvents:
         live.forget_current()
 
     def _device_state(self, live: LiveSite, state: frames.DeviceState) -> None:
-        # The gateway may still speak of a device that was taken out.
-        if state.device not in live.description.devices:
-            return
         if state.reached:
             live.current.unreached.pop(state.device, None)
         else:
@@ -289,48 +300,25 @@ class RobotEvents:
 
     def _handle_lease(self, live: LiveSite, state: frames.LeaseState) -> None:
         before = live.current.leases.get(state.device)
-        live.current.leases[state.device] = (state, self._clock.monotonic_ns())
+        now_ns = self._clock.monotonic_ns()
+        live.current.leases[state.device] = (state, now_ns)
         # A refusal is the answer to one page; nobody else is told.
         if state.refused:
             browser = self._browsers.get(state.asked)
             if browser is not None:
-                browser.send_message(self._lease_news(live, state.device, browser, answer=True))
+                browser.send_message(_lease_news(live, state.device, browser, now_ns, answer=True))
         else:
             for browser in self._browsers:
-                browser.send_message(self._lease_news(live, state.device, browser))
+                browser.send_message(_lease_news(live, state.device, browser, now_ns))
         # Renewals change neither the session nor its epoch, and are not written down.
         held = (before[0].session, before[0].epoch) if before else ("", 0)
         if held[0] != state.session or (state.session and held[1] != state.epoch):
             kind = "lease taken" if state.session else "lease freed"
             # A lease that is free names nobody: it was the former holder's.
             who = state.who or (before[0].who if before else "")
-            self._append_record(
+            self._gateway_log.append_row(
                 live, kind, who, device=state.device, message=f"epoch {state.epoch or held[1]}"
             )
-
-    def _lease_news(
-        self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
-    ) -> page.LeaseUpdate:
-        state, heard_ns = live.current.leases[device]
-        yours = state.session == browser.key
-        # Spans are counted on by our own monotonic clock, so that no two clocks are compared.
-        passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
-        answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
-        return page.LeaseUpdate(
-            site=live.name,
-            device=device,
-            holder=state.who if state.session else "",
-            yours=yours,
-            # Driving needs it: only the holder is told.
-            epoch=state.epoch if yours else 0,
-            remains_ms=max(0, state.remains_ms - passed_ms) if state.session else 0,
-            rival=state.rival_who if answer_ms else "",
-            asking=bool(answer_ms) and state.rival == browser.key,
-            answer_ms=answer_ms,
-            # A page that is greeted later has not asked.
-            refused=state.refused if answer else "",
-            forceable=answer and state.forceable,
-        )
 
     def _handle_stop(self, live: LiveSite, state: frames.StopState) -> None:
         before = live.retained.stops.get(state.device)
@@ -342,37 +330,61 @@ class RobotEvents:
             what = "stop released"
             if state.latched:
                 what = "stop confirmed by the robot" if state.confirmed else "stop latched"
-            self._append_record(live, what, state.who, device=state.device)
+            self._gateway_log.append_row(live, what, state.who, device=state.device)
 
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
-        pending = live.current.pending.get(state.id)
-        # What a lost link ends names nobody; the hub knows who asked.
-        who = state.who or (pending.who if pending else "")
+        # Who asked is known by the hub, or nobody has asked it.
+        asker = live.handed_down.asker_of(state.id)
+        who = state.who if asker is None else asker
+        acting = live.current.acting
         if state.acting and state.phase not in _FINAL:
-            live.current.acting[state.id] = state, self._clock.monotonic_ns()
+            if state.id in acting or len(acting) < _MOST_ACTING:
+                acting[state.id] = state, self._clock.monotonic_ns()
         else:
             live.current.acting.pop(state.id, None)
         self._browsers.broadcast_message(_command_news(live, state, who))
         if state.over:
             message = f"{state.command} {state.id} interrupts {state.over}"
-            self._append_record(
+            self._gateway_log.append_row(
                 live, "command interrupts", who, device=state.device, message=message
             )
         if state.phase in _FINAL:
             live.current.pending.pop(state.id, None)
-            self._audit.append_record(
-                f"command {state.phase}",
-                who=who,
-                site=live.name,
+            # One that the hub did not hand down is the site's own: a night's, a local client's.
+            own = "" if asker is not None else "of the site "
+            self._gateway_log.append_row(
+                live,
+                f"command {own}{state.phase}",
+                who,
                 device=state.device,
                 message=f"{state.command} {state.id} {state.message}".rstrip(),
                 good=state.phase is CommandPhase.SUCCEEDED,
             )
 
-    def _append_record(
-        self, live: LiveSite, kind: str, who: str, *, device: str, message: str = ""
-    ) -> None:
-        self._audit.append_record(kind, who=who, site=live.name, device=device, message=message)
+
+def _lease_news(
+    live: LiveSite, device: str, browser: Browser, now_ns: int, *, answer: bool = False
+) -> page.LeaseUpdate:
+    state, heard_ns = live.current.leases[device]
+    yours = state.session == browser.key
+    # Spans are counted on by our own monotonic clock, so that no two clocks are compared.
+    passed_ms = (now_ns - heard_ns) // MS
+    answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
+    return page.LeaseUpdate(
+        site=live.name,
+        device=device,
+        holder=state.who if state.session else "",
+        yours=yours,
+        # Driving needs it: only the holder is told.
+        epoch=state.epoch if yours else 0,
+        remains_ms=max(0, state.remains_ms - passed_ms) if state.session else 0,
+        rival=state.rival_who if answer_ms else "",
+        asking=bool(answer_ms) and state.rival == browser.key,
+        answer_ms=answer_ms,
+        # A page that is greeted later has not asked.
+        refused=state.refused if answer else "",
+        forceable=answer and state.forceable,
+    )
 
 
 def _device_news(live: LiveSite, device: str) -> page.DeviceUpdate:

@@ -73,7 +73,14 @@ def interlock_news(
 
 
 def _sees(live: LiveSite, grants: Grants, target: str) -> bool:
-    return sees_device(grants, live.description, target.split("/", 1)[0])
+    """Tell whether a person may know what is locked: as pages list devices and their commands."""
+    device_id, _, what = target.partition("/")
+    if not sees_device(grants, live.description, device_id):
+        return False
+    if what == "*":
+        return True
+    command = what in live.description.devices[device_id].commands
+    return grants.has_right(Right.USE if command else Right.VIEW, live.name, device_id)
 
 
 def _named(site: Site, target: str) -> str:

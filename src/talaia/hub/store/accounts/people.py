@@ -11,7 +11,15 @@ from talaia.hub.auth.passwords import name_key
 from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.errors import NameTaken, UnknownPerson, UnknownRole
 from talaia.hub.store.accounts.roles import ADMIN
-from talaia.hub.store.tables import known_browsers, roles, sessions, setup_tokens, users
+from talaia.hub.store.tables import (
+    api_tokens,
+    known_browsers,
+    roles,
+    sessions,
+    setup_tokens,
+    token_permissions,
+    users,
+)
 
 if TYPE_CHECKING:
     from sqlalchemy import Row, Select
@@ -196,9 +204,18 @@ async def sign_out(connection: AsyncConnection, user: int, keep: str = "") -> No
 async def set_hash(
     connection: AsyncConnection, user: int, password_hash: str, keep: str = ""
 ) -> None:
-    """Give a person another password: sessions but ``keep`` end, no browser is known any more."""
+    """Give a person another password: sessions but ``keep`` and all tokens of scripts end.
+
+    No browser is known any more either.
+    """
     # Whoever signed in with the old password is signed out, but for the session that is kept.
     await sign_out(connection, user, keep)
+    # Who knew the old password may have made tokens with it, which would outlive the change.
+    mine = select(api_tokens.c.id).where(api_tokens.c.user_id == user)
+    await connection.execute(
+        delete(token_permissions).where(token_permissions.c.token_id.in_(mine))
+    )
+    await connection.execute(delete(api_tokens).where(api_tokens.c.user_id == user))
     await connection.execute(delete(known_browsers).where(known_browsers.c.user_id == user))
     await connection.execute(
         update(users).where(users.c.id == user).values(password_hash=password_hash)

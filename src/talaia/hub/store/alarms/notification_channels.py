@@ -286,6 +286,8 @@ def _row_of(rule: Rule) -> dict[str, object]:
         "quiet_least": rule.quiet_least.value,
         "zone": rule.zone,
         "group_s": rule.group_s,
+        "own_requests": rule.own_requests,
+        "nights": rule.nights,
     }
 
 

@@ -86,6 +86,7 @@ class OutboxNotice(NamedTuple):
     title: str
     text: str
     time_us: int
+    device: str = ""
 
 
 class OutboxMessage(NamedTuple):
@@ -175,6 +176,8 @@ def rule_of(row: object) -> Rule:
         quiet_least=Severity(found["quiet_least"]),
         zone=found["zone"],
         group_s=found["group_s"],
+        own_requests=bool(found["own_requests"]),
+        nights=bool(found["nights"]),
     )
 
 
@@ -380,6 +383,9 @@ class NotificationOutbox:
         there = rows.first()
         if there is None:
             return None
+        # About no alarm and nothing of the site: it is of a request of their own.
+        if not found["alarm"] and not found["device"]:
+            return int(there.way), str(there.target), str(there.zone)
         # Asked again: rights may have changed since it happened.
         grants = await grants_of(connection, OF_ROLES, {there.role_id})
         if not grants[there.role_id].has_right(Right.VIEW, found["site"], found["device"] or ANY):
@@ -420,4 +426,5 @@ def _row_to_notice(row: object) -> OutboxNotice:
         found["title"],
         found["text"],
         found["time_us"],
+        found["device"],
     )

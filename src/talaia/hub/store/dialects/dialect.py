@@ -17,11 +17,13 @@ if TYPE_CHECKING:
     Values = Sequence[Any] | NDArray[Any]
     Query = Select[Any] | CompoundSelect[Any]
 
-__all__ = ["WRITES", "Dialect", "Row"]
+__all__ = ["SINGLE", "WRITES", "Dialect", "Row"]
 
 Row = dict[str, Any]
 # The execution option of a connection whose transactions write.
 WRITES = "talaia_writes"
+# The one of a connection that runs a single query, which needs no transaction around it.
+SINGLE = "talaia_single"
 
 
 class Dialect(Protocol):
@@ -55,7 +57,14 @@ class Dialect(Protocol):
         ...
 
     def prepare_accounts(self, engine: Engine) -> None:
-        """Prepare the connections for accounts; those with the option `WRITES` write."""
+        """Prepare the connections for accounts; those with the option `WRITES` write.
+
+        Those with `SINGLE` begin no transaction where the engine does not do so by itself.
+        """
+        ...
+
+    async def wait_closed(self, engine: Engine) -> None:
+        """Wait until nothing of the connections for accounts runs any more; they are closed."""
         ...
 
     def prepare_history(self, engine: Engine, *, writes: bool) -> None:

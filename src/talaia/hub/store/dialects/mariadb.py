@@ -64,6 +64,10 @@ class MariadbDialect:
         """Mend what aiomysql has lost."""
         event.listen(engine, "connect", _let_bytes_pass)
 
+    async def wait_closed(self, engine: Engine) -> None:
+        """Do nothing: closing waits for the server's answer."""
+        del engine
+
     def prepare_history(self, engine: Engine, *, writes: bool) -> None:
         """Allow the long texts that `fetch_columns` asks for."""
         del writes

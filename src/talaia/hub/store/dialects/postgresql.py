@@ -50,6 +50,10 @@ class PostgresqlDialect:
     def prepare_accounts(self, engine: Engine) -> None:
         """Do nothing: asyncpg needs no help."""
 
+    async def wait_closed(self, engine: Engine) -> None:
+        """Do nothing: closing waits for the server's answer."""
+        del engine
+
     def prepare_history(self, engine: Engine, *, writes: bool) -> None:
         """Save pg8000 most of its waiting."""
         del writes

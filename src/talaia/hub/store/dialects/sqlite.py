@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import sqlite3
 from functools import cache
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary, WeakSet
 
+import aiosqlite
 from sqlalchemy import event
 from sqlalchemy.exc import OperationalError
 
-from talaia.hub.store.dialects.dialect import WRITES
+from talaia.hub.store.dialects.dialect import SINGLE, WRITES
 from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, run_for_rows
 
 if TYPE_CHECKING:
+    import threading
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from sqlalchemy import URL, Connection, Engine, Table
+    from sqlalchemy.engine import Dialect as EngineDialect
     from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
@@ -38,6 +43,12 @@ _ALWAYS = (
 # makes the readers forget theirs, the journal is only ever added to, and what is read again comes
 # from the system's cache.
 _CACHE_KIB = 2048
+
+
+# The threads of each engine's connections that have not been seen to end.
+_THREADS: WeakKeyDictionary[EngineDialect, WeakSet[threading.Thread]] = WeakKeyDictionary()
+# How long to wait for the end of one at most (s); it is not told to people.
+_THREAD_S = 2.0
 
 
 class SqliteConnection(sqlite3.Connection):
@@ -79,6 +90,16 @@ class SqliteDialect:
         """Begin transactions ourselves, and keep foreign keys."""
         event.listen(engine, "connect", open_sqlite("foreign_keys=ON"))
         event.listen(engine, "begin", _begin_accounts)
+        event.listen(engine, "do_connect", _note_thread)
+
+    async def wait_closed(self, engine: Engine) -> None:
+        """Wait for aiosqlite's threads: one connection each, and closing ends them a little later.
+
+        What they still report goes to an event loop that may have ended by then.
+        """
+        for thread in _THREADS.pop(engine.dialect, ()):
+            if thread.is_alive():
+                await asyncio.to_thread(thread.join, _THREAD_S)
 
     def prepare_history(self, engine: Engine, *, writes: bool) -> None:
         """Begin transactions ourselves; `Checkpoints` copies the journal, not a commit."""
@@ -194,11 +215,34 @@ def _insert_words(table: Table, names: tuple[str, ...], in_place: bool) -> str: 
     return f"{insert_head(table, names)}({', '.join('?' * len(names))}){past}"
 
 
+def _note_thread(
+    dialect: EngineDialect,
+    _record: ConnectionPoolEntry,
+    _arguments: Sequence[Any],
+    named: dict[str, Any],
+) -> None:
+    """Have the thread of each connection noted: also of one that cannot be opened."""
+    threads = _THREADS.setdefault(dialect, WeakSet())
+
+    def connect(*arguments: Any, **options: Any) -> aiosqlite.Connection:  # noqa: ANN401
+        connection = aiosqlite.connect(*arguments, **options)
+        # No public name leads to it; SQLAlchemy, which this stands in for, does the same.
+        thread = connection._thread  # noqa: SLF001
+        thread.daemon = True
+        threads.add(thread)
+        return connection
+
+    named["async_creator_fn"] = connect
+
+
 def _begin_accounts(connection: Connection) -> None:
+    options = connection.get_execution_options()
+    # Each statement for the driver is a way to another thread and back.
+    if options.get(SINGLE, False):
+        return
     # IMMEDIATE takes the turn to write at once: a transaction that read first could not take it
     # later without failing, if another has written meanwhile.
-    writes = connection.get_execution_options().get(WRITES, False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if options.get(WRITES, False) else "BEGIN")
 
 
 def _begin_writing(connection: Connection) -> None:

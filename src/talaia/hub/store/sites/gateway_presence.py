@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 __all__ = ["GatewayPresence"]
 
 _LOG = logging.getLogger(__name__)
-_EVERY_S = 1.0
+# Pages are told by the hub itself; after a crash this much of "last seen" is missing. Each write is
+# a commit that waits for the disk, for as long as a gateway is there.
+_EVERY_S = 5.0
 _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 _Key = TypeVar("_Key", int, str)
 
@@ -62,7 +64,7 @@ class GatewayPresence:
         return self._gateways.get(gateway, {})
 
     async def run(self) -> None:
-        """Write every second what there is, until `stop`; the last is written then."""
+        """Write every few seconds what there is, until `stop`; the last is written then."""
         failing = False
         while not self._stopping.is_set():
             with contextlib.suppress(TimeoutError):

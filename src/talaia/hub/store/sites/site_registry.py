@@ -127,11 +127,8 @@ class SiteRegistry:
 
     async def good_keys(self, numbers: Collection[int]) -> set[int]:
         """Give those of the gateways whose key is still good."""
-        async with self._database.read() as connection:
-            rows = await connection.execute(
-                select(gateways.c.id).where(gateways.c.id.in_(numbers), gateways.c.revoked_us == 0)
-            )
-            return set(rows.scalars())
+        query = select(gateways.c.id).where(gateways.c.id.in_(numbers), gateways.c.revoked_us == 0)
+        return set(await self._database.fetch_scalars(query))
 
     def _with_presence(self, row: KnownGateway) -> KnownGateway:
         return row._replace(**self.attendance.pending_columns(row.id))

@@ -1,7 +1,7 @@
 """A cooled CCD camera behind the telescope. Pure: time is given.
 
 Its pictures are FITS files with a header that says all that is known: where and when, through
-what, of what, in which weather.
+what, of what, in which weather. Long, because only the camera knows what stands in it.
 """
 
 from __future__ import annotations
@@ -20,11 +20,14 @@ from talaia.model.units.astronomy import (
     sun_position,
 )
 from talaia.sim.observatory.models.fits import Card, fits_file
-from talaia.sim.observatory.models.stars import Chip, Shot, draw_picture
+from talaia.sim.observatory.models.optics import FILTERS, best_focus
+from talaia.sim.observatory.models.sky_brightness import moonlight, sky_magnitude
+from talaia.sim.observatory.models.sky_picture import Chip, Shot, draw_picture
 from talaia.sim.observatory.models.ticket import Ticket
 
 if TYPE_CHECKING:
-    from array import array
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["FRAMES", "STATES", "CcdCamera", "Picture", "Scene"]
 
@@ -32,6 +35,11 @@ STATES = ("idle", "exposing", "reading")
 FRAMES = ("light", "dark", "bias", "flat")
 # From the shutter's closing to the picture (s).
 READ_S = 1.0
+# Of the flat field's lamp through nothing (electrons/s and pixel).
+LAMP = 6000.0
+BINNINGS = (1, 2, 3, 4)
+# The amplifier's settings, in tenths of a decibel.
+MOST_GAIN = 300
 
 
 @dataclass
@@ -39,9 +47,15 @@ class Scene:
     """What the camera's server knows of the rest of the observatory.
 
     Attributes:
-        ra: where the telescope points (h, of date).
+        ra: where the mount says that the telescope points (h, of date).
         dec: (°, of date).
+        axis: where it really points (h, °, of date); none: as the mount says.
         dome_open: light comes in.
+        lamp: that of the flat field burns.
+        focus: where the focuser says that it stands (steps); none: there is no focuser.
+        mirror: where the mirror really stands (steps).
+        tube: temperature of the tube (°C).
+        filter_name: in the light; empty for none.
         weather: values by name, for the header.
 
     """
@@ -49,7 +63,13 @@ class Scene:
     place: Observer
     ra: float = 0.0
     dec: float = 0.0
+    axis: tuple[float, float] | None = None
     dome_open: bool = False
+    lamp: bool = False
+    focus: float | None = None
+    mirror: float | None = None
+    tube: float = 10.0
+    filter_name: str = ""
     weather: dict[str, float] = field(default_factory=dict)
 
 
@@ -58,13 +78,13 @@ class Picture:
     """One exposure, read out.
 
     Attributes:
-        rows: counts, bottom row first.
+        counts: of 16 bits, bottom row first.
         fits: the file.
         name: of the file.
 
     """
 
-    rows: list[array[int]]
+    counts: NDArray[np.uint16]
     fits: bytes
     name: str
 
@@ -78,6 +98,8 @@ class _Begun:
     unix: float
     # As everything stood when it began.
     scene: Scene
+    binning: int
+    gain: float
 
 
 class CcdCamera:
@@ -89,6 +111,8 @@ class CcdCamera:
         celsius: of the chip.
         setpoint: where the cooler holds the chip, while it is on.
         cooling: the cooler is on.
+        binning: pixels read as one, along each side.
+        gain: of the amplifier (tenths of a decibel).
         newest: the newest picture.
 
     """
@@ -102,6 +126,8 @@ class CcdCamera:
         self.celsius = ambient
         self.setpoint = -10.0
         self.cooling = False
+        self.binning = 1
+        self.gain = 0.0
         self.newest: Picture | None = None
         self._ambient = ambient
         # Of the exposure under way; an ended one while there is none.
@@ -128,7 +154,7 @@ class CcdCamera:
         self.state, self.remaining = "exposing", seconds
         # A copy: what changes from here on belongs to the next picture.
         now = Scene(**{**vars(self.scene), "weather": dict(self.scene.weather)})
-        self._begun = _Begun(seconds, frame, target, -1.0, now)
+        self._begun = _Begun(seconds, frame, target, -1.0, now, self.binning, self.gain)
         self._ticket = Ticket()
         return self._ticket
 
@@ -150,6 +176,20 @@ class CcdCamera:
         """Switch the cooler."""
         self.cooling = on
         return Ticket.done(f"the cooler is {'on' if on else 'off'}")
+
+    def set_binning(self, factor: float) -> Ticket:
+        """Read so many pixels as one along each side, from the next exposure on."""
+        if factor not in BINNINGS:
+            return Ticket.refused(f"binning {factor:g}: expected one of 1, 2, 3, 4")
+        self.binning = int(factor)
+        return Ticket.done(f"the binning is {self.binning}")
+
+    def set_gain(self, gain: float) -> Ticket:
+        """Set the amplifier (tenths of a decibel), from the next exposure on."""
+        if not 0 <= gain <= MOST_GAIN:
+            return Ticket.refused(f"gain {gain:g}: expected 0 to {MOST_GAIN}")
+        self.gain = gain
+        return Ticket.done(f"the gain is {gain:g}")
 
     # ── time ──
 
@@ -177,35 +217,53 @@ class CcdCamera:
             self._ticket.end_with(f"{self.newest.name} is taken", good=True)
 
     def _read_out(self, begun: _Begun) -> Picture:
-        scene, place = begun.scene, begun.scene.place
         jd = julian_day(begun.unix)
-        ra, dec = precess_coordinates(scene.ra, scene.dec, jd, J2000)
+        shot = self._shot_of(begun, jd)
+        counts = draw_picture(shot, self.chip)
+        when = datetime.fromtimestamp(begun.unix, UTC)
+        name = f"{when:%Y%m%dT%H%M%S}-{begun.frame}-{self._count:04d}.fits"
+        return Picture(counts, fits_file(counts, self._fits_cards(begun, jd)), name)
+
+    def _shot_of(self, begun: _Begun, jd: float) -> Shot:
+        scene, place = begun.scene, begun.scene.place
+        axis = scene.axis or (scene.ra, scene.dec)
+        ra, dec = precess_coordinates(*axis, jd, J2000)
+        # Where it points when the shutter closes: what drifted meanwhile is a line.
+        after = self.scene.axis or axis
+        east = ((after[0] - axis[0] + 12.0) % 24.0 - 12.0) * 15.0 * math.cos(math.radians(axis[1]))
+        at = equatorial_to_horizontal(*axis, place, jd)
         sun_alt = equatorial_to_horizontal(*sun_position(jd), place, jd).alt
-        # About a factor of 2.5 for each degree of twilight; by day it is kept at what a narrow
-        # filter lets through, or nobody would ever see a star in a demo that is shown by day.
-        sky = 2.0 * min(30.0, 2.5 ** max(0.0, sun_alt + 15.0))
         clouds = scene.weather.get("clouds", 0.0)
-        shot = Shot(
+        glass = next((one for one in FILTERS if one.name == scene.filter_name), None)
+        opened = begun.frame in ("light", "flat")
+        return Shot(
             ra=ra * 15.0,
             dec=dec,
             seconds=begun.seconds,
-            light=begun.frame in ("light", "flat") and scene.dome_open,
+            light=opened and scene.dome_open,
             celsius=self.celsius,
-            sky=sky,
-            dimmed=max(0.0, 1.0 - clouds / 100.0),
+            sky=sky_magnitude(at, sun_alt, moonlight(place, begun.unix), clouds),
+            lamp=_lamp_light(scene, glass.sky if glass else 1.0) if opened else 0.0,
+            clear=max(0.0, 1.0 - clouds / 100.0)
+            * _air_clear(at.alt)
+            * (glass.stars if glass else 1),
+            sky_clear=glass.sky if glass else 1.0,
+            filter_name=scene.filter_name,
+            # Air masses smear; 2.2 seconds of arc overhead.
+            seeing=2.2 * _airmass(at.alt) ** 0.6,
+            defocus=_steps_off(scene),
+            drift=(east * 3600.0, (after[1] - axis[1]) * 3600.0),
+            binning=begun.binning,
+            gain=10 ** (begun.gain / 200.0),
             # Other noise in each picture, and the same again in each run.
             seed=self._count,
         )
-        rows = draw_picture(shot, self.chip)
-        when = datetime.fromtimestamp(begun.unix, UTC)
-        name = f"{when:%Y%m%dT%H%M%S}-{begun.frame}-{self._count:04d}.fits"
-        return Picture(rows, fits_file(rows, self._fits_cards(begun, shot, jd)), name)
 
-    def _fits_cards(self, begun: _Begun, shot: Shot, jd: float) -> list[Card]:
+    def _fits_cards(self, begun: _Begun, jd: float) -> list[Card]:
         chip, scene = self.chip, begun.scene
         at = equatorial_to_horizontal(scene.ra, scene.dec, scene.place, jd)
         when = datetime.fromtimestamp(begun.unix, UTC)
-        scale = chip.scale / 3600.0
+        ra, dec = precess_coordinates(scene.ra, scene.dec, jd, J2000)
         cards: list[Card] = [
             ("DATE-OBS", f"{when:%Y-%m-%dT%H:%M:%S}.{when.microsecond // 1000:03d}", "begin, UTC"),
             ("TIMESYS", "UTC", "time scale"),
@@ -220,24 +278,32 @@ class CcdCamera:
             ("SITELONG", scene.place.longitude, "[deg] east"),
             ("SITEELEV", scene.place.elevation, "[m]"),
             ("FOCALLEN", chip.focal_mm, "[mm] focal length"),
-            ("XPIXSZ", chip.pixel_um, "[um] pixel"),
-            ("YPIXSZ", chip.pixel_um, "[um] pixel"),
-            ("XBINNING", 1, "binning"),
-            ("YBINNING", 1, "binning"),
-            ("EGAIN", chip.gain, "[electron/adu]"),
+            ("XPIXSZ", chip.pixel_um * begun.binning, "[um] pixel as binned"),
+            ("YPIXSZ", chip.pixel_um * begun.binning, "[um] pixel as binned"),
+            ("SCALE", chip.scale * begun.binning, "[arcsec/px]"),
+            ("XBINNING", begun.binning, "binning"),
+            ("YBINNING", begun.binning, "binning"),
+            ("GAIN", begun.gain, "[0.1 dB] amplifier"),
+            ("EGAIN", chip.gain / 10 ** (begun.gain / 200.0), "[electron/adu]"),
+            ("FILTER", scene.filter_name or "none", "filter"),
             ("RDNOISE", chip.read, "[electron]"),
             ("CCD-TEMP", round(self.celsius, 2), "[degC] chip"),
             ("SET-TEMP", self.setpoint, "[degC] set point"),
-            ("OBJCTRA", _sexagesimal_text(shot.ra / 15.0), "[h m s] J2000"),
-            ("OBJCTDEC", _sexagesimal_text(shot.dec, signed=True), "[d m s] J2000"),
+            # No WCS: the mount does not know where it points to a few minutes of arc.
+            ("RA", ra * 15.0, "[deg] J2000, as the mount says"),
+            ("DEC", dec, "[deg] J2000, as the mount says"),
+            ("EQUINOX", 2000.0, "[yr]"),
+            ("OBJCTRA", _sexagesimal_text(ra), "[h m s] J2000"),
+            ("OBJCTDEC", _sexagesimal_text(dec, signed=True), "[d m s] J2000"),
             ("OBJCTALT", round(at.alt, 4), "[deg] altitude"),
             ("OBJCTAZ", round(at.az, 4), "[deg] azimuth"),
             ("DOMEOPEN", scene.dome_open, "light came in"),
         ]
+        if scene.focus is not None:
+            cards.append(("FOCUSPOS", round(scene.focus), "[step] focuser"))
+            cards.append(("FOCTEMP", round(scene.tube, 2), "[degC] tube"))
         if at.alt > 0:
-            # Pickering (2002), good down to the horizon.
-            angle = at.alt + 244.0 / (165.0 + 47.0 * at.alt**1.1)
-            cards.append(("AIRMASS", round(1 / math.sin(math.radians(angle)), 4), "Pickering"))
+            cards.append(("AIRMASS", round(_airmass(at.alt), 4), "Pickering"))
         for key, name, comment in (
             ("AMBTEMP", "temperature", "[degC] air"),
             ("HUMIDITY", "humidity", "[%] relative"),
@@ -248,26 +314,31 @@ class CcdCamera:
         ):
             if name in scene.weather:
                 cards.append((key, round(scene.weather[name], 2), comment))
-        cards += [
-            ("RADESYS", "FK5", "frame of the coordinates"),
-            ("EQUINOX", 2000.0, "[yr]"),
-            ("CTYPE1", "RA---TAN", "estimate from the mount"),
-            ("CTYPE2", "DEC--TAN", "estimate from the mount"),
-            ("CUNIT1", "deg", "unit"),
-            ("CUNIT2", "deg", "unit"),
-            ("CRVAL1", shot.ra, "[deg] at the reference pixel"),
-            ("CRVAL2", shot.dec, "[deg] at the reference pixel"),
-            # FITS counts pixels from 1, at their centres.
-            ("CRPIX1", (chip.width + 1) / 2, "reference pixel"),
-            ("CRPIX2", (chip.height + 1) / 2, "reference pixel"),
-            # East is to the left: right ascension grows as x falls.
-            ("CD1_1", -scale, "[deg/px]"),
-            ("CD1_2", 0.0, "[deg/px]"),
-            ("CD2_1", 0.0, "[deg/px]"),
-            ("CD2_2", scale, "[deg/px]"),
-            ("SWCREATE", "Talaia", "written by"),
-        ]
+        cards.append(("SWCREATE", "Talaia", "written by"))
         return cards
+
+
+def _airmass(alt: float) -> float:
+    # Pickering (2002), good down to the horizon.
+    angle = max(0.0, alt) + 244.0 / (165.0 + 47.0 * max(0.0, alt) ** 1.1)
+    return 1.0 / math.sin(math.radians(angle))
+
+
+def _air_clear(alt: float) -> float:
+    # A fifth of a magnitude is lost in each air mass; `Chip.zero` has the one overhead.
+    return float(10 ** (-0.4 * 0.2 * (_airmass(alt) - 1.0)))
+
+
+def _lamp_light(scene: Scene, filter_sky: float) -> float:
+    # It shines on the inside of a closed dome.
+    return LAMP * filter_sky if scene.lamp and not scene.dome_open else 0.0
+
+
+def _steps_off(scene: Scene) -> float:
+    # Without a focuser somebody focused by hand.
+    if scene.mirror is None:
+        return 0.0
+    return scene.mirror - best_focus(scene.tube, scene.filter_name)
 
 
 def _sexagesimal_text(value: float, *, signed: bool = False) -> str:

@@ -1,9 +1,12 @@
-"""A FITS file of one picture, by the standard library alone (FITS Standard 4.0)."""
+"""A FITS file of one picture (FITS Standard 4.0)."""
 
 from __future__ import annotations
 
-import sys
-from array import array
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["Card", "fits_file"]
 
@@ -12,12 +15,12 @@ Card = tuple[str, "str | int | float | bool", str]
 BLOCK = 2880
 
 
-def fits_file(rows: list[array[int]], cards: list[Card]) -> bytes:
-    """Write unsigned 16-bit rows (bottom row first) with a header.
+def fits_file(counts: NDArray[np.uint16], cards: list[Card]) -> bytes:
+    """Write unsigned 16-bit counts (bottom row first) with a header.
 
     Stored as signed with BZERO 32768, the standard's way of unsigned numbers (5.2.5).
     """
-    height, width = len(rows), len(rows[0])
+    height, width = counts.shape
     first: list[Card] = [
         ("SIMPLE", True, "conforms to FITS"),
         ("BITPIX", 16, "bits of a pixel"),
@@ -28,14 +31,10 @@ def fits_file(rows: list[array[int]], cards: list[Card]) -> bytes:
         ("BZERO", 32768.0, "unsigned 16-bit"),
     ]
     header = "".join(_card_text(*card) for card in [*first, *cards]) + "END".ljust(80)
-    pixels = array("h")
-    for row in rows:
-        pixels.extend(array("h", [value - 32768 for value in row]))
     # FITS has the highest byte of a number first.
-    if sys.byteorder == "little":
-        pixels.byteswap()
+    pixels = (counts.astype("i4") - 32768).astype(">i2").tobytes()
     # A header is filled up with blanks, data with zeros.
-    return _padded_block(header.encode("ascii"), b" ") + _padded_block(pixels.tobytes(), b"\0")
+    return _padded_block(header.encode("ascii"), b" ") + _padded_block(pixels, b"\0")
 
 
 def _padded_block(data: bytes, fill: bytes) -> bytes:

@@ -18,6 +18,7 @@ from talaia.model.units.astronomy import (
     julian_day,
     sun_position,
 )
+from talaia.sim.observatory.models.pointing import Offset, PointingError, moved_place
 from talaia.sim.observatory.models.ticket import Ticket
 
 __all__ = ["STATES", "Limits", "Telescope"]
@@ -68,6 +69,7 @@ class Telescope:
         # Where a slew ends that follows no target, and the request under way.
         self._stand = self.PARK
         self._ticket = Ticket.done("")
+        self._error = PointingError()
 
     @property
     def jd(self) -> float:
@@ -78,6 +80,11 @@ class Telescope:
     def radec(self) -> tuple[float, float]:
         """Give where it points: right ascension (h) and declination (°) of date."""
         return horizontal_to_equatorial(self.at.alt, self.at.az, self.place, self.jd)
+
+    @property
+    def axis(self) -> tuple[float, float]:
+        """Give where it really points (h, °, of date); it knows `radec` only."""
+        return moved_place(*self.radec, self._error.at(self.at.alt))
 
     @property
     def sun(self) -> Horizontal:
@@ -174,6 +181,33 @@ class Telescope:
         self.state = "tracking" if on else "idle"
         return Ticket.done("the telescope tracks" if on else "the telescope stands")
 
+    def sync(self, ra: float, dec: float) -> Ticket:
+        """Hear where it really points (h, °, of date); nothing moves."""
+        if self.state != "tracking":
+            return Ticket.refused("the telescope does not track; only a tracking one can be synced")
+        if not 0.0 <= ra < 24.0 or not -90.0 <= dec <= 90.0:
+            return Ticket.refused(f"RA {ra:g} h, Dec {dec:g} °: expected 0 to 24 h and -90 to 90 °")
+        to = equatorial_to_horizontal(ra, dec, self.place, self.jd)
+        if angular_separation(self.at, to) > 5.0:
+            return Ticket.refused("the place is more than 5 ° from where the telescope points")
+        axis = self.axis
+        self._target, self.at = (ra, dec), to
+        now = self.axis
+        east = (axis[0] - now[0] + 12.0) % 24.0 - 12.0
+        along = math.cos(math.radians(dec))
+        self._error.correct(Offset(east * 15.0 * 3600.0 * along, (axis[1] - now[1]) * 3600.0))
+        return Ticket.done("the telescope is synced")
+
+    def guide(self, east: float, north: float) -> Ticket:
+        """Nudge it by some arc seconds; what it says stays as it was."""
+        if self.state != "tracking":
+            return Ticket.refused("the telescope does not track")
+        if not abs(east) <= 60.0 or not abs(north) <= 60.0:
+            return Ticket.refused(f"{east:g}, {north:g}: expected at most 60 arc seconds each way")
+        if not self.stuck:
+            self._error.correct(Offset(east, north))
+        return Ticket.done(f"the telescope is nudged by {east:.2f} {north:.2f}")
+
     def stop(self) -> Ticket:
         """Stop every motion, tracking as well. A park that is stopped leaves it unparked."""
         if self.state != "parked":
@@ -205,6 +239,7 @@ class Telescope:
                 self._ticket.end_with(problem, good=False)
             else:
                 self.at = to
+                self._error.track(seconds)
 
     def _problem_of_tracking(self, to: Horizontal) -> str:
         if to.alt < self.limits.horizon:

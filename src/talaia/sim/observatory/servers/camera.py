@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CameraServer"]
 
+_LAMP = OUTLETS.index("Lamp") + 1
+
 
 class CameraServer(Server):
     """The CCD camera. It hears from the others what belongs into a header."""
@@ -29,6 +31,8 @@ class CameraServer(Server):
         """Offer what a camera does."""
         super().__init__()
         self.model = model
+        # Half of where the telescope points, until the other half comes.
+        self._axis_ra = 0.0
         # Name of the picture that was given last: each is given once.
         self._given = ""
         self._last = ""
@@ -40,16 +44,31 @@ class CameraServer(Server):
         self.asks = {
             "expose": Ask({"seconds": 0.0, "frame": "light", "target": ""}, model.start_exposure),
             "cool": Ask({"celsius": 0.0}, model.cool_to),
+            "binning": Ask({"factor": 1.0}, model.set_binning),
+            "gain": Ask({"gain": 0.0}, model.set_gain),
         }
         # The model's own: what is heard here stands in the header of the next exposure.
         scene = model.scene
         self.hears |= {
             "/telescope/ra": (float, lambda value: setattr(scene, "ra", value)),
             "/telescope/dec": (float, lambda value: setattr(scene, "dec", value)),
+            "/telescope/axis_ra": (float, self._receive_axis_ra),
+            "/telescope/axis_dec": (float, self._receive_axis_dec),
             "/dome/closed": (bool, lambda value: setattr(scene, "dome_open", not value)),
+            "/focuser/position": (float, lambda value: setattr(scene, "focus", value)),
+            "/focuser/mirror": (float, lambda value: setattr(scene, "mirror", value)),
+            "/focuser/temperature": (float, lambda value: setattr(scene, "tube", value)),
+            "/wheel/filter": (str, lambda value: setattr(scene, "filter_name", value)),
+            f"/pdu/on{_LAMP}": (bool, lambda value: setattr(scene, "lamp", value)),
         }
         for quantity in ("temperature", "humidity", "dew_point", "wind", "clouds", "pressure"):
             self.hears[f"/weather/{quantity}"] = (float, self._weather_receiver(quantity))
+
+    def _receive_axis_ra(self, value: float) -> None:
+        self._axis_ra = value
+
+    def _receive_axis_dec(self, value: float) -> None:
+        self.model.scene.axis = self._axis_ra, value
 
     def _weather_receiver(self, name: str) -> Callable[[float], None]:
         return lambda value: self.model.scene.weather.__setitem__(name, value)
@@ -69,6 +88,8 @@ class CameraServer(Server):
             "temperature": model.celsius,
             "setpoint": model.setpoint,
             "cooling": model.cooling,
+            "binning": model.binning,
+            "gain": model.gain,
             "file": self._last,
         }
 
@@ -79,9 +100,9 @@ class CameraServer(Server):
         if newest is None or newest.name == self._given:
             return None
         self._given = self._last = newest.name
-        width, height = len(newest.rows[0]), len(newest.rows)
+        height, width = newest.counts.shape
         # Pictures of ROS have their top row first.
-        data = b"".join(row.tobytes() for row in reversed(newest.rows))
+        data = newest.counts[::-1].tobytes()
         return ImageFrame(width, height, "mono16", width * 2, data, newest.name, newest.fits)
 
     def step(self, seconds: float, unix_s: float) -> None:

@@ -8,12 +8,16 @@ from talaia.model.units.astronomy import Observer
 from talaia.sim.observatory.models.camera import CcdCamera, Scene
 from talaia.sim.observatory.models.clamshell import Clamshell
 from talaia.sim.observatory.models.enclosure import SimulatedEnclosure
+from talaia.sim.observatory.models.filter_wheel import FilterWheel
+from talaia.sim.observatory.models.focuser import Focuser
 from talaia.sim.observatory.models.power import Power
 from talaia.sim.observatory.models.telescope import Telescope
 from talaia.sim.observatory.models.weather import Weather
 from talaia.sim.observatory.servers.camera import CameraServer
 from talaia.sim.observatory.servers.cctv import CctvServer
 from talaia.sim.observatory.servers.dome import ClamshellServer, DomeServer
+from talaia.sim.observatory.servers.filter_wheel import FilterWheelServer
+from talaia.sim.observatory.servers.focuser import FocuserServer
 from talaia.sim.observatory.servers.power import PowerServer
 from talaia.sim.observatory.servers.sequencer import GlobalServer
 from talaia.sim.observatory.servers.telescope import TelescopeServer
@@ -31,7 +35,17 @@ __all__ = ["DEVICES", "ENCLOSURES", "MONTSEC", "make_server"]
 MONTSEC = Observer(42.0517, 0.7297, 1568.0)
 # Kinds of roof: a dome with a slit, which turns, and a clamshell, which does not.
 ENCLOSURES = ("dome", "clamshell")
-DEVICES = ("dome", "telescope", "weather", "camera", "pdu", "cctv", "observatory")
+DEVICES = (
+    "dome",
+    "telescope",
+    "weather",
+    "camera",
+    "focuser",
+    "wheel",
+    "pdu",
+    "cctv",
+    "observatory",
+)
 
 
 def make_server(
@@ -64,6 +78,10 @@ def make_server(
             return WeatherServer(Weather(seed, unix_s))
         case "camera":
             return CameraServer(CcdCamera(Scene(place)))
+        case "focuser":
+            return FocuserServer(Focuser())
+        case "wheel":
+            return FilterWheelServer(FilterWheel())
         case "pdu":
             return PowerServer(Power())
         case "cctv":

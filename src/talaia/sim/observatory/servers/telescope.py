@@ -39,6 +39,8 @@ class TelescopeServer(Server):
         self.asks = {
             "goto": Ask({"ra": 0.0, "dec": 0.0}, model.goto),
             "goto_altaz": Ask({"alt": 0.0, "az": 0.0}, model.goto_altaz),
+            "sync": Ask({"ra": 0.0, "dec": 0.0}, model.sync),
+            "guide": Ask({"east": 0.0, "north": 0.0}, model.guide),
         }
 
     def lose_power(self) -> None:
@@ -48,6 +50,7 @@ class TelescopeServer(Server):
     def topic_values(self) -> Mapping[str, Value]:
         """Give its encoders."""
         ra, dec = self.model.radec
+        axis_ra, axis_dec = self.model.axis
         away = self.model.sun
         return {
             "status": self.model.state,
@@ -57,6 +60,9 @@ class TelescopeServer(Server):
             "azimuth": self.model.at.az,
             "ra": ra,
             "dec": dec,
+            # What no mount knows: for the light that falls into the camera.
+            "axis_ra": axis_ra,
+            "axis_dec": axis_dec,
             "sun_altitude": away.alt,
         }
 

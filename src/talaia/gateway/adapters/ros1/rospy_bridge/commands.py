@@ -210,5 +210,8 @@ class CommandRunner:
         except (OSError, rospy.ROSException) as error:
             # The master may have set some of them before it went.
             self._report_outcome(call, "unknown", str(error))
+        except OverflowError as error:
+            # XML-RPC has whole numbers of 32 bits.
+            self._report_outcome(call, "failed", str(error))
         else:
             self._report_outcome(call, "succeeded", "set")

@@ -172,7 +172,7 @@ class RospyBridge:
                 # Not set, or the master is away: the value grows old at the gateway.
                 continue
             # A namespace comes as a map, and cannot be a signal.
-            if isinstance(value, (bool, int, float, str)):
+            if _is_plain(value) or (isinstance(value, list) and all(map(_is_plain, value))):
                 at_us = time.time_ns() // 1000
                 self._out.send_frame(op="parameter", number=number, value=value, at=at_us)
 
@@ -185,6 +185,11 @@ class RospyBridge:
             for publisher in self._publishers.values():
                 publisher.end_silence(0.0)
             time.sleep(0.02)
+
+
+def _is_plain(value: object) -> bool:
+    """Tell whether a value is one number, truth or text."""
+    return isinstance(value, (bool, int, float, str))
 
 
 def main() -> None:

@@ -13,7 +13,7 @@ import functools
 from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.adapters.ros2.made_types.made_message_class import CannotMakeTypes
-from talaia.gateway.adapters.ros2.made_types.rosidl_structs import (
+from talaia.gateway.adapters.ros2.rclpy_bridge.rosidl_structs import (
     Callbacks,
     Support,
     address_of,

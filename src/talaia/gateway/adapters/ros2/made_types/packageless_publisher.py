@@ -10,12 +10,12 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
-from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error
+from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, problem_here
 from talaia.gateway.adapters.ros2.requests import fill
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import BadDefinition
 from talaia.gateway.adapters.ros2.type_definitions.message_encoder import MessageEncoder
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import hash_of, node_of
-from talaia.gateway.errors import FieldError
+from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
@@ -61,6 +61,9 @@ class PackagelessPublisher:
     ) -> None:
         """Publish one message; see `CommandTarget.act` for ``done``."""
         target, type_name = self._command.target, self._command.type
+        if problem := problem_here():
+            _refuse(done, str(TypeMissing(type_name, target, problem)))
+            return
         own = self._node.get_fully_qualified_name()
         # What this gateway reads itself is no listener on the robot.
         listeners = [

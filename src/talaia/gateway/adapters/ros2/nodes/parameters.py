@@ -11,6 +11,9 @@ from rcl_interfaces.srv import GetParameters
 from talaia.gateway.adapters.ros2.nodes.node_readings import NodeReadings
 from talaia.gateway.adapters.topic_readers import parameter_plans_of
 from talaia.gateway.ports import CommandOutcome
+from talaia.model.arguments import list_fields
+from talaia.model.list_texts import list_text
+from talaia.model.site import ArgumentType
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -18,9 +21,11 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.topic_readers import TopicPlan
+    from talaia.model.list_texts import Item
+    from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
-__all__ = ["Ros2Parameters", "as_set", "parameters_of"]
+__all__ = ["Ros2Parameters", "as_set", "fill_list", "parameters_of", "value_of"]
 
 MOST_ASKED = 100
 _FIELDS = {
@@ -29,14 +34,31 @@ _FIELDS = {
     ParameterType.PARAMETER_DOUBLE: "double_value",
     ParameterType.PARAMETER_STRING: "string_value",
 }
+_LIST_FIELDS = {
+    ParameterType.PARAMETER_BYTE_ARRAY: "byte_array_value",
+    ParameterType.PARAMETER_BOOL_ARRAY: "bool_array_value",
+    ParameterType.PARAMETER_INTEGER_ARRAY: "integer_array_value",
+    ParameterType.PARAMETER_DOUBLE_ARRAY: "double_array_value",
+    ParameterType.PARAMETER_STRING_ARRAY: "string_array_value",
+}
+_LIST_TYPES = {
+    ArgumentType.BYTES: ParameterType.PARAMETER_BYTE_ARRAY,
+    ArgumentType.BOOLEANS: ParameterType.PARAMETER_BOOL_ARRAY,
+    ArgumentType.INTEGERS: ParameterType.PARAMETER_INTEGER_ARRAY,
+    ArgumentType.NUMBERS: ParameterType.PARAMETER_DOUBLE_ARRAY,
+    ArgumentType.TEXTS: ParameterType.PARAMETER_STRING_ARRAY,
+}
 
 
-def parameters_of(fields: Mapping[str, Scalar]) -> list[Any]:
+def parameters_of(command: Command, fields: Mapping[str, Scalar]) -> list[Any]:
     """Write values by name as the request of a node's ``set_parameters`` has them."""
+    kinds = {one.field: one.type for one in command.arguments.values()}
     made = []
-    for name, value in fields.items():
+    for name, value in list_fields(command, fields).items():
         one = Parameter(name=name)
         match value:
+            case list():
+                fill_list(one.value, kinds[name], value)
             case bool():
                 one.value.type, one.value.bool_value = ParameterType.PARAMETER_BOOL, value
             case int():
@@ -47,6 +69,26 @@ def parameters_of(fields: Mapping[str, Scalar]) -> list[Any]:
                 one.value.type, one.value.string_value = ParameterType.PARAMETER_STRING, value
         made.append(one)
     return made
+
+
+def fill_list(into: Any, kind: ArgumentType, items: list[Item]) -> None:  # noqa: ANN401
+    """Put a list into a ``rcl_interfaces/msg/ParameterValue``."""
+    into.type = _LIST_TYPES[kind]
+    # rclpy wants each byte as bytes of length one.
+    made = [bytes([int(item)]) for item in items] if kind is ArgumentType.BYTES else items
+    setattr(into, _LIST_FIELDS[into.type], made)
+
+
+def value_of(value: Any) -> Scalar | None:  # noqa: ANN401
+    """Read a ``rcl_interfaces/msg/ParameterValue``; a list as text; none where it is not set."""
+    if (field := _FIELDS.get(value.type)) is not None:
+        scalar: Scalar = getattr(value, field)
+        return scalar
+    if (field := _LIST_FIELDS.get(value.type)) is not None:
+        values = getattr(value, field)
+        # Arrays of numpy's (through a bridge) hold numbers that JSON does not know.
+        return list_text(values.tolist() if hasattr(values, "tolist") else values)
+    return None
 
 
 def as_set(response: Any) -> CommandOutcome:  # noqa: ANN401 - ROS's packages are untyped
@@ -112,11 +154,11 @@ class Ros2Parameters(NodeReadings[_Node]):
             names = one.asked.pop(number, ())
             for name, value in zip(names, response.values, strict=False):
                 plans = one.plans.get(name, [])
-                field = _FIELDS.get(value.type)
-                if field is None:
-                    # It is not set, or is a list.
+                read = value_of(value)
+                # Of one that is not set there is nothing to tell.
+                if read is None:
                     continue
-                message = SimpleNamespace(data=getattr(value, field))
+                message = SimpleNamespace(data=read)
                 for plan in plans:
                     plan.read_message(message, now_us, now_ns, self._gathered)
 

@@ -9,6 +9,8 @@ from lifecycle_msgs.srv import GetState
 from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 
+from talaia.gateway.adapters.ros2.nodes.parameters import value_of
+from talaia.model.discovery.left_out_parameters import reason_to_leave
 from talaia.model.discovery.probe_report import NodeFound, ParameterFound
 
 if TYPE_CHECKING:
@@ -25,14 +27,15 @@ _TYPES = {
     ParameterType.PARAMETER_INTEGER: "integer",
     ParameterType.PARAMETER_DOUBLE: "number",
     ParameterType.PARAMETER_STRING: "text",
+    ParameterType.PARAMETER_BYTE_ARRAY: "bytes",
+    ParameterType.PARAMETER_BOOL_ARRAY: "booleans",
+    ParameterType.PARAMETER_INTEGER_ARRAY: "integers",
+    ParameterType.PARAMETER_DOUBLE_ARRAY: "numbers",
+    ParameterType.PARAMETER_STRING_ARRAY: "texts",
 }
 # What every node has, or ROS itself: nobody reads it on a page.
 _COMMON = ("use_sim_time", "start_type_description_service", "start_parameter_services")
 _COMMON_PREFIXES = ("qos_overrides.", "diagnostic_updater.")
-# Texts are read once a second: what is longer (a robot's model) is for tools.
-_MAX_TEXT = 200
-# Parts of names whose values nobody should have on a page.
-_SECRETS = ("password", "passwd", "secret", "token", "api_key", "apikey", "private_key")
 
 
 class _Endings(NamedTuple):
@@ -184,14 +187,10 @@ def _read_parameters(node: _Node) -> tuple[list[ParameterFound], list[str]]:
     left_out: list[str] = []
     for name, form, value in zip(node.names, node.descriptors, node.values, strict=False):
         kind = _TYPES.get(value.type)
-        if kind is None:
-            # Not set, or a list.
-            left_out.append(f"{name}: it is not one number, truth or text")
-        # Its value would be asked for each second, and shown to all who may look.
-        elif any(word in name.lower() for word in _SECRETS):
-            left_out.append(f"{name}: by its name it is a secret")
-        elif kind == "text" and len(value.string_value) > _MAX_TEXT:
-            left_out.append(f"{name}: a text of {len(value.string_value)} characters")
+        # One that is not set is of no kind.
+        reason = reason_to_leave(name, kind, len(str(value_of(value))))
+        if reason or kind is None:
+            left_out.append(f"{name}: {reason}")
         else:
             parameters.append(_parameter(name, kind, form))
     return parameters, left_out

@@ -163,6 +163,8 @@ def main() -> None:
     hello = {
         "hello": 1,
         "packages": interface_packages(),
+        # Its setup.bash may have been read for this process alone.
+        "distribution": os.environ.get("ROS_DISTRO", ""),
         "rmw": rclpy.get_rmw_implementation_identifier(),
         "python": ".".join(map(str, sys.version_info[:2])),
         "where": os.path.dirname(os.path.dirname(rclpy.__file__)),

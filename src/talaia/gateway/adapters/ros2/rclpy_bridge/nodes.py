@@ -16,6 +16,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from .descriptions import class_named
+from .made_message_class import forget_error, is_made, made_class
 from .pipe_frames import ANSWER, MESSAGE, MESSAGE_HEAD, NUMBERED_HEAD, frame_of
 from .velocities import SILENCE_S, VelocityPublisher
 from .waitset import WaitThread
@@ -91,9 +92,14 @@ class JoinedNode:
 
     def make(self, what: str, entity: int, **more: Any) -> None:  # noqa: ANN401
         """Make an entity under the gateway's number of it."""
-        kind = self._kinds[entity] = class_named(more.pop("type"))
+        type_name, type_hash = more.pop("type"), more.pop("hash", None)
+        kind = class_named(type_name)
+        if kind is None and type_hash is not None:
+            # Only subscriptions come with a hash: such a class takes bytes and publishes nothing.
+            kind = made_class(type_name, type_hash)
         if kind is None:
             raise LookupError("its type is not installed")
+        self._kinds[entity] = kind
         if what == "publisher":
             # Needs no wait set, and so not its thread.
             profile = _profile(more["quality"])
@@ -103,7 +109,12 @@ class JoinedNode:
         self._on_thread(lambda: make(entity, kind, **more))
 
     def _make_subscription(self, entity: int, kind: Any, topic: str, quality: Any) -> None:  # noqa: ANN401
-        made = self._node.create_subscription(kind, topic, _never, _profile(quality), raw=True)
+        try:
+            made = self._node.create_subscription(kind, topic, _never, _profile(quality), raw=True)
+        finally:
+            # On this thread, for the middleware keeps its errors by threads.
+            if is_made(kind):
+                forget_error()
         self._subscriptions[entity] = made
 
         def on_message(raw: bytes, info: Any) -> None:  # noqa: ANN401

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from contextlib import suppress
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros2.rclpy_bridge.pipe_frames import (
     CALL,
@@ -29,6 +29,7 @@ __all__ = [
     "Future",
     "Guard",
     "JoinedContext",
+    "PackagelessMessage",
     "Publisher",
     "ServiceClient",
     "Subscription",
@@ -36,6 +37,19 @@ __all__ = [
 
 # Answers that nobody fetches are not kept without end.
 _MAX_ANSWERS = 10_000
+
+
+class PackagelessMessage(NamedTuple):
+    """What stands for the class of a message that the system has no package of.
+
+    Attributes:
+        name: ``package/msg/Name``.
+        type_hash: what its publisher says, ``RIHS01_…``; empty where nobody says it.
+
+    """
+
+    name: str
+    type_hash: str
 
 
 class JoinedContext:
@@ -139,7 +153,9 @@ class Subscription(Entity):
         """Subscribe."""
         super().__init__(context, kind, quality.depth)
         self.callback: Callable[[bytes], None] = lambda _: None
-        self.make("subscription", topic=topic, quality=quality._asdict())
+        # The bridge makes a class of such a type; of others it takes the installed one.
+        more = {"hash": kind.type_hash} if isinstance(kind, PackagelessMessage) else {}
+        self.make("subscription", topic=topic, quality=quality._asdict(), **more)
 
     def take_message(self, _kind: object, _raw: object) -> tuple[bytes, dict[str, int]] | None:
         """Take the oldest that waits."""

@@ -67,12 +67,21 @@ class SharedProcess:
         """See `BridgeProcess.ask`."""
         return self.now().ask(question, **words)
 
-    def _begin(self) -> BridgeProcess:
+    def python_command(self) -> list[str]:
+        """Give the words that start that ROS's Python; what it runs follows them.
+
+        Raises:
+            BridgeLost: there is none.
+
+        """
         if self._choice is None:
             raise BridgeLost("no system's ROS 2 is used")
+        return bridge_command(self._choice)
+
+    def _begin(self) -> BridgeProcess:
+        command = self.python_command()
         if self._process is None or self._process.lost:
             self._joined = 0
-            command = bridge_command(self._choice)
             self._process = BridgeProcess(command, bridge_environment(os.environ))
         return self._process
 

@@ -6,6 +6,7 @@ packages of messages become stand-ins, and the work is done by a process of that
 
 from __future__ import annotations
 
+import os
 import sys
 from types import ModuleType
 from typing import Any
@@ -68,12 +69,16 @@ def _stand_in(choice: RosChoice) -> None:
 
     SHARED.use(choice)
     try:
-        packages: dict[str, str] = SHARED.now().hello["packages"]
+        hello = SHARED.now().hello
     except BridgeLost as error:
         raise ForeignRos(
             f"the ROS 2 of {choice.where} cannot be used by its own Python ({error}); see that "
             f"`{choice.python} -c 'import rclpy'` works after its setup.bash"
         ) from error
+    packages: dict[str, str] = hello["packages"]
+    # Robots before Iron tell no hashes: then definitions are those of this distribution.
+    if distribution := hello["distribution"]:
+        os.environ["ROS_DISTRO"] = distribution
     # All that is imported of rclpy is one module: names do not collide.
     for name in _NAMES:
         sys.modules[f"rclpy{name}"] = stand_in_rclpy

@@ -130,6 +130,9 @@ class RemoteMessage:
                     self._set_arrays(one, kind.base)
             # The encoder takes numbers from numpy alone.
             elif kind.form is not FieldForm.ONE and kind.base not in _TEXTS:
+                # rclpy has each byte of a list as bytes of length one.
+                if kind.base == "byte" and isinstance(value, list):
+                    value = [one[0] if isinstance(one, bytes) else one for one in value]
                 array = np.asarray(value, NUMPY_WORDS.get(kind.base, kind.base))
                 setattr(message, field.name, array)
 

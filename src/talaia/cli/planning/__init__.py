@@ -1,0 +1,1 @@
+"""``talaia plan``: nights from files."""

@@ -1,0 +1,98 @@
+"""``talaia plan``: plan a night from a file, or play one against its judge.
+
+``drive`` speaks one JSON object a line on standard input and output, and writes nothing else there.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.cli.errors import BadFile
+from talaia.planner.bound import bound_value
+from talaia.planner.drive import DrivenNight
+from talaia.planner.errors import NotANight
+from talaia.planner.fairness import EVEN_HANDED, INDIFFERENT
+from talaia.planner.night_file import make_problem, read_night
+from talaia.planner.outlook import CERTAIN
+from talaia.planner.session import PlanningSession
+from talaia.planner.why_not import clock_words
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import BinaryIO
+
+    from talaia.planner.fairness import FairnessRule
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Plan; 0 when done."""
+    parser = argparse.ArgumentParser(
+        "talaia plan", description="Plan a night of one telescope (files of talaia-night/1)."
+    )
+    words = parser.add_subparsers(dest="word", required=True)
+    drive = words.add_parser("drive", help="answer a judge's lines on standard input")
+    night = words.add_parser("night", help="print the plan of a clear night, and its bound")
+    night.add_argument("file", type=Path, help="a night (JSON)")
+    for word in (drive, night):
+        word.add_argument(
+            "--fair",
+            action="store_true",
+            help="hold proposals to their shares; costs some of the value",
+        )
+    options = parser.parse_args(argv)
+    fairness = EVEN_HANDED if options.fair else INDIFFERENT
+    if options.word == "drive":
+        return answer_lines(sys.stdin.buffer, sys.stdout.buffer, fairness)
+    return print_night(options.file, fairness)
+
+
+def answer_lines(lines: BinaryIO, answers: BinaryIO, fairness: FairnessRule) -> int:
+    """Answer each line of a judge, until it ends.
+
+    Raises:
+        NotANight: a line is not what the format says; names its number.
+
+    """
+    night = DrivenNight(fairness)
+    for number, line in enumerate(iter(lines.readline, b""), start=1):
+        try:
+            answer = night.answer_line(line)
+        except NotANight as error:
+            problem = f"{error.where}: {error.problem}"
+            raise NotANight(f"line {number}", problem, error.remedy) from error
+        answers.write(msgspec.json.encode(answer) + b"\n")
+        answers.flush()
+    return 0
+
+
+def print_night(path: Path, fairness: FairnessRule) -> int:
+    """Print the plan of a night that stays clear, with reasons, the bound and the gap."""
+    try:
+        night = read_night(path.read_bytes())
+    except OSError as error:
+        raise BadFile(str(path), "", f"cannot be read: {error.strerror}") from error
+    problem = make_problem(night)
+    session = PlanningSession(problem, outlook=CERTAIN, fairness=fairness)
+    session.improve(problem.start)
+    plan = session.plan(problem.start)
+    for block in plan.blocks:
+        start, end = clock_words(block.start)[:5], clock_words(block.end)[:5]
+        print(f"{start}-{end}  {block.request}  after {block.overhead:.0f} s  {block.reason}")
+    bound = bound_value(problem)
+    gap = 100.0 * (1.0 - plan.value / bound) if bound > 0.0 else 0.0
+    print(
+        f"{len(plan.blocks)} visits worth {plan.value:.0f}; no plan is worth more than "
+        f"{bound:.0f}: {gap:.1f} % at the most are missing"
+    )
+    waiting = len(problem.table) - len(plan.blocks)
+    for why in session.why_not(problem.start)[:10]:
+        print(f"not now: {why.request}: {why.sentence}")
+    print(f"{waiting} requests are not in the plan")
+    return 0

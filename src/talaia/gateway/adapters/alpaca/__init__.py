@@ -1,0 +1,1 @@
+"""The ASCOM Alpaca adapter: devices of a server that speaks HTTP and JSON."""

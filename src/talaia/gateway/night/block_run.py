@@ -1,0 +1,297 @@
+"""One try at a request: slew, settle, centre, guide, then frame after frame. Pure.
+
+Steps are made one by one as the night goes on, so that a meridian flip comes between two frames
+and what was read out is counted as soon as it is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.gateway.night.frame_arguments import frame_arguments
+from talaia.gateway.night.night_values import NightCommand, PartRun
+from talaia.gateway.night.simple_dispatch import frames_left
+from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
+from talaia.gateway.night.target_place import arcseconds_between, hour_angle_of, place_of_date
+from talaia.model.observing.requests import Guiding
+from talaia.model.observing.targets import IcrsTarget, target_name
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.night.night_values import NightView, StepAnswer
+    from talaia.gateway.night.target_place import EquatorialPlace
+    from talaia.model.interlocks.enclosure import Place
+    from talaia.model.night_section import NightSection
+    from talaia.model.observing.requests import Configuration, Request
+
+__all__ = ["BlockParts", "BlockRun"]
+
+# Beyond its exposure and readout a frame may take so long: a dome that comes into place first.
+FRAME_MARGIN_S = 180.0
+# Parts bound themselves; this is for one that does not.
+PART_S = 600.0
+_SECONDS_IN_HOUR_ANGLE = 3600.0
+# What moves among the stars is followed by slews between frames, once it is so far off (″).
+MOST_OFF_ARCSEC = 60.0
+# A slew to what moves ends where it no longer is; a second, short one brings it there. What a
+# mount cannot reach so is exposed as it is, or the block would slew for ever.
+SLEWS_BEFORE_FRAME = 2
+# Guiding that a request can do without is begun again so long after it was, at the earliest (s).
+GUIDE_AGAIN_S = 600.0
+
+
+class BlockParts:
+    """Which parts that look at stars there are.
+
+    Attributes:
+        solves: fields are centred by what is seen.
+        guides: a star is held.
+        focus_due: tells whether a focus run is due, by the filter and the time.
+        guide_lost: says why the star that was held is not held now; empty while it is.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        solves: bool = False,
+        guides: bool = False,
+        focus_due: Callable[[str, float], bool] | None = None,
+        guide_lost: Callable[[], str] | None = None,
+    ) -> None:
+        """Take what is there."""
+        self.solves, self.guides = solves, guides
+        self.focus_due = focus_due if focus_due is not None else lambda _filter, _time: False
+        self.guide_lost = guide_lost if guide_lost is not None else str
+
+
+class BlockRun:
+    """See the module.
+
+    Attributes:
+        request: what is observed.
+        state: how it stands.
+        why: why it failed or was refused.
+        frames_done: of each configuration, read out.
+        began: when it began (monotonic, s).
+
+    """
+
+    def __init__(
+        self,
+        *,
+        request: Request,
+        frames_done: tuple[int, ...],
+        night: NightSection,
+        place: Place,
+        parts: BlockParts,
+        next_id: Callable[[], str],
+        now: float,
+    ) -> None:
+        """Begin a try; of ``frames_done`` no frame is taken again."""
+        self.request, self.began = request, now
+        self.state, self.why = StepsState.RUNNING, ""
+        count = len(request.configurations)
+        self.frames_done = [*frames_done[:count], *([0] * (count - len(frames_done)))]
+        self._night, self._place, self._parts, self._next_id = night, place, parts, next_id
+        # Where the telescope was sent last, and how often since a frame was taken.
+        self._sent: EquatorialPlace | None = None
+        self._slews = 0
+        self._guided = False
+        # When guiding that was lost may be begun again (monotonic, s).
+        self._guide_again_from = 0.0
+        # Which filter is in, as far as this block knows, and on which side it points.
+        self._filter: str | None = None
+        self._east: bool | None = None
+        self._dither_due = False
+        self._runner = StepRunner([], next_id)
+
+    @property
+    def words(self) -> str:
+        """What is done now, for people."""
+        return self._runner.words
+
+    def take_answer(self, answer: StepAnswer) -> None:
+        """Take how a command or part ended."""
+        self._runner.take_answer(answer)
+
+    def update_block(self, view: NightView) -> list[NightCommand | PartRun]:
+        """Go on; give what is to be asked now."""
+        if self.state is not StepsState.RUNNING:
+            return []
+        asked = self._runner.update_steps(view)
+        # One turn may end a step without asking for anything: then the next one is made at once.
+        while not asked and self._runner.state is StepsState.DONE:
+            steps = self._next_steps(view)
+            if not steps:
+                if self.state is StepsState.RUNNING:
+                    self.state = StepsState.DONE
+                return []
+            self._runner = StepRunner(steps, self._next_id)
+            asked = self._runner.update_steps(view)
+        if self._runner.state in {StepsState.FAILED, StepsState.REFUSED}:
+            self.state, self.why = self._runner.state, self._runner.why
+        return asked
+
+    def _next_steps(self, view: NightView) -> list[NightStep]:
+        left = frames_left(self.request, tuple(self.frames_done))
+        index = next((i for i, count in enumerate(left) if count), None)
+        if index is None:
+            return (
+                [self._part("ending guiding", "unguide", required=False)]
+                if self._stop_guiding()
+                else []
+            )
+        configuration = self.request.configurations[index]
+        flips = self._flip_due(view, configuration)
+        if self._sent is None or flips or self._has_moved(view, configuration):
+            return self._point(view, configuration, flips=flips)
+        steps = self._set_filter(configuration)
+        name = configuration.filter
+        if self._parts.focus_due(name, view.time):
+            steps.append(self._part("focusing", "focus", required=False))
+        steps += self._set_guiding(configuration, view.now)
+        return [*steps, self._frame(index, configuration)]
+
+    def _flip_due(self, view: NightView, configuration: Configuration) -> bool:
+        """Tell whether the next frame would end on the other side of the meridian."""
+        if not self._night.times.meridian_flip or self._east is not True:
+            return False
+        where = place_of_date(self.request.target, view.time, self._place)
+        if where is None:
+            return False
+        hours = hour_angle_of(where, self._place, view.time)
+        return hours + configuration.exposure / _SECONDS_IN_HOUR_ANGLE >= 0.0
+
+    def _has_moved(self, view: NightView, configuration: Configuration) -> bool:
+        """Tell whether the target has gone from where the telescope was sent."""
+        if self._slews >= SLEWS_BEFORE_FRAME or isinstance(self.request.target, IcrsTarget):
+            return False
+        where = self._aim(view, configuration)
+        if where is None or self._sent is None:
+            return False
+        return arcseconds_between(where, self._sent) > MOST_OFF_ARCSEC
+
+    def _aim(self, view: NightView, configuration: Configuration) -> EquatorialPlace | None:
+        """Give where the target stands in the middle of a frame that is taken after a slew."""
+        ahead = self._night.times.settle + configuration.exposure / 2.0
+        return place_of_date(self.request.target, view.time + ahead, self._place)
+
+    def _point(
+        self, view: NightView, configuration: Configuration, *, flips: bool
+    ) -> list[NightStep]:
+        where = self._aim(view, configuration)
+        if where is None:
+            self.state, self.why = StepsState.FAILED, "nobody knows where its target stands"
+            return []
+        night, steps = self._night, []
+        hours = hour_angle_of(where, self._place, view.time)
+        if flips and hours < 0:
+            # Until it has passed: a mount flips only then. The field is centred anew behind it.
+            wait = -hours * _SECONDS_IN_HOUR_ANGLE
+            steps.append(NightStep(words="waiting for the meridian", wait=wait + 1.0))
+        if self._stop_guiding():
+            steps.append(self._part("ending guiding", "unguide", required=False))
+        self._sent, self._east = where, hours < 0 and not flips
+        self._slews += 1
+        slew = night.slew
+        # To the pole and over: 180° of each axis.
+        within = 180.0 / night.times.slew_rate + night.times.meridian_flip + 120.0
+        steps.append(
+            NightStep(
+                words="flipping" if flips else "slewing",
+                command=slew.command,
+                args={slew.ra: where[0], slew.dec: where[1]},
+                within=within,
+                tries=night.step_tries,
+                wait=night.times.settle,
+            )
+        )
+        if self._parts.solves and isinstance(self.request.target, IcrsTarget):
+            steps.append(self._part("centring", "centre", name=configuration.filter))
+        return steps
+
+    def _set_filter(self, configuration: Configuration) -> list[NightStep]:
+        rule, name = self._night.filter, configuration.filter
+        if rule is None or not name or name == self._filter:
+            return []
+
+        def chosen() -> None:
+            self._filter = name
+
+        return [
+            NightStep(
+                words=f"changing to filter {name}",
+                command=rule.command,
+                args={rule.argument: rule.filters[name]},
+                within=max(60.0, 3 * self._night.times.filter_change),
+                tries=self._night.step_tries,
+                on_done=chosen,
+            )
+        ]
+
+    def _set_guiding(self, configuration: Configuration, now: float) -> list[NightStep]:
+        if configuration.guiding is Guiding.OFF:
+            return (
+                [self._part("ending guiding", "unguide", required=False)]
+                if self._stop_guiding()
+                else []
+            )
+        must = configuration.guiding is Guiding.ON
+        if not self._parts.guides and not must:
+            return []
+        if self._guided:
+            lost = self._parts.guide_lost()
+            if lost and now >= self._guide_again_from:
+                # The field has drifted meanwhile by less than centring is worth.
+                return [self._guide(f"guiding again, for {lost}", required=must, now=now)]
+            if lost or not (self._dither_due and configuration.dither):
+                return []
+            self._dither_due = False
+            return [self._part("dithering", "dither", required=must, dither=configuration.dither)]
+        return [self._guide("guiding", required=must, now=now)]
+
+    def _guide(self, words: str, *, required: bool, now: float) -> NightStep:
+        self._guided = True
+        # A request that must be guided fails by the tries of the step, and waits for nothing.
+        self._guide_again_from = now if required else now + GUIDE_AGAIN_S
+        return self._part(words, "guide", required=required)
+
+    def _stop_guiding(self) -> bool:
+        guided, self._guided = self._guided, False
+        return guided and self._parts.guides
+
+    def _part(
+        self, words: str, part: str, *, required: bool = True, name: str = "", dither: float = 0.0
+    ) -> NightStep:
+        target = self.request.target
+        ra, dec = (target.ra, target.dec) if isinstance(target, IcrsTarget) else (0.0, 0.0)
+        run = PartRun("", part, PART_S, name or (self._filter or ""), ra, dec, dither)
+        # What may be left out is not worth a second try: a focus run takes minutes.
+        tries = self._night.step_tries if required else 1
+        return NightStep(words=words, part=run, within=PART_S, tries=tries, required=required)
+
+    def _frame(self, index: int, configuration: Configuration) -> NightStep:
+        def read_out() -> None:
+            self.frames_done[index] += 1
+            self._slews = 0
+            self._dither_due = True
+
+        target = target_name(self.request.target) if self.request.target is not None else ""
+        args = frame_arguments(
+            self._night.light,
+            configuration.exposure,
+            target=target,
+            binning=configuration.binning,
+            gain=configuration.gain,
+        )
+        number = self.frames_done[index] + 1
+        return NightStep(
+            words=f"exposing {number} of {configuration.count}",
+            command=self._night.light.command,
+            args=args,
+            within=configuration.exposure + self._night.times.readout + FRAME_MARGIN_S,
+            tries=self._night.step_tries,
+            on_done=read_out,
+        )

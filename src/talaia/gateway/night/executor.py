@@ -1,0 +1,417 @@
+"""Runs a night: opens when it may, observes what is chosen, closes and parks. Pure.
+
+It knows no clock and no socket: `update_night` takes how things stand, and gives what to ask.
+What keeps the roof safe is not here. Interlocks and the roof's guard decide and act without it; the
+executor asks for its commands as a person does, and what refuses a person refuses it.
+
+Long, because every phase of a night and what leads from one to another stands in one place.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from talaia.gateway.night.arming import NightArming
+from talaia.gateway.night.dark_frames import DarkFrames
+from talaia.gateway.night.night_summary import NightSummary
+from talaia.gateway.night.night_values import NightAction, NightCommand, NightEvent
+from talaia.gateway.night.observing_run import ObservingRun
+from talaia.gateway.night.request_chooser import RequestChooser
+from talaia.gateway.night.roof_steps import abort_commands, closing_steps, opening_steps, steps_of
+from talaia.gateway.night.step_runner import StepRunner, StepsState
+from talaia.model.observing.states import SuspensionCause
+from talaia.wire.frames import CommandPhase, NightPhase, NightState
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from talaia.gateway.night.block_run import BlockParts, BlockRun
+    from talaia.gateway.night.night_values import NightChoice, NightView, StepAnswer
+    from talaia.gateway.night.step_runner import NightStep
+    from talaia.model.interlocks.enclosure import Enclosure, Place
+    from talaia.model.night_section import NightSection
+    from talaia.model.observing.requests import Request, RequestGroup
+
+__all__ = ["NightExecutor"]
+
+# Nothing is to be observed for so long: the roof closes until then (s).
+IDLE_CLOSE_S = 1800.0
+# The roof's guard has so long, beside its own times, before the night closes by itself (s).
+GUARD_S = 10.0
+_P = NightPhase
+
+
+class NightExecutor:
+    """See the module.
+
+    Attributes:
+        phase: what it does.
+        why: why it waits, is closed or failed.
+        arming: who has armed it.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        night: NightSection,
+        enclosure: Enclosure,
+        place: Place,
+        parts: BlockParts,
+        id_prefix: str = "night",
+        arming: NightArming | None = None,
+    ) -> None:
+        """Begin disarmed, or armed as an earlier run was; then everything is brought to rest first.
+
+        Args:
+            night: the description's section.
+            enclosure: the roof.
+            place: where it is.
+            parts: what looks at stars.
+            id_prefix: of the commands' ids, which are never used twice.
+            arming: of an earlier run.
+
+        """
+        self._night, self._roof = night, enclosure
+        self.arming = arming if arming is not None else NightArming()
+        self.phase, self.why = _P.DISARMED, ""
+        self._since: float | None = None
+        self._counter = itertools.count(1)
+        self._prefix = id_prefix
+        if self.arming.fault:
+            self.phase, self.why = _P.FAULT, self.arming.fault
+        elif self.arming.armed_by:
+            # What an earlier run left open is closed before anything else.
+            self.phase, self.why = _P.PARKING, "the gateway has just been started"
+        # Into which phase parking leads, and since when it has lasted.
+        self._after_parking = _P.WAITING
+        self._steps: StepRunner | None = None
+        self._chooser = RequestChooser(night, place)
+        self._observing = ObservingRun(
+            night=night, enclosure=enclosure, place=place, parts=parts, chooser=self._chooser
+        )
+        self._darks = DarkFrames(night)
+        self._closed_since: float | None = None
+        # Commands that open or unpark and may not have ended, by id: which, and until when at the
+        # longest (monotonic, s).
+        self._undoes = {night.open.command, night.unpark.command}
+        self._undoing: dict[str, tuple[str, float]] = {}
+        # `night.start` was asked for and `night.end` not yet: an earlier run may have.
+        self._begun = bool(self.arming.armed_by)
+        self._actions: list[NightAction] = []
+        # From the dark evening on in which it is armed, until the morning is told of it.
+        self._summary: NightSummary | None = None
+
+    # ── what comes from outside ──
+
+    def arm_night(self, who: str, until: float, view: NightView) -> str:
+        """Let it run by itself; gives why not, if so."""
+        if until and until <= view.time:
+            return "that time is over"
+        self.arming = NightArming(armed_by=who, until=until)
+        self._observing.forget_failures()
+        if self.phase in {_P.DISARMED, _P.FAULT}:
+            self._move(view, _P.WAITING, "")
+        elif self.phase is _P.PARKING:
+            self._after_parking = _P.WAITING
+        return ""
+
+    def disarm_night(self, why: str, view: NightView) -> None:
+        """End it: what is under way is interrupted, telescope and roof come to rest."""
+        self.arming = NightArming()
+        if self.phase in {_P.DISARMED, _P.FAULT}:
+            self._move(view, _P.DISARMED, why)
+            return
+        self._suspend(view, SuspensionCause.PERSON, why)
+        self._park(view, _P.DISARMED, why)
+
+    def replace_requests(
+        self,
+        groups: Sequence[RequestGroup],
+        done: Mapping[str, tuple[int, ...]],
+        ended: frozenset[str],
+    ) -> None:
+        """Take what is asked from now on, with what there is of it already."""
+        self._chooser.replace_requests(groups, done, ended)
+
+    def take_answer(self, answer: StepAnswer) -> None:
+        """Take how a command or a part ended."""
+        if self._steps is not None:
+            self._steps.take_answer(answer)
+        if answer.phase is not CommandPhase.UNKNOWN:
+            self._undoing.pop(answer.id, None)
+        self._observing.take_answer(answer)
+        self._darks.take_answer(answer)
+
+    def take_choice(self, choice: NightChoice) -> None:
+        """Take what the planner answers; an answer to an earlier question is passed over."""
+        self._chooser.take_choice(choice)
+
+    def held_requests(self) -> dict[str, float]:
+        """Give what is left alone for a while, until when (s since the epoch, UTC)."""
+        return self._chooser.held_requests()
+
+    def night_state(self) -> NightState:
+        """Give how it stands, as the hub is told."""
+        step = self._steps.words if self._steps is not None else self._darks.words
+        state = NightState(phase=self.phase, why=self.why[:2000], step=step)
+        return _with_block(state, self._since or 0.0, self.arming, self._observing.block)
+
+    # ── time goes on ──
+
+    def update_night(self, view: NightView) -> list[NightAction]:
+        """Go on; give what is to be asked and told now."""
+        if self._since is None:
+            self._since = view.time
+        phase, block = self.phase, self._observing.block
+        self._act(view)
+        block = self._observing.block or block
+        self._summarise(view, phase, block.request if block is not None else None)
+        actions, self._actions = self._actions, []
+        for ask in actions:
+            if isinstance(ask, NightCommand) and ask.command in self._undoes:
+                self._undoing[ask.id] = ask.command, view.now + ask.within + GUARD_S
+        return actions
+
+    def _summarise(self, view: NightView, phase: NightPhase, request: Request | None) -> None:
+        """Count what the night does, and tell of it when it is over."""
+        if self._summary is None:
+            if not self.arming.armed_by or view.sun > self._night.sun.opening:
+                return
+            self._summary = NightSummary(view.time)
+        self._summary.pass_time(view.time, phase)
+        self._summary.add_actions(self._actions, request)
+        at_rest = self.phase in {_P.DISARMED, _P.FAULT, _P.WAITING}
+        if at_rest and (view.sun > self._night.sun.closing or not self.arming.armed_by):
+            text, good = self._summary.summary_text(), self._summary.is_good
+            self._actions.append(NightEvent("night_ended", text, good=good))
+            self._summary = None
+
+    def _act(self, view: NightView) -> None:
+        if self.arming.armed_by and not self.arming.holds_at(view.time):
+            why = "the time that it was armed for is over"
+            self._actions.append(NightEvent("night_disarmed", why))
+            self.disarm_night(why, view)
+        match self.phase:
+            case _P.DISARMED | _P.FAULT:
+                return
+            case _P.PARKING:
+                self._go_on_parking(view)
+            case _P.WAITING | _P.CLOSED | _P.CALIBRATING:
+                self._stay_closed(view)
+            case _P.OPENING | _P.OBSERVING:
+                if not self._must_close(view):
+                    self._go_on_open(view)
+
+    def _must_close(self, view: NightView) -> bool:
+        """Leave an open roof where anything forbids it; tell whether that is so."""
+        if why := view.closing or view.barred:
+            self._suspend(view, SuspensionCause.WEATHER, why)
+            self._move(view, _P.CLOSED, why)
+            self._closed_since = view.now
+        elif view.sun > self._night.sun.closing:
+            self._suspend(view, SuspensionCause.WEATHER, "the Sun rises")
+            self._park(view, _P.WAITING, "the Sun rises")
+        elif self.phase is _P.OBSERVING and view.opened is not True:
+            self._roof_lost(view)
+        elif self.phase is _P.OBSERVING and view.parked is None:
+            why = "nobody knows how the telescope stands"
+            self._suspend(view, SuspensionCause.FAULT, why)
+            self._park(view, _P.CLOSED, why)
+        else:
+            return False
+        return True
+
+    def _roof_lost(self, view: NightView) -> None:
+        """The roof is not open any more, and nothing of the weather has closed it."""
+        if view.opened is None and view.closed is None:
+            why = "the roof's sensors say nothing"
+            self._suspend(view, SuspensionCause.FAULT, why)
+            self._park(view, _P.CLOSED, why)
+            return
+        why = f"{view.person or 'somebody'} has closed the roof"
+        self._suspend(view, SuspensionCause.PERSON, why)
+        self.arming = NightArming()
+        self._actions.append(NightEvent("night_disarmed", why, good=False))
+        self._park(view, _P.DISARMED, why)
+
+    # ── closed ──
+
+    def _stay_closed(self, view: NightView) -> None:
+        if view.closed is not True or view.parked is not True:
+            self._come_to_rest(view)
+            return
+        self._closed_since = None
+        if view.sun > self._night.sun.closing and self._begun:
+            # It closed long before dawn, when there was nothing more to observe.
+            self._end_night(view)
+        if view.sun > self._night.sun.opening:
+            self._darks.end_frame()
+            self._move(view, _P.WAITING, f"the Sun stands at {view.sun:.0f}°")
+        elif why := view.closing or view.barred:
+            self._take_darks(view, _P.CLOSED, why)
+        elif view.person:
+            self._darks.end_frame()
+            self._move(view, _P.WAITING, f"{view.person} is at work")
+        elif view.sun > self._night.sun.observing or not self._may_observe(view):
+            self._take_darks(view, _P.WAITING, "nothing may be observed now")
+        else:
+            # Re-planned first: there is something to open for.
+            if self._darks.words:
+                self._darks.end_frame()
+                self._actions += abort_commands(self._roof, view, self._next_id)
+            self._begun = True
+            self._move(view, _P.OPENING, "")
+            self._steps = StepRunner(opening_steps(self._night), self._next_id)
+
+    def _come_to_rest(self, view: NightView) -> None:
+        """The roof is not certainly closed: its guard closes it, and the night after a while."""
+        self._darks.end_frame()
+        barred = view.closing or view.barred
+        if view.person and not barred and view.sun <= self._night.sun.closing:
+            self._move(view, _P.WAITING, f"{view.person} is at work")
+            return
+        if self._closed_since is None:
+            self._closed_since = view.now
+        closing_s = self._roof.move_within * (1 + self._roof.retries)
+        patience = GUARD_S + self._roof.mount_within + closing_s
+        if not view.closing or view.now - self._closed_since > patience:
+            self._park(view, self.phase, self.why or "the roof is not closed")
+
+    def _take_darks(self, view: NightView, phase: NightPhase, why: str) -> None:
+        """Fill the time with darks; without any left it is spent in ``phase``."""
+        if self._darks.words or not self._chooser.thinks:
+            if not self._begun and self._night.darks is not None:
+                # Darks of a warm chip are worth nothing.
+                self._begun = True
+                steps = steps_of(self._night.start, "getting ready")
+                self._actions += _first_asks(steps, view, self._next_id)
+            self._actions += self._darks.update_darks(view, self._next_id)
+        self._move(view, _P.CALIBRATING if self._darks.words else phase, why)
+
+    def _may_observe(self, view: NightView) -> bool:
+        asked, actions = self._chooser.choose_request(view)
+        self._actions += actions
+        return asked is not None
+
+    # ── open ──
+
+    def _go_on_open(self, view: NightView) -> None:
+        if self._steps is not None:
+            self._go_on_opening(view, self._steps)
+            return
+        self.why = f"{view.person} is at work" if view.person else ""
+        if view.person:
+            self._suspend(view, SuspensionCause.PERSON, self.why)
+            return
+        self._actions += self._observing.update_observing(view, self._next_id)
+        if self._observing.fault:
+            self._fault(view, self._observing.fault)
+        elif self._observing.idle_s(view) > IDLE_CLOSE_S:
+            self._park(view, _P.WAITING, "nothing may be observed for a while")
+
+    def _go_on_opening(self, view: NightView, steps: StepRunner) -> None:
+        if view.person:
+            self._park(view, _P.WAITING, f"{view.person} is at work")
+            return
+        self._actions += steps.update_steps(view)
+        if steps.state is StepsState.DONE:
+            self._steps = None
+            self._move(view, _P.OBSERVING, "")
+        elif steps.state is StepsState.REFUSED:
+            # An interlock or somebody: no fault. It is tried again when it may be.
+            self._park(view, _P.CLOSED, steps.why)
+        elif steps.state is StepsState.FAILED:
+            self._fault(view, steps.why)
+
+    def _suspend(self, view: NightView, cause: SuspensionCause, why: str) -> None:
+        self._steps = None
+        self._actions += self._observing.suspend_block(view, self._next_id, cause=cause, why=why)
+
+    # ── rest ──
+
+    def _park(self, view: NightView, after: NightPhase, why: str) -> None:
+        self._after_parking = after
+        self._steps = None
+        self._move(view, _P.PARKING, why)
+
+    def _go_on_parking(self, view: NightView) -> None:
+        if self._steps is None:
+            under_way = {name for name, until in self._undoing.values() if view.now < until}
+            steps = closing_steps(
+                self._roof,
+                opens=self._night.open.command in under_way,
+                unparks=self._night.unpark.command in under_way,
+            )
+            self._steps = StepRunner(steps, self._next_id)
+        self._actions += self._steps.update_steps(view)
+        if self._steps.state is StepsState.RUNNING:
+            return
+        state, why, self._steps = self._steps.state, self._steps.why, None
+        if state is StepsState.DONE and view.closed is True:
+            self._finish_parking(view)
+        else:
+            # It goes on until the sensors say closed; the event calls somebody meanwhile.
+            self._actions.append(NightEvent("night_not_closed", why or "not closed", good=False))
+
+    def _finish_parking(self, view: NightView) -> None:
+        self._undoing.clear()
+        if view.parked is not True:
+            why = "the roof is closed, but the telescope is not parked"
+            self._actions.append(NightEvent("night_not_parked", why, good=False))
+            if self._after_parking not in {_P.DISARMED, _P.FAULT}:
+                self._after_parking = _P.FAULT
+                self.arming = NightArming(fault=why)
+                self.why = why
+        self._closed_since = None
+        if self._after_parking in {_P.DISARMED, _P.FAULT} or view.sun > self._night.sun.closing:
+            self._end_night(view)
+        self._move(view, self._after_parking, self.why)
+
+    def _end_night(self, view: NightView) -> None:
+        """Let warm what cools."""
+        self._begun = False
+        steps = steps_of(self._night.end, "ending the night")
+        self._actions += _first_asks(steps, view, self._next_id)
+        self._darks = DarkFrames(self._night)
+
+    def _fault(self, view: NightView, why: str) -> None:
+        """A device failed: it parks, closes, and calls somebody; nothing goes on by itself."""
+        self._suspend(view, SuspensionCause.FAULT, why)
+        self.arming = NightArming(fault=why)
+        self._actions.append(NightEvent("night_fault", why, good=False))
+        self._park(view, _P.FAULT, why)
+
+    def _move(self, view: NightView, phase: NightPhase, why: str) -> None:
+        if phase is not self.phase:
+            self._since = view.time
+        self.phase, self.why = phase, why
+
+    def _next_id(self) -> str:
+        return f"{self._prefix}-{next(self._counter)}"
+
+
+def _with_block(
+    state: NightState, since: float, arming: NightArming, block: BlockRun | None
+) -> NightState:
+    """Give a state with since when, who has armed it, and what is observed where something is."""
+    state = replace(state, since=since, armed_by=arming.armed_by, armed_until=arming.until)
+    if block is None:
+        return state
+    return replace(
+        state,
+        request=block.request.id,
+        step=block.words,
+        frames_done=sum(block.frames_done),
+        frames=sum(part.count for part in block.request.configurations),
+    )
+
+
+def _first_asks(
+    steps: Sequence[NightStep], view: NightView, next_id: Callable[[], str]
+) -> list[NightAction]:
+    """Ask for each of the steps at once; how they end is not waited for."""
+    return [ask for step in steps for ask in StepRunner([step], next_id).update_steps(view)]

@@ -1,0 +1,193 @@
+"""Numbers what became of observations, and knows what the hub has not acknowledged. Pure.
+
+What is in it is on disk: a gateway whose hub is away all night tells it in the morning, and one
+that is started anew goes on with the frames that there are.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.gateway.night.night_values import ObservationChange
+from talaia.model.observing.states import (
+    FINAL_OBSERVATION_STATES,
+    ObservationState,
+    SuspensionCause,
+)
+from talaia.wire.frames import ObservationUpdate
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from talaia.model.observing.requests import RequestGroup
+
+__all__ = ["BookContent", "ObservationBook", "OpenObservation"]
+
+# With more than this unacknowledged, steps between the states of one try are left out.
+MOST_WAITING = 500
+_O = ObservationState
+
+
+class OpenObservation(msgspec.Struct, frozen=True, kw_only=True):
+    """A try at a request that may go on.
+
+    Attributes:
+        id: unique at this gateway.
+        state: where it stands.
+        frames_done: of each configuration.
+        block_s: charged before the visit that is under way (s).
+
+    """
+
+    id: str
+    state: ObservationState = _O.IN_PROGRESS
+    frames_done: tuple[int, ...] = ()
+    block_s: float = 0.0
+
+
+class BookContent(msgspec.Struct, kw_only=True):
+    """What is kept on disk.
+
+    Attributes:
+        number: of the newest update; 0: none yet.
+        made: so many observations have been begun.
+        open: by request.
+        ended: requests that were completed here, with the update that says so.
+        waiting: what the hub has not acknowledged.
+
+    """
+
+    number: int = 0
+    made: int = 0
+    open: dict[str, OpenObservation] = {}
+    ended: dict[str, int] = {}
+    waiting: list[ObservationUpdate] = []
+
+
+class ObservationBook:
+    """See the module.
+
+    Attributes:
+        content: what is to be kept on disk.
+
+    """
+
+    def __init__(self, content: BookContent, gateway: str) -> None:
+        """Go on with what an earlier run left; ``gateway`` is part of the ids."""
+        self.content = content
+        self._gateway = gateway
+        self._acked = 0
+
+    def close_interrupted(self, time: float) -> list[ObservationUpdate]:
+        """Suspend what an earlier run had under way; give what is to be told."""
+        under_way = [
+            request for request, one in self.content.open.items() if one.state is _O.IN_PROGRESS
+        ]
+        return [
+            self.record_change(
+                ObservationChange(
+                    request,
+                    _O.SUSPENDED,
+                    self.content.open[request].frames_done,
+                    SuspensionCause.FAULT,
+                    "the gateway was started anew",
+                ),
+                time,
+            )
+            for request in under_way
+        ]
+
+    def record_change(
+        self, change: ObservationChange, time: float, files: Sequence[str] = ()
+    ) -> ObservationUpdate:
+        """Number a change, with the files since the last one; give what is to be told."""
+        book = self.content
+        before = book.open.get(change.request)
+        if before is None:
+            book.made += 1
+            before = OpenObservation(id=f"{self._gateway}-{book.made:06d}")
+        spent = before.block_s + change.block_s
+        book.number += 1
+        update = ObservationUpdate(
+            number=book.number,
+            id=before.id,
+            request=change.request,
+            state=change.state,
+            cause=change.cause,
+            why=change.why,
+            time=max(0.0, time),
+            frames_done=list(change.frames_done[:100]),
+            block_s=spent,
+            files=list(files),
+        )
+        self._keep_open(change, before, spent)
+        book.waiting.append(update)
+        if len(book.waiting) > MOST_WAITING:
+            self._leave_out_steps()
+        return update
+
+    def _keep_open(self, change: ObservationChange, before: OpenObservation, spent: float) -> None:
+        book = self.content
+        if change.state is _O.COMPLETED:
+            book.ended[change.request] = book.number
+        if change.state in FINAL_OBSERVATION_STATES:
+            book.open.pop(change.request, None)
+            return
+        # A visit that goes on counts its own time from its beginning.
+        kept = spent if change.state is _O.SUSPENDED else before.block_s
+        book.open[change.request] = OpenObservation(
+            id=before.id, state=change.state, frames_done=change.frames_done, block_s=kept
+        )
+
+    def _leave_out_steps(self) -> None:
+        """Keep of each try's steps in progress the last one: it says what those before said."""
+        waiting = self.content.waiting
+        last = {update.id: update.number for update in waiting}
+        files: dict[str, list[str]] = {}
+        kept = []
+        for update in waiting:
+            names = files.setdefault(update.id, [])
+            names += update.files
+            if update.state is not _O.IN_PROGRESS or last[update.id] == update.number:
+                # Names of files of the steps that are left out go on with the next one.
+                kept.append(msgspec.structs.replace(update, files=names))
+                files[update.id] = []
+        self.content.waiting = kept
+
+    def acknowledge_updates(self, number: int) -> bool:
+        """Forget what the hub has; tell whether there was any of it."""
+        self._acked = max(self._acked, number)
+        before = len(self.content.waiting)
+        self.content.waiting = [one for one in self.content.waiting if one.number > number]
+        return len(self.content.waiting) < before
+
+    def settle_requests(self, groups: Iterable[RequestGroup]) -> None:
+        """Take what is asked anew: what the hub knows to be done and asks again is done again."""
+        asked = {request.id for group in groups for request in group.requests}
+        waiting = {update.number for update in self.content.waiting}
+        # One whose end the hub does not know yet is not begun a second time.
+        self.content.ended = {
+            request: number
+            for request, number in self.content.ended.items()
+            if number in waiting or (request in asked and number > self._acked)
+        }
+
+    def frames_done(self, groups: Sequence[RequestGroup]) -> dict[str, tuple[int, ...]]:
+        """Give what there is of each request: as the hub says, or more by this gateway."""
+        found: dict[str, tuple[int, ...]] = {}
+        for group in groups:
+            for request in group.requests:
+                here = self.content.open.get(request.id)
+                told = request.frames_done
+                if here is not None and sum(here.frames_done) > sum(told):
+                    told = here.frames_done
+                if told:
+                    found[request.id] = told
+        return found
+
+    @property
+    def ended(self) -> frozenset[str]:
+        """Requests that are done here, of which the hub may not know yet."""
+        return frozenset(self.content.ended)

@@ -1,0 +1,155 @@
+"""Observes under an open roof: one request after the other, as they are chosen. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.gateway.night.block_run import BlockParts, BlockRun
+from talaia.gateway.night.night_values import NightAction, ObservationChange
+from talaia.gateway.night.request_chooser import LOOK_S
+from talaia.gateway.night.roof_steps import abort_commands
+from talaia.gateway.night.step_runner import StepsState
+from talaia.model.observing.requests import Urgency
+from talaia.model.observing.states import ObservationState, SuspensionCause
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.gateway.night.night_values import NightView, StepAnswer
+    from talaia.gateway.night.request_chooser import RequestChooser
+    from talaia.gateway.night.simple_dispatch import AskedRequest
+    from talaia.model.interlocks.enclosure import Enclosure, Place
+    from talaia.model.night_section import NightSection
+
+__all__ = ["ObservingRun"]
+
+# What failed is left alone for so long (s).
+HOLD_S = 300.0
+_O = ObservationState
+
+
+class ObservingRun:
+    """See the module.
+
+    Attributes:
+        block: what is observed; none: nothing.
+        fault: why no more is to be tried: several targets failed one after the other.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        night: NightSection,
+        enclosure: Enclosure,
+        place: Place,
+        parts: BlockParts,
+        chooser: RequestChooser,
+    ) -> None:
+        """Begin with nothing under way."""
+        self._night, self._roof, self._place, self._parts = night, enclosure, place, parts
+        self._chooser = chooser
+        self.block: BlockRun | None = None
+        self.fault = ""
+        self._asked: AskedRequest | None = None
+        # Targets that failed one after the other, with why.
+        self._failed: dict[str, str] = {}
+
+    def forget_failures(self) -> None:
+        """Begin anew: a person has looked."""
+        self._failed.clear()
+        self.fault = ""
+
+    def idle_s(self, view: NightView) -> float:
+        """Give for how long there will be nothing to observe (s)."""
+        return self._chooser.wait_until - view.time if self.block is None else 0.0
+
+    def take_answer(self, answer: StepAnswer) -> None:
+        """Take how a command or a part ended."""
+        if self.block is not None:
+            self.block.take_answer(answer)
+
+    def update_observing(self, view: NightView, next_id: Callable[[], str]) -> list[NightAction]:
+        """Go on; give what is to be asked and told now."""
+        if self.block is not None and (rapid := self._rapid_instead(view)):
+            return self.suspend_block(view, next_id, cause=SuspensionCause.RAPID, why=rapid)
+        actions: list[NightAction] = []
+        if self.block is None:
+            asked, actions = self._chooser.choose_request(view)
+            if asked is None:
+                return actions
+            actions.append(self._begin_block(asked, view, next_id))
+        if self.block is not None:
+            actions += self.block.update_block(view)
+            actions += self._judge_block(view, self.block)
+        return actions
+
+    def suspend_block(
+        self, view: NightView, next_id: Callable[[], str], *, cause: SuspensionCause, why: str
+    ) -> list[NightAction]:
+        """Interrupt what is observed: what was read out is kept, and nothing counts as failed."""
+        block, self.block, self._asked = self.block, None, None
+        if block is None:
+            return []
+        self._chooser.keep_frames(block.request.id, tuple(block.frames_done))
+        self._chooser.look_again()
+        actions: list[NightAction] = [_change(block, view, _O.SUSPENDED, cause=cause, why=why)]
+        # The exposure under way is worth nothing any more; what parks and closes comes behind it.
+        return actions + abort_commands(self._roof, view, next_id)
+
+    def _begin_block(
+        self, asked: AskedRequest, view: NightView, next_id: Callable[[], str]
+    ) -> NightAction:
+        self._asked = asked
+        self.block = BlockRun(
+            request=asked.request,
+            frames_done=self._chooser.frames_done(asked.request.id),
+            night=self._night,
+            place=self._place,
+            parts=self._parts,
+            next_id=next_id,
+            now=view.now,
+        )
+        return _change(self.block, view, _O.IN_PROGRESS)
+
+    def _rapid_instead(self, view: NightView) -> str:
+        """Say what is to be observed at once instead; empty: nothing."""
+        if self._asked is None or self._asked.urgency is Urgency.RAPID_RESPONSE:
+            return ""
+        rapid = self._chooser.rapid_request(view)
+        return f"{rapid.request.id} is urgent" if rapid is not None else ""
+
+    def _judge_block(self, view: NightView, block: BlockRun) -> list[NightAction]:
+        name, why = block.request.id, block.why
+        more = self._chooser.keep_frames(name, tuple(block.frames_done))
+        if block.state is StepsState.RUNNING:
+            return [_change(block, view, _O.IN_PROGRESS)] if more else []
+        self.block = self._asked = None
+        self._chooser.look_again()
+        if block.state is StepsState.DONE:
+            self._failed.clear()
+            self._chooser.end_request(name)
+            return [_change(block, view, _O.COMPLETED)]
+        if block.state is StepsState.REFUSED:
+            # Whoever acts or whatever locks: what is left is planned again.
+            self._chooser.hold_request(name, view.time + LOOK_S)
+            return [_change(block, view, _O.SUSPENDED, cause=SuspensionCause.PERSON, why=why)]
+        self._chooser.hold_request(name, view.time + HOLD_S)
+        self._failed[name] = why
+        if len(self._failed) >= self._night.failure_limit:
+            told = "; ".join(f"{request}: {reason}" for request, reason in self._failed.items())
+            self.fault = f"{len(self._failed)} targets failed one after the other: {told}"
+        return [_change(block, view, _O.FAILED, why=why)]
+
+
+def _change(
+    block: BlockRun,
+    view: NightView,
+    state: ObservationState,
+    *,
+    cause: SuspensionCause | None = None,
+    why: str = "",
+) -> ObservationChange:
+    spent = view.now - block.began
+    frames = tuple(block.frames_done)
+    return ObservationChange(block.request.id, state, frames, cause, why[:2000], spent)

@@ -1,0 +1,1 @@
+"""The planner in a process of its own: what it is asked, what it answers, and its keeping."""

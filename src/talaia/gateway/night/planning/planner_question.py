@@ -1,0 +1,78 @@
+"""What goes to the planner's process and what comes back. Pure.
+
+A gateway without a night imports this, so no planner: that is in `planner_answers`.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from talaia.model.observing.plan import Instrument, Plan, WhyNot  # noqa: TC001 - msgspec reads them
+from talaia.model.observing.requests import Proposal, RequestGroup  # noqa: TC001 - msgspec reads them
+
+__all__ = ["PlannerAnswer", "PlannerQuestion", "PlannerSetup"]
+
+
+class PlannerSetup(msgspec.Struct, frozen=True, kw_only=True, tag="setup"):
+    """What is asked from here on, and of which telescope.
+
+    Attributes:
+        latitude: (°, north).
+        longitude: (°, east).
+        elevation: (m).
+        instrument: how long it takes.
+        proposals: who pays.
+        groups: what is asked.
+
+    """
+
+    latitude: float
+    longitude: float
+    elevation: float
+    instrument: Instrument
+    proposals: tuple[Proposal, ...] = ()
+    groups: tuple[RequestGroup, ...] = ()
+
+
+class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question"):
+    """What to observe next.
+
+    Attributes:
+        number: the answer has the same.
+        time: s since the epoch (UTC).
+        done: frames of each configuration, by request.
+        ended: requests that are done.
+        held: requests that are left alone, until (s since the epoch, UTC).
+        seeing: FWHM (″).
+        clouds: (%).
+
+    """
+
+    number: int
+    time: float
+    done: dict[str, tuple[int, ...]] = {}
+    ended: tuple[str, ...] = ()
+    held: dict[str, float] = {}
+    seeing: float | None = None
+    clouds: float | None = None
+
+
+class PlannerAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What the planner says.
+
+    Attributes:
+        number: of the question.
+        request: to be observed now; empty: wait.
+        wait_until: ask again then (s since the epoch, UTC).
+        reason: in words.
+        plan: from now on.
+        why_not: of those that wait.
+
+    """
+
+    number: int
+    request: str = ""
+    wait_until: float = 0.0
+    reason: str = ""
+    plan: Plan | None = None
+    why_not: tuple[WhyNot, ...] = ()

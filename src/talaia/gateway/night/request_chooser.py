@@ -1,0 +1,178 @@
+"""What is to be observed next: asks the planner, looks at its answer, and does without it. Pure."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+from talaia.gateway.night.night_values import NightAction, NightEvent, PlanQuestion
+from talaia.gateway.night.simple_dispatch import (
+    NightLimits,
+    best_request,
+    pending_requests,
+    veto_reason,
+)
+from talaia.model.observing.requests import Urgency
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from talaia.gateway.night.night_values import NightChoice, NightView
+    from talaia.gateway.night.simple_dispatch import AskedRequest
+    from talaia.model.interlocks.enclosure import Place
+    from talaia.model.night_section import NightSection
+    from talaia.model.observing.requests import RequestGroup
+
+__all__ = ["LOOK_S", "RequestChooser"]
+
+# A planner that has not answered by then is not waited for (s).
+PLANNER_S = 30.0
+# Between two looks whether something may be observed (s).
+LOOK_S = 20.0
+# Of another's reckoning; see `veto_reason`.
+SLACK = 1.0
+
+
+class RequestChooser:
+    """Knows what is asked, what there is of it, and what is left alone for a while.
+
+    Attributes:
+        wait_until: the planner has nothing before (s since the epoch, UTC); 0: nobody knows.
+
+    """
+
+    def __init__(self, night: NightSection, place: Place) -> None:
+        """Begin with nothing asked."""
+        filters = frozenset(night.filter.filters if night.filter is not None else ())
+        times = night.times.as_instrument()
+        self._limits = NightLimits(place, times, night.sun.observing, filters)
+        self._asked: dict[str, AskedRequest] = {}
+        # Frames read out, in all tries; what has ended; what is not tried before (UTC, s).
+        self._done: dict[str, tuple[int, ...]] = {}
+        self._ended: set[str] = set()
+        self._held: dict[str, float] = {}
+        self._numbers = itertools.count(1)
+        # The question that is open, and until when it is waited for (monotonic, s).
+        self._question: tuple[int, float] | None = None
+        self._choice: NightChoice | None = None
+        # Said once, until it does well again.
+        self._planner_failed = False
+        self._next_look = 0.0
+        self.wait_until = 0.0
+
+    @property
+    def thinks(self) -> bool:
+        """Whether the planner has been asked and has not answered yet."""
+        return self._question is not None
+
+    def replace_requests(
+        self,
+        groups: Sequence[RequestGroup],
+        done: Mapping[str, tuple[int, ...]],
+        ended: frozenset[str],
+    ) -> None:
+        """Take what is asked from now on, with what there is of it already."""
+        self._asked = {one.request.id: one for one in pending_requests(groups)}
+        self._done, self._ended = dict(done), set(ended)
+        self.look_again()
+
+    def frames_done(self, request: str) -> tuple[int, ...]:
+        """Give what there is of a request, of each configuration."""
+        return self._done.get(request, ())
+
+    def keep_frames(self, request: str, frames: tuple[int, ...]) -> bool:
+        """Keep what was read out; tell whether that is more than before."""
+        before = self._done.get(request, ())
+        self._done[request] = frames
+        return sum(frames) > sum(before)
+
+    def end_request(self, request: str) -> None:
+        """Plan it no more."""
+        self._ended.add(request)
+
+    def hold_request(self, request: str, until: float) -> None:
+        """Leave it alone until then (s since the epoch, UTC)."""
+        self._held[request] = until
+
+    def held_requests(self) -> dict[str, float]:
+        """Give what is left alone for a while, until when (s since the epoch, UTC)."""
+        return dict(self._held)
+
+    def look_again(self) -> None:
+        """Ask anew at the next turn: another choice may be better now."""
+        self._choice, self._question = None, None
+        self._next_look, self.wait_until = 0.0, 0.0
+
+    def take_choice(self, choice: NightChoice) -> None:
+        """Take what the planner answers; an answer to an earlier question is passed over."""
+        if self._question is not None and choice.number == self._question[0]:
+            self._choice, self._question = choice, None
+
+    def rapid_request(self, view: NightView) -> AskedRequest | None:
+        """Give a request that is urgent and may be observed now."""
+        for asked in self._asked.values():
+            if asked.urgency is Urgency.RAPID_RESPONSE and not self._veto(asked, view):
+                return asked
+        return None
+
+    def choose_request(self, view: NightView) -> tuple[AskedRequest | None, list[NightAction]]:
+        """Give what is to be observed now, if anything is known yet, and what to ask."""
+        if self._choice is not None:
+            return self._judge_choice(view, self._choice)
+        if self._question is not None:
+            if view.now < self._question[1]:
+                return None, []
+            self._question = None
+            return self._choose_simply(view, "the planner does not answer")
+        if view.now < self._next_look:
+            return None, []
+        number = next(self._numbers)
+        self._question = number, view.now + PLANNER_S
+        return None, [PlanQuestion(number, view.time)]
+
+    def _judge_choice(
+        self, view: NightView, choice: NightChoice
+    ) -> tuple[AskedRequest | None, list[NightAction]]:
+        self._choice = None
+        self._next_look = view.now + LOOK_S
+        self.wait_until = 0.0
+        if not choice.request:
+            self._planner_failed = False
+            self.wait_until = choice.wait_until
+            return None, []
+        asked = self._asked.get(choice.request)
+        why = "there is no such request" if asked is None else self._veto(asked, view, SLACK)
+        if asked is None or why:
+            return self._choose_simply(view, f"the planner chose {choice.request}, but {why}")
+        self._planner_failed = False
+        return asked, []
+
+    def _choose_simply(
+        self, view: NightView, why: str
+    ) -> tuple[AskedRequest | None, list[NightAction]]:
+        self._next_look = view.now + LOOK_S
+        found = best_request(
+            self._asked.values(),
+            view,
+            self._limits,
+            done=self._done,
+            ended=frozenset(self._ended),
+            held=self._held,
+        )
+        if self._planner_failed:
+            return found, []
+        self._planner_failed = True
+        more = f"{why}; the simplest planner stands in"
+        return found, [NightEvent("night_planner_failed", more, good=False)]
+
+    def _veto(self, asked: AskedRequest, view: NightView, slack: float = 0.0) -> str:
+        name = asked.request.id
+        return veto_reason(
+            asked,
+            view,
+            self._limits,
+            done=self._done.get(name, ()),
+            ended=frozenset(self._ended),
+            held_until=self._held.get(name, 0.0),
+            slack=slack,
+        )

@@ -1,0 +1,204 @@
+"""The simplest planner: what may be observed now and is worth most a minute. Pure.
+
+The night falls back on it when the planner's process is dead, late or answers what may not be
+observed; and by its vetoes each answer is looked at. It knows no Moon: a request that minds the
+Moon is left to the planner.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.gateway.night.target_place import altitude_of, hour_angle_of, place_of_date
+from talaia.model.observing.requests import GroupOperator, ImageType, Urgency
+from talaia.model.observing.states import RequestState
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from talaia.gateway.night.night_values import NightView
+    from talaia.gateway.night.target_place import EquatorialPlace
+    from talaia.model.interlocks.enclosure import Place
+    from talaia.model.observing.plan import Instrument
+    from talaia.model.observing.requests import Constraints, Request, RequestGroup
+
+__all__ = [
+    "AskedRequest",
+    "NightLimits",
+    "best_request",
+    "block_seconds",
+    "frames_left",
+    "pending_requests",
+    "veto_reason",
+]
+
+# So many of the best are looked at each time.
+MOST_LOOKED_AT = 300
+_NO_PLACE = "places of bodies need the extra `observatory` at the gateway (pyerfa)"
+_INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
+_RANK = {Urgency.NORMAL: 0, Urgency.TIME_CRITICAL: 1, Urgency.RAPID_RESPONSE: 2}
+
+
+class AskedRequest(NamedTuple):
+    """A request with what its group says of it."""
+
+    request: Request
+    priority: float
+    urgency: Urgency
+    # Requests of its sequence that come before it.
+    after: tuple[str, ...] = ()
+
+
+class NightLimits(NamedTuple):
+    """What a night may do at all; see `talaia.model.night_section.NightSection`."""
+
+    place: Place
+    instrument: Instrument
+    observing_sun: float
+    filters: frozenset[str]
+
+
+def pending_requests(groups: Iterable[RequestGroup]) -> Iterator[AskedRequest]:
+    """List what may be planned."""
+    for group in groups:
+        before: list[str] = []
+        for request in group.requests:
+            if request.state is RequestState.PENDING:
+                after = tuple(before) if group.operator is GroupOperator.SEQUENCE else ()
+                yield AskedRequest(request, group.priority, group.urgency, after)
+            if request.state is not RequestState.COMPLETED:
+                before.append(request.id)
+
+
+def frames_left(request: Request, done: tuple[int, ...]) -> list[int]:
+    """Give how many frames of each configuration are still to be taken."""
+    counts = [*done, *([0] * len(request.configurations))]
+    return [max(0, c.count - counts[i]) for i, c in enumerate(request.configurations)]
+
+
+def block_seconds(request: Request, done: tuple[int, ...], instrument: Instrument) -> float:
+    """Give how long the rest of a request takes, without the slew (s)."""
+    left = frames_left(request, done)
+    configurations = list(zip(request.configurations, left, strict=True))
+    frames = sum(n * (c.exposure + instrument.readout) for c, n in configurations)
+    return frames + instrument.filter_change * sum(1 for _, n in configurations if n)
+
+
+def veto_reason(
+    asked: AskedRequest,
+    view: NightView,
+    limits: NightLimits,
+    *,
+    done: tuple[int, ...] = (),
+    ended: frozenset[str] = frozenset(),
+    held_until: float = 0.0,
+    slack: float = 0.0,
+) -> str:
+    """Say why a request may not be observed now; empty when it may.
+
+    Args:
+        asked: the request.
+        view: how things stand.
+        limits: of the observatory.
+        done: frames of each configuration that there are.
+        ended: requests that have ended at this gateway.
+        held_until: it is not tried again before (s since the epoch, UTC).
+        slack: of another's reckoning: so many degrees, and minutes, are let pass.
+
+    """
+    request = asked.request
+    if request.id in ended or not any(frames_left(request, done)):
+        return "nothing of it is left"
+    if waits := [name for name in asked.after if name not in ended]:
+        return f"{waits[0]} of its sequence comes before it"
+    if view.time < held_until:
+        return "it has just failed or been interrupted"
+    ends = view.time + block_seconds(request, done, limits.instrument)
+    early, late = view.time + 60 * slack, ends - 60 * slack
+    if not any(window.start <= early and late <= window.end for window in request.windows):
+        return "it is not in its window, or does not fit into what is left of it"
+    for configuration in request.configurations:
+        if configuration.type in _INDOORS or configuration.type is ImageType.SKY_FLAT:
+            return f"the night takes no {configuration.type} for requests"
+        if configuration.filter and configuration.filter not in limits.filters:
+            return f"there is no filter {configuration.filter!r}"
+    return _sky_veto(request, view, limits, ends=ends, slack=slack)
+
+
+def _sky_veto(
+    request: Request, view: NightView, limits: NightLimits, *, ends: float, slack: float
+) -> str:
+    rule = request.constraints
+    if view.sun > min(rule.max_sun_altitude, limits.observing_sun) + slack:
+        return f"the Sun stands at {view.sun:.1f}°"
+    if rule.max_clouds is not None and not (view.clouds or 0.0) <= rule.max_clouds:
+        return f"clouds cover {view.clouds:.0f} %"
+    if rule.max_seeing is not None and not (view.seeing or 0.0) <= rule.max_seeing:
+        return f"the seeing is {view.seeing:.1f}″"
+    if rule.phase is not None:
+        phase = (view.time - rule.phase.epoch) / rule.phase.period % 1.0
+        inside = rule.phase.start <= phase <= rule.phase.end
+        if rule.phase.end < rule.phase.start:
+            inside = phase >= rule.phase.start or phase <= rule.phase.end
+        if not inside:
+            return f"its phase is {phase:.2f}"
+    for time in (view.time, ends):
+        where = place_of_date(request.target, time, limits.place)
+        if where is None:
+            return _NO_PLACE if request.target is not None else "it has no target"
+        if why := _place_veto(rule, where, limits, time=time, slack=slack):
+            return why
+    return ""
+
+
+def _place_veto(
+    rule: Constraints, where: EquatorialPlace, limits: NightLimits, *, time: float, slack: float
+) -> str:
+    altitude = altitude_of(where, limits.place, time)
+    lowest = max(rule.min_altitude, limits.instrument.horizon)
+    if not altitude >= lowest - slack:
+        return f"it stands at {altitude:.0f}°, below {lowest:.0f}°"
+    if 1.0 / math.sin(math.radians(max(altitude + slack, 0.1))) > rule.max_airmass:
+        return "its airmass is too great"
+    hours = hour_angle_of(where, limits.place, time)
+    if rule.max_hour_angle is not None and abs(hours) > rule.max_hour_angle + slack / 15.0:
+        return "it is too far from the meridian"
+    return ""
+
+
+def _minds_moon(rule: Constraints) -> bool:
+    return rule.min_moon_distance > 0 or rule.max_moon_illumination < 1
+
+
+def best_request(
+    asked: Iterable[AskedRequest],
+    view: NightView,
+    limits: NightLimits,
+    *,
+    done: Mapping[str, tuple[int, ...]],
+    ended: frozenset[str],
+    held: Mapping[str, float],
+) -> AskedRequest | None:
+    """Give what is worth most now: the most urgent, then the highest priority, the shortest."""
+    open_now = [
+        one
+        for one in asked
+        if not _minds_moon(one.request.constraints)
+        and any(window.start <= view.time < window.end for window in one.request.windows)
+    ]
+
+    def rank(one: AskedRequest) -> tuple[float, ...]:
+        seconds = block_seconds(one.request, done.get(one.request.id, ()), limits.instrument)
+        return -_RANK[one.urgency], -one.priority, seconds
+
+    # Bounded: this runs where robots are driven and roofs are guarded.
+    for one in heapq.nsmallest(MOST_LOOKED_AT, open_now, key=rank):
+        name = one.request.id
+        until = held.get(name, 0.0)
+        if not veto_reason(
+            one, view, limits, done=done.get(name, ()), ended=ended, held_until=until
+        ):
+            return one
+    return None

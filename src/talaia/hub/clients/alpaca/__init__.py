@@ -1,0 +1,1 @@
+"""The hub as an ASCOM Alpaca server: domes, weather and safety of one site."""

@@ -1,0 +1,1 @@
+"""Features of nights that run by themselves."""

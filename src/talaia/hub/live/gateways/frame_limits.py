@@ -1,0 +1,148 @@
+"""How much a gateway may say: an allowance for each kind of frame, refilled with time. Pure.
+
+Whoever is over one is slowed: the hub reads on only when the allowance has refilled. Whoever stays
+over it is cut off, and held off for a while. The allowances belong to the site and not to the
+link, so that to dial again brings no new ones.
+
+Samples are slowed at the most. A gateway that comes back after a long break sends what it has kept
+as fast as it is acknowledged, which may be for hours, and that is as it should be.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from talaia.clock import SECOND
+from talaia.wire import frames
+
+__all__ = ["HELD_S", "LONGEST_OVER_S", "ROWS", "Allowance", "FrameLimits", "Verdict", "frame_kind"]
+
+
+class Allowance(NamedTuple):
+    """How many of a kind may come.
+
+    Attributes:
+        rate: in the long run (1/s).
+        burst: at once, after a time in which fewer came.
+        per_thing: by so much the rate is higher for each thing that is described (1/s).
+        cuts: who stays over it is cut off; else it is slowed at the most.
+
+    """
+
+    rate: float
+    burst: float
+    per_thing: float = 0.0
+    cuts: bool = True
+
+
+class Verdict(NamedTuple):
+    """What becomes of a frame: read on after ``wait_s``; end the link by ``cut_off``."""
+
+    wait_s: float = 0.0
+    slowed: bool = False
+    cut_off: bool = False
+
+
+# Rows of the audit log. A gateway keeps at most some thousands over a lost link.
+ROWS = Allowance(rate=10.0, burst=5_000.0)
+# Some tens of frames a second come live; what was kept comes in frames of thousands of samples.
+_SAMPLES = Allowance(rate=2_000.0, burst=20_000.0, cuts=False)
+# Beats are said once a second, and time marks for drivers twenty times.
+_BEATS = Allowance(rate=100.0, burst=2_000.0)
+# States of devices, interlocks and enclosures: all of them at once on a new link, then by changes.
+_STATES = Allowance(rate=200.0, burst=5_000.0, per_thing=20.0)
+# Each is up to 4 MiB, and is read, stored and told.
+_DESCRIPTIONS = Allowance(rate=0.5, burst=30.0)
+# Sightings and nights have limits of their own, too.
+_REPORTS = Allowance(rate=100.0, burst=5_000.0)
+
+_KINDS: dict[type[frames.FromGateway], tuple[str, Allowance]] = {
+    frames.SampleBatch: ("samples", _SAMPLES),
+    frames.NewestBatch: ("samples", _SAMPLES),
+    frames.SampleGap: ("gaps", _SAMPLES),
+    frames.Beat: ("beats", _BEATS),
+    frames.BeatReply: ("beats", _BEATS),
+    frames.DescriptionUpdate: ("descriptions", _DESCRIPTIONS),
+    frames.SightingReport: ("sightings", _REPORTS),
+    frames.NightState: ("night", _REPORTS),
+    frames.NightPlan: ("night", _REPORTS),
+    frames.RequestRevision: ("night", _REPORTS),
+    frames.ObservationUpdate: ("night", _REPORTS),
+}
+_ALLOWANCES = dict(_KINDS.values())
+# So long over an allowance without a pause, and the link ends (s).
+LONGEST_OVER_S = 20.0
+# And so long nobody is let in by its key (s).
+HELD_S = 60.0
+
+
+def frame_kind(message: frames.FromGateway) -> str:
+    """Name the kind by which a message is counted."""
+    known = _KINDS.get(type(message))
+    return str(type(message).__struct_config__.tag) if known is None else known[0]
+
+
+class FrameLimits:
+    """What one site's gateways have left of each allowance.
+
+    Attributes:
+        held_until_ns: nobody is let in before (monotonic).
+        rows: the last row that was over; taken by whoever reads the link.
+
+    """
+
+    def __init__(self, rows: Allowance = ROWS, *, longest_over_s: float = LONGEST_OVER_S) -> None:
+        """Begin with all of it; ``rows`` is that of the audit log."""
+        self._rows = rows
+        self._longest_over_s = longest_over_s
+        self.held_until_ns = 0
+        self.rows: Verdict | None = None
+        # By kind: what is left (negative: owed), when that was reckoned, since when it is over.
+        self._left: dict[str, float] = {}
+        self._reckoned: dict[str, int] = {}
+        self._over_since: dict[str, int] = {}
+        self._told_ns = -SECOND * 10**6
+
+    def charge(self, kind: str, now_ns: int, *, described: int = 0) -> Verdict:
+        """Count one of ``kind``.
+
+        ``described`` is how many devices, interlocks and enclosures the site has.
+        """
+        allowance = self._rows if kind == "rows" else _ALLOWANCES.get(kind, _STATES)
+        rate = allowance.rate + allowance.per_thing * described
+        burst = allowance.burst + allowance.per_thing * described
+        passed_s = (now_ns - self._reckoned.get(kind, now_ns)) / SECOND
+        left = min(burst, self._left.get(kind, burst) + passed_s * rate) - 1.0
+        self._left[kind], self._reckoned[kind] = left, now_ns
+        if left >= 0:
+            # What a second brings has to be left again before a flood counts as over: who is
+            # slowed is never over by much.
+            if left > rate:
+                self._over_since.pop(kind, None)
+            return Verdict()
+        since = self._over_since.setdefault(kind, now_ns)
+        over_s = (now_ns - since) / SECOND
+        cut_off = allowance.cuts and over_s > self._longest_over_s
+        return Verdict(-left / rate, slowed=True, cut_off=cut_off)
+
+    def hold(self, now_ns: int) -> None:
+        """Let nobody in for a while."""
+        self.held_until_ns = now_ns + int(HELD_S * SECOND)
+        self._over_since.clear()
+
+    def held_s(self, now_ns: int) -> float:
+        """Give for how long nobody is let in yet; 0: whoever comes is."""
+        return max(0.0, (self.held_until_ns - now_ns) / SECOND)
+
+    def is_over(self, kind: str, now_ns: int) -> bool:
+        """Tell whether there is none left of an allowance that is the same for every site."""
+        allowance = self._rows if kind == "rows" else _ALLOWANCES[kind]
+        passed_s = (now_ns - self._reckoned.get(kind, now_ns)) / SECOND
+        return self._left.get(kind, allowance.burst) + passed_s * allowance.rate < 0
+
+    def first_told(self, now_ns: int) -> bool:
+        """Tell whether people are to be told of a flood: once in a while."""
+        if now_ns - self._told_ns < HELD_S * SECOND:
+            return False
+        self._told_ns = now_ns
+        return True

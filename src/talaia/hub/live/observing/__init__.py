@@ -1,0 +1,1 @@
+"""The night between gateways and pages: requests down, plans and observations up."""

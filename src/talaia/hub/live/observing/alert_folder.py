@@ -1,0 +1,95 @@
+"""A folder in which notices of transients are left, one in a file, for the hub to act upon."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.hub.errors import StoreDown
+from talaia.hub.live.observing.observing_sites import is_observatory
+from talaia.wire.alerts.read_notice import parse_notice
+from talaia.wire.errors import PeerError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from talaia.hub.live.observing.alert_intake import AlertIntake
+    from talaia.hub.live.sites import Sites
+
+__all__ = ["REFUSED", "TAKEN", "AlertFolder"]
+
+_LOG = logging.getLogger(__name__)
+# Folders inside it to which files go once they were read.
+TAKEN, REFUSED = "taken", "refused"
+_SUFFIXES = frozenset({".xml", ".json"})
+# How often the folder is looked at (s): a telescope takes longer to turn.
+_LOOK_S = 1.0
+_MOST_BYTES = 1024 * 1024
+
+
+class AlertFolder:
+    """Reads files as they come, for every site that observes by itself."""
+
+    def __init__(self, folder: Path, sites: Sites, intake: AlertIntake) -> None:
+        """Read ``folder``; only files that end in ``.xml`` or ``.json`` are notices."""
+        self._folder = folder
+        self._sites = sites
+        self._intake = intake
+
+    async def run(self) -> None:
+        """Take notices until cancelled."""
+        while True:
+            await self.read_files()
+            await asyncio.sleep(_LOOK_S)
+
+    async def read_files(self) -> None:
+        """Take the notices that are there now."""
+        for path in await asyncio.to_thread(self._list_files):
+            try:
+                await self._read_file(path)
+            except StoreDown as error:
+                # It stays, and is taken when the database is there again.
+                _LOG.warning("a notice waits: %s", error)
+                return
+            except OSError as error:
+                _LOG.warning("a notice cannot be read: %s", error)
+
+    def _list_files(self) -> list[Path]:
+        try:
+            found = [
+                path
+                for path in self._folder.iterdir()
+                if path.suffix.lower() in _SUFFIXES and not path.name.startswith(".")
+            ]
+            # In the order in which they came: a retraction follows what it retracts.
+            return sorted(found, key=lambda path: (path.stat().st_mtime_ns, path.name))
+        except OSError as error:
+            _LOG.warning("the folder of notices cannot be read: %s", error)
+            return []
+
+    async def _read_file(self, path: Path) -> None:
+        try:
+            notice = parse_notice(await asyncio.to_thread(_read_bytes, path))
+        except PeerError as error:
+            _LOG.warning("%s is no notice: %s", path.name, error)
+            await asyncio.to_thread(_move_file, path, REFUSED)
+            return
+        for live in self._sites:
+            if is_observatory(live.description):
+                await self._intake.take_notice(live, notice)
+        await asyncio.to_thread(_move_file, path, TAKEN)
+
+
+def _read_bytes(path: Path) -> bytes:
+    with path.open("rb") as file:
+        # One more than may be: the reader then says that it is too much.
+        return file.read(_MOST_BYTES + 1)
+
+
+def _move_file(path: Path, folder: str) -> None:
+    into = path.parent / folder
+    into.mkdir(exist_ok=True)
+    with contextlib.suppress(FileNotFoundError):
+        path.replace(into / path.name)

@@ -1,0 +1,175 @@
+"""Sequences of N.I.N.A.'s advanced sequencer (JSON), read as requests.
+
+Each deep-sky container is a request: its target, and what its exposures take, as often as the loop
+around them says. What else a sequence does (cooling, focusing, flips) the night does by itself.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from talaia.hub.request_files.imported import (
+    NEW,
+    FileProblem,
+    ImportedGroups,
+    Misread,
+    make_request,
+    read_number,
+)
+from talaia.model.observing.requests import (
+    Configuration,
+    GroupOperator,
+    ImageType,
+    RequestGroup,
+)
+from talaia.model.observing.targets import IcrsTarget
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.hub.request_files.imported import ImportDefaults
+    from talaia.model.observing.requests import Request
+
+__all__ = ["read_nina"]
+
+_TYPES = {
+    "LIGHT": ImageType.LIGHT,
+    "FLAT": ImageType.SKY_FLAT,
+    "DARK": ImageType.DARK,
+    "BIAS": ImageType.BIAS,
+}
+_MOST = 1000
+# Containers inside containers; a sequence has a handful.
+_DEEPEST = 60
+
+_Said = dict[str, Any]
+
+
+def read_nina(text: str, defaults: ImportDefaults) -> ImportedGroups:
+    """Read a sequence or a target; each target that cannot be read is a problem of its own."""
+    try:
+        said = msgspec.json.decode(text.lstrip("\ufeff").encode())
+    except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
+        return ImportedGroups([], [FileProblem("$", f"this is no JSON: {error}"[:300])])
+    requests: list[Request] = []
+    problems: list[FileProblem] = []
+    for where, container in _containers("$", said, 0):
+        try:
+            requests.append(_read_container(where, container, defaults))
+        except Misread as error:
+            problems.append(FileProblem(error.where, error.message))
+        if len(requests) == _MOST:
+            problems.append(FileProblem(where, f"a file holds at most {_MOST} targets"))
+            break
+    if not requests:
+        nothing = FileProblem("$", "there is no target: expected a DeepSkyObjectContainer")
+        return ImportedGroups([], problems or [nothing])
+    operator = GroupOperator.SINGLE if len(requests) == 1 else GroupOperator.MANY
+    name = str(said.get("Name") or "")[:200] if isinstance(said, dict) else ""
+    group = RequestGroup(
+        id=NEW, proposal=defaults.proposal, name=name, operator=operator, requests=tuple(requests)
+    )
+    return ImportedGroups([group], problems)
+
+
+def _containers(where: str, said: object, depth: int) -> Iterator[tuple[str, _Said]]:
+    """Find what has a target, in order."""
+    if depth > _DEEPEST:
+        return
+    if isinstance(said, dict):
+        if isinstance(said.get("Target"), dict):
+            yield where, said
+            return
+        for name, inside in said.items():
+            if isinstance(inside, dict | list):
+                yield from _containers(f"{where}.{name[:40]}", inside, depth + 1)
+    elif isinstance(said, list):
+        for at, inside in enumerate(said):
+            yield from _containers(f"{where}[{at}]", inside, depth + 1)
+
+
+def _read_container(where: str, said: _Said, defaults: ImportDefaults) -> Request:
+    target = said["Target"]
+    inside = f"{where}.Target.InputCoordinates"
+    place = target.get("InputCoordinates")
+    if not isinstance(place, dict):
+        raise Misread(inside, "expected the coordinates of the target")
+    hours = _sum_parts(inside, place, ("RAHours", "RAMinutes", "RASeconds"))
+    degrees = _sum_parts(inside, place, ("DecDegrees", "DecMinutes", "DecSeconds"))
+    # The sign stands beside: -00° 30′ would lose it.
+    south = bool(place.get("NegativeDec")) or str(place.get("DecDegrees")).startswith("-")
+    name = str(target.get("TargetName") or said.get("Name") or "")[:100]
+    taken = tuple(_exposures(where, said.get("Items"), times=1, chosen="", depth=0))
+    return make_request(
+        where,
+        IcrsTarget(name=name, ra=hours * 15.0 % 360.0, dec=-degrees if south else degrees),
+        configurations=taken or defaults.configurations,
+        constraints=defaults.constraints,
+        windows=(defaults.window,),
+    )
+
+
+def _sum_parts(where: str, place: _Said, names: tuple[str, str, str]) -> float:
+    parts = [abs(read_number(f"{where}.{name}", place.get(name, 0))) for name in names]
+    return parts[0] + parts[1] / 60.0 + parts[2] / 3600.0
+
+
+def _exposures(
+    where: str, said: object, *, times: int, chosen: str, depth: int
+) -> Iterator[Configuration]:
+    """Read what is taken below here; ``chosen`` is the filter that was switched to last."""
+    items = said.get("$values", []) if isinstance(said, dict) else said
+    if not isinstance(items, list) or depth > _DEEPEST:
+        return
+    for at, item in enumerate(items):
+        if not isinstance(item, dict):
+            continue
+        inside, kind = f"{where}.Items[{at}]", str(item.get("$type", "")).partition(",")[0]
+        kind = kind.rpartition(".")[2]
+        if kind == "SwitchFilter" and isinstance(item.get("Filter"), dict):
+            chosen = str(item["Filter"].get("_name") or item["Filter"].get("Name") or "")[:40]
+        elif kind == "TakeExposure":
+            yield _read_exposure(inside, item, times, chosen)
+        elif "Items" in item:
+            found = list(
+                _exposures(
+                    inside,
+                    item["Items"],
+                    times=times * _loops(inside, item),
+                    chosen=chosen,
+                    depth=depth + 1,
+                )
+            )
+            chosen = found[-1].filter if found else chosen
+            yield from found
+
+
+def _loops(where: str, container: _Said) -> int:
+    """Give how often a container is done; what ends by time or altitude counts once."""
+    conditions = container.get("Conditions")
+    listed = conditions.get("$values", []) if isinstance(conditions, dict) else []
+    for one in listed if isinstance(listed, list) else []:
+        if isinstance(one, dict) and "LoopCondition" in str(one.get("$type", "")):
+            count = read_number(f"{where}.Conditions.Iterations", one.get("Iterations", 1))
+            return max(1, min(10_000, int(count)))
+    return 1
+
+
+def _read_exposure(where: str, item: _Said, times: int, chosen: str) -> Configuration:
+    kind = str(item.get("ImageType", "LIGHT")).upper()
+    if kind not in _TYPES:
+        raise Misread(f"{where}.ImageType", f"expected {', '.join(_TYPES)}, found {kind[:40]!r}")
+    gain = read_number(f"{where}.Gain", item.get("Gain", -1))
+    binning = item.get("Binning")
+    across = binning.get("X", 1) if isinstance(binning, dict) else 1
+    return Configuration(
+        type=_TYPES[kind],
+        filter=chosen,
+        exposure=read_number(f"{where}.ExposureTime", item.get("ExposureTime")),
+        count=min(10_000, times),
+        binning=int(read_number(f"{where}.Binning.X", across)),
+        # -1: as the camera is set.
+        gain=gain if gain >= 0 else None,
+    )

@@ -1,0 +1,1 @@
+"""Proposals, requests and observations in the database."""

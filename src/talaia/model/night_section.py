@@ -1,0 +1,275 @@
+"""How a site observes by itself: the description's ``night:``, as values.
+
+What keeps the roof safe is not here: interlocks and enclosures say when it may open, and the night
+asks for its commands as a person does.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import msgspec
+
+from talaia.model.base import Shape
+from talaia.model.interlocks.enclosure import Sighting  # noqa: TC001 - msgspec reads it
+from talaia.model.interlocks.interlock import Step  # noqa: TC001 - msgspec reads it
+from talaia.model.observing.plan import Instrument
+
+__all__ = [
+    "FilterCommand",
+    "FrameCommand",
+    "NightCentring",
+    "NightDarks",
+    "NightFocuser",
+    "NightGuider",
+    "NightLinkLoss",
+    "NightSection",
+    "NightSun",
+    "NightTimes",
+    "SlewCommand",
+]
+
+
+class NightLinkLoss(StrEnum):
+    """What an armed night does while the hub is away.
+
+    ``continue``: it goes on by its own rules, and the ``link_loss`` of its devices waits until it
+    is disarmed. ``park``: their ``link_loss`` counts as ever, and ends the night.
+    """
+
+    CONTINUE = "continue"
+    PARK = "park"
+
+
+class SlewCommand(Shape, frozen=True, kw_only=True):
+    """How the telescope is sent to a place among the stars.
+
+    Attributes:
+        command: ``<device>/<command>``.
+        ra: its argument for the right ascension of date (h).
+        dec: its argument for the declination of date (°).
+
+    """
+
+    command: str
+    ra: str = "ra"
+    dec: str = "dec"
+
+
+class FrameCommand(Shape, frozen=True, kw_only=True):
+    """How a frame of one kind is asked of the camera; empty: there is no such argument.
+
+    Attributes:
+        command: ``<device>/<command>``; it ends when the frame has been read out.
+        args: arguments that are always the same, by name: what kind of frame it is.
+        seconds: its argument for the exposure (s).
+        target: its argument for the target's name.
+        binning: its argument for the binning in both axes.
+        gain: its argument for the gain.
+
+    """
+
+    command: str
+    args: dict[str, float | int | bool | str] = {}
+    seconds: str = "seconds"
+    target: str = ""
+    binning: str = ""
+    gain: str = ""
+
+
+class FilterCommand(Shape, frozen=True, kw_only=True):
+    """How a filter is chosen.
+
+    Attributes:
+        command: ``<device>/<command>``.
+        argument: of the command.
+        filters: the argument's value for each filter, by the name that requests call it.
+
+    """
+
+    command: str
+    argument: str
+    filters: dict[str, float | int | str]
+
+
+class NightFocuser(Shape, frozen=True, kw_only=True):
+    """How the night focuses: on the field itself, for another filter, and again after a while.
+
+    Attributes:
+        command: ``<device>/<command>``; it ends when the focuser stands.
+        argument: of the command, for the position (steps).
+        position: address of where it stands (steps).
+        temperature: address of the tube's temperature (°C), or empty.
+        every: again after so long (s).
+        degrees: again after the tube has changed by so much (°C).
+        seconds: each picture is exposed so long (s).
+
+    """
+
+    command: str
+    argument: str = "position"
+    position: str
+    temperature: str = ""
+    every: float = 7200.0
+    degrees: float = 1.5
+    seconds: float = 4.0
+
+
+class NightCentring(Shape, frozen=True, kw_only=True):
+    """How fields are centred: by pictures that are solved, and small slews.
+
+    Attributes:
+        seconds: each picture is exposed so long (s).
+
+    """
+
+    seconds: float = 5.0
+
+
+class NightGuider(Shape, frozen=True, kw_only=True):
+    """Where PHD2 listens, which guides.
+
+    Attributes:
+        host: its address, as the gateway reaches it.
+        port: of its event server.
+
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 4400
+
+
+class NightSun(Shape, frozen=True, kw_only=True):
+    """Where the Sun has to stand (its altitude, °).
+
+    Attributes:
+        opening: the roof opens at or below this.
+        observing: targets are observed at or below this; a request may ask for less.
+        closing: above this the telescope parks and the roof closes, whatever is under way.
+
+    """
+
+    opening: float = -9.0
+    observing: float = -12.0
+    closing: float = -8.0
+
+
+class NightDarks(Shape, frozen=True, kw_only=True):
+    """Dark frames that are taken while the roof is closed and nothing else can be done.
+
+    Attributes:
+        command: see `FrameCommand`; one that needs no open roof.
+        exposures: so long each (s); a bias is one of no length.
+        count: of each in a night.
+
+    """
+
+    command: FrameCommand
+    exposures: tuple[float, ...] = (60.0, 300.0)
+    count: int = 5
+
+
+class NightTimes(Shape, frozen=True, kw_only=True):
+    """How long the telescope takes for what stands between exposures; see `Instrument`.
+
+    Attributes:
+        slew_rate: of the slower axis (°/s).
+        settle: after a slew (s).
+        acquire: to centre on a new field (s).
+        filter_change: (s).
+        readout: after each frame (s).
+        unpark: (s).
+        meridian_flip: (s); 0: a mount that needs none.
+        focus_run: (s).
+        horizon: lowest altitude anywhere (°).
+        horizon_mask: points of azimuth and altitude (°), joined by lines, round the compass.
+        dome_rate: of a dome that turns (°/s); 0: none, or it does not turn.
+
+    """
+
+    slew_rate: float = 3.0
+    settle: float = 3.0
+    acquire: float = 20.0
+    filter_change: float = 8.0
+    readout: float = 5.0
+    unpark: float = 20.0
+    meridian_flip: float = 75.0
+    focus_run: float = 120.0
+    horizon: float = 15.0
+    horizon_mask: tuple[tuple[float, float], ...] = ()
+    dome_rate: float = 0.0
+
+    def as_instrument(self) -> Instrument:
+        """Give them as the planner takes them."""
+        return Instrument(**msgspec.structs.asdict(self))
+
+
+class NightSection(Shape, frozen=True, kw_only=True):
+    """How a site observes by itself, once somebody has armed it.
+
+    Attributes:
+        enclosure: the roof, by its name among the enclosures; how it closes and how the telescope
+            parks stands there.
+        opened: the roof is open when this says so.
+        open: opens the roof.
+        unpark: gets the telescope ready, after the roof is open.
+        slew: sends it to a target; see `SlewCommand`.
+        light: takes a frame of a target; see `FrameCommand`.
+        darks: see `NightDarks`; none: it takes none.
+        filter: see `FilterCommand`; none: there is one filter, or it is changed by hand.
+        focuser: see `NightFocuser`; none: nobody focuses.
+        centring: see `NightCentring`; none: fields are where the slew ends.
+        guider: see `NightGuider`; none: nobody guides.
+        start: done before the roof opens: the cooler.
+        end: done after the roof has closed in the morning: the cooler off.
+        clouds: address of the cloud cover (%), or empty.
+        seeing: address of the seeing (FWHM, ″), or empty.
+        sun: see `NightSun`.
+        times: see `NightTimes`.
+        step_tries: a step of a block that fails is tried so often in all.
+        failure_limit: so many different targets that fail one after the other are a fault of a
+            device: it parks, closes and calls somebody.
+        hand_over: after a person took a device out of its hands it waits so long (s) from the end
+            of what they did, and then goes on.
+        link_loss: see `NightLinkLoss`.
+
+    """
+
+    enclosure: str
+    opened: Sighting
+    open: Step
+    unpark: Step
+    slew: SlewCommand
+    light: FrameCommand
+    darks: NightDarks | None = None
+    filter: FilterCommand | None = None
+    focuser: NightFocuser | None = None
+    centring: NightCentring | None = None
+    guider: NightGuider | None = None
+    start: tuple[Step, ...] = ()
+    end: tuple[Step, ...] = ()
+    clouds: str = ""
+    seeing: str = ""
+    sun: NightSun = NightSun()
+    times: NightTimes = NightTimes()
+    step_tries: int = 2
+    failure_limit: int = 3
+    hand_over: float = 300.0
+    link_loss: NightLinkLoss = NightLinkLoss.CONTINUE
+
+    def steps(self) -> dict[str, Step]:
+        """Give every step with its place in the section."""
+        named = {"open": self.open, "unpark": self.unpark}
+        named |= {f"start[{index}]": step for index, step in enumerate(self.start)}
+        return named | {f"end[{index}]": step for index, step in enumerate(self.end)}
+
+    def commands(self) -> frozenset[str]:
+        """Name every command that the night gives beside those of its enclosure."""
+        more = [self.slew.command, self.light.command]
+        if self.darks is not None:
+            more.append(self.darks.command.command)
+        if self.filter is not None:
+            more.append(self.filter.command)
+        if self.focuser is not None:
+            more.append(self.focuser.command)
+        return frozenset([*(step.command for step in self.steps().values()), *more])

@@ -1,0 +1,327 @@
+"""Searches the order of visits in continuous time: a beam of partial plans, judged by prices.
+
+Partial plans go side by side through the night, in buckets by the time at which they end. Each is
+extended by the visits that pay best for the time that they take; of each bucket the best few are
+kept. Everything in a bucket is one set of numpy arrays.
+
+Long, because the pool of partial plans and what extends them share their columns.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from talaia.planner.feasibility import NEVER
+from talaia.planner.overheads import overhead_matrix, overheads_from
+from talaia.planner.sky import MARK_S
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from talaia.planner.night_problem import Ints
+    from talaia.planner.prices import TimePrices
+    from talaia.planner.progress import NightProgress
+    from talaia.planner.sky import Floats
+
+__all__ = ["BeamShape", "Field", "OrderedVisit", "make_field", "score_order", "search_beam"]
+
+
+class OrderedVisit(NamedTuple):
+    """One visit of a plan: its row, first exposure and last readout (s of the night)."""
+
+    row: int
+    start: int
+    end: int
+
+
+class BeamShape(NamedTuple):
+    """How widely is searched.
+
+    Attributes:
+        width: partial plans that are kept of each bucket.
+        branches: extensions of each.
+        bucket_s: length of a bucket (s).
+        horizon_s: how far ahead (s); beyond it, prices stand for the rest of the night.
+
+    """
+
+    width: int = 8
+    branches: int = 8
+    bucket_s: int = 120
+    horizon_s: int = 86_400
+
+
+class Field(NamedTuple):
+    """What a search chooses from, as arrays over its ``n`` candidates.
+
+    Attributes:
+        rows: of the visits.
+        values: of each when complete.
+        rents: of each, with the price of its allocation.
+        blocks: (s).
+        between: overhead from each to each; the last line: from where the telescope points.
+        proposal: of each.
+        left: of each proposal's allocation (s).
+        weights: of a value, by mark.
+        prices: of time.
+        after: index of the candidate that comes before in a sequence; -1: none.
+
+    """
+
+    rows: Ints
+    values: Floats
+    rents: Floats
+    blocks: Ints
+    between: Ints
+    proposal: Ints
+    left: Floats
+    weights: Floats
+    prices: TimePrices
+    after: Ints
+
+
+def make_field(
+    progress: NightProgress,
+    rows: Ints,
+    *,
+    values: Floats,
+    rents: Floats,
+    weights: Floats,
+    prices: TimePrices,
+) -> Field:
+    """Gather what a search needs of some visits."""
+    problem = progress.problem
+    table = problem.table
+    between = np.empty((len(rows) + 1, len(rows)), np.int64)
+    between[:-1] = overhead_matrix(problem, rows)
+    between[-1] = overheads_from(problem, progress.pointing, rows)
+    local = {int(row): index for index, row in enumerate(rows)}
+    before = table.after[rows]
+    complete = (before < 0) | progress.complete[np.maximum(before, 0)]
+    # A predecessor that is no candidate is never complete in this plan: so is its successor.
+    after = [
+        -1 if done else local.get(int(row), index)
+        for index, (row, done) in enumerate(zip(before, complete, strict=True))
+    ]
+    limits = np.array([limit.seconds_left for limit in problem.proposals])
+    return Field(
+        rows=rows,
+        values=values,
+        rents=rents,
+        blocks=table.block_s[rows],
+        between=between,
+        proposal=table.proposal[rows],
+        left=limits - progress.used_s,
+        weights=weights,
+        prices=prices,
+        after=np.array(after, np.int64),
+    )
+
+
+class _Pool:
+    """Partial plans that wait in buckets, by the time at which they end."""
+
+    def __init__(self, buckets: int, room: int) -> None:
+        self.counts = np.zeros(buckets, np.int64)
+        self._room = room
+        self.end = np.zeros((buckets, room), np.int64)
+        self.start = np.zeros((buckets, room), np.int64)
+        self.last = np.zeros((buckets, room), np.int64)
+        self.parent = np.zeros((buckets, room), np.int64)
+        self.score = np.zeros((buckets, room))
+        self.mark = np.zeros((buckets, room), np.uint64)
+
+    def insert(self, bucket: Ints, columns: tuple[NDArray[np.generic], ...]) -> None:
+        """Add plans to their buckets; what has no room is dropped."""
+        order = np.argsort(bucket, kind="stable")
+        sorted_bucket = bucket[order]
+        first = np.searchsorted(sorted_bucket, sorted_bucket)
+        place = np.arange(len(order)) - first + self.counts[sorted_bucket]
+        fits = place < self._room
+        order, sorted_bucket, place = order[fits], sorted_bucket[fits], place[fits]
+        targets = (self.end, self.start, self.last, self.parent, self.score, self.mark)
+        for target, column in zip(targets, columns, strict=True):
+            target[sorted_bucket, place] = column[order]
+        self.counts += np.bincount(sorted_bucket, minlength=len(self.counts))
+
+    def select(self, bucket: int, width: int) -> Ints:
+        """Give the places of the best plans of a bucket, no two of the same visits."""
+        count = int(self.counts[bucket])
+        order = np.argsort(-self.score[bucket, :count])[: 3 * width]
+        _, first = np.unique(self.mark[bucket, order], return_index=True)
+        return np.asarray(order[np.sort(first)[:width]])
+
+
+def search_beam(
+    progress: NightProgress, field: Field, second: int, shape: BeamShape
+) -> tuple[OrderedVisit, ...]:
+    """Search from ``second`` on; gives the best plan."""
+    if not field.rows.size:
+        return ()
+    return _Search(progress, field, second, shape).run()
+
+
+class _Search:
+    def __init__(
+        self, progress: NightProgress, field: Field, second: int, shape: BeamShape
+    ) -> None:
+        self._feasibility = progress.feasibility
+        self._field, self._shape, self._second = field, shape, second
+        self._horizon = min(progress.problem.length_s, second + shape.horizon_s)
+        count = len(field.rows)
+        buckets = (progress.problem.length_s - second) // shape.bucket_s + 2
+        self._pool = _Pool(buckets, shape.width * shape.branches * 4)
+        most = buckets * shape.width + 1
+        self._used = np.zeros((most, count), np.bool_)
+        self._spent = np.zeros((most, len(field.left)))
+        self._steps = np.zeros((most, 4), np.int64)
+        self._states = 0
+        self._best = (-np.inf, 0)
+        # One random number for each visit: the sum over a plan says which visits it has.
+        self._marks = np.random.default_rng(1).integers(1, 2**63, count, dtype=np.uint64)
+        self._whole_night = self._horizon >= progress.problem.length_s
+        self._worth = np.zeros(most)
+        self._in_order = np.flatnonzero(field.after >= 0)
+
+    def run(self) -> tuple[OrderedVisit, ...]:
+        count = len(self._field.rows)
+        self._states = 1
+        self._steps[0] = (-1, count, self._second, self._second)
+        self._extend(
+            np.array([0]),
+            np.array([self._second]),
+            last=np.array([count]),
+            score=np.array([0.0]),
+            mark=np.zeros(1, np.uint64),
+        )
+        pool, shape = self._pool, self._shape
+        last = (self._horizon - self._second) // shape.bucket_s
+        for bucket in range(len(pool.counts)):
+            if not pool.counts[bucket]:
+                continue
+            chosen = pool.select(bucket, shape.width)
+            number = self._keep(bucket, chosen)
+            end, score = pool.end[bucket, chosen], pool.score[bucket, chosen]
+            self._finish(score, end, number)
+            if bucket <= last:
+                visits = pool.last[bucket, chosen]
+                mark = pool.mark[bucket, chosen]
+                self._extend(number, end, last=visits, score=score, mark=mark)
+        return self._trace(self._best[1])
+
+    def _keep(self, bucket: int, chosen: Ints) -> Ints:
+        """Store partial plans; gives their numbers."""
+        pool = self._pool
+        number = np.arange(self._states, self._states + len(chosen))
+        self._states += len(chosen)
+        parent, visit = pool.parent[bucket, chosen], pool.last[bucket, chosen]
+        self._used[number] = self._used[parent]
+        self._used[number, visit] = True
+        self._spent[number] = self._spent[parent]
+        self._spent[number, self._field.proposal[visit]] += self._field.blocks[visit]
+        weight = self._field.weights.take(pool.start[bucket, chosen] // MARK_S)
+        self._worth[number] = self._worth[parent] + self._field.values[visit] * weight
+        self._steps[number, 0] = parent
+        self._steps[number, 1] = visit
+        self._steps[number, 2] = pool.start[bucket, chosen]
+        self._steps[number, 3] = pool.end[bucket, chosen]
+        return number
+
+    def _finish(self, score: Floats, end: Ints, number: Ints) -> None:
+        """Remember the plan that is best if nothing follows up to the horizon."""
+        if self._whole_night:
+            total = self._worth[number]
+        else:
+            prices = self._field.prices
+            rest = prices.until(np.array([self._horizon])) - prices.until(end)
+            total = score - np.maximum(rest, 0.0)
+        best = int(np.argmax(total))
+        if total[best] > self._best[0]:
+            self._best = (float(total[best]), int(number[best]))
+
+    def _extend(
+        self,
+        number: Ints,
+        end: Ints,
+        *,
+        last: Ints,
+        score: Floats,
+        mark: NDArray[np.uint64],
+    ) -> None:
+        field = self._field
+        begin = end[:, None] + field.between[last]
+        start = self._feasibility.earliest_starts(field.rows[None, :], begin)
+        finish = start + field.blocks
+        never = start >= NEVER
+        start[never] = 0
+        paid = field.prices.until(finish) - field.prices.until(end)[:, None]
+        gain = field.values * field.weights.take(start // MARK_S) - field.rents - paid
+        never |= self._used[number]
+        if self._in_order.size:
+            before = field.after[self._in_order]
+            never[:, self._in_order] |= ~self._used[number][:, before]
+        spent = self._spent[number][:, field.proposal] + field.blocks
+        never |= spent > field.left[field.proposal] + 1e-6
+        gain[never] = -np.inf
+        key = gain / np.sqrt(finish - end[:, None])
+        branches = min(self._shape.branches, key.shape[1])
+        child = np.argpartition(-key, branches - 1, axis=1)[:, :branches]
+        plan = np.repeat(np.arange(len(number)), branches)
+        child = child.ravel()
+        good = gain[plan, child] > -np.inf
+        plan, child = plan[good], child[good]
+        ends = finish[plan, child]
+        self._pool.insert(
+            (ends - self._second) // self._shape.bucket_s,
+            (
+                ends,
+                start[plan, child],
+                child,
+                number[plan],
+                score[plan] + gain[plan, child],
+                mark[plan] + self._marks[child],
+            ),
+        )
+
+    def _trace(self, number: int) -> tuple[OrderedVisit, ...]:
+        steps = []
+        while number > 0:
+            parent, visit, start, end = (int(part) for part in self._steps[number])
+            steps.append(OrderedVisit(int(self._field.rows[visit]), start, end))
+            number = parent
+        return tuple(reversed(steps))
+
+
+def score_order(
+    progress: NightProgress, field: Field, second: int, *, order: tuple[int, ...], horizon_s: int
+) -> tuple[tuple[OrderedVisit, ...], float]:
+    """Time visits one after the other; gives the plan and its score.
+
+    The score of a whole night is what its visits are worth; up to a nearer horizon, what they earn
+    beyond the prices of the time. Visits that are no candidates any more, or no longer fit, are
+    left out.
+    """
+    local = {int(row): index for index, row in enumerate(field.rows)}
+    horizon = min(progress.problem.length_s, second + horizon_s)
+    left = field.left.copy()
+    steps: list[OrderedVisit] = []
+    time, last, worth, rents = second, len(field.rows), 0.0, 0.0
+    for row in order:
+        index = local.get(row)
+        if index is None or time > horizon or left[field.proposal[index]] < field.blocks[index]:
+            continue
+        start = progress.feasibility.next_start(row, time + int(field.between[last, index]))
+        if start >= NEVER:
+            continue
+        end = start + int(field.blocks[index])
+        worth += float(field.values[index] * field.weights[start // MARK_S])
+        rents += float(field.rents[index])
+        left[field.proposal[index]] -= field.blocks[index]
+        steps.append(OrderedVisit(row, start, end))
+        time, last = end, index
+    if horizon >= progress.problem.length_s:
+        return tuple(steps), worth
+    paid = field.prices.until(np.array([second, max(time, horizon)]))
+    return tuple(steps), worth - rents - float(paid[1] - paid[0])

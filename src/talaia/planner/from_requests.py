@@ -1,0 +1,186 @@
+"""From what people ask (`talaia.model.observing`) to a problem for the planner."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.model.observing.requests import (
+    Configuration,
+    GroupOperator,
+    ImageType,
+    Proposal,
+    Request,
+    RequestGroup,
+    Urgency,
+)
+from talaia.model.observing.states import RequestState
+from talaia.model.observing.targets import FixedTarget, IcrsTarget, SolarSystemTarget, Target
+from talaia.planner.night_problem import (
+    NORMAL,
+    RAPID,
+    TIME_CRITICAL,
+    FrameRun,
+    NightProblem,
+    ProposalLimit,
+    Visit,
+)
+from talaia.planner.sky import Floats, NightSky, TelescopePlace, compute_sky, find_night
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.model.observing.plan import Instrument
+
+__all__ = ["make_night", "visits_of"]
+
+_URGENCIES = {
+    Urgency.NORMAL: NORMAL,
+    Urgency.TIME_CRITICAL: TIME_CRITICAL,
+    Urgency.RAPID_RESPONSE: RAPID,
+}
+_INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
+_YEAR_S = 365.25 * 86_400.0
+# 2000-01-01T12:00:00 (s since the epoch).
+_J2000_UNIX = 946_728_000.0
+_MAS_IN_DEGREES = 1.0 / 3_600_000.0
+
+
+def make_night(
+    place: TelescopePlace,
+    time: float,
+    *,
+    instrument: Instrument,
+    proposals: Sequence[Proposal] = (),
+    groups: Sequence[RequestGroup] = (),
+) -> NightProblem:
+    """Make the problem of the night at ``time`` (s since the epoch, UTC), or of the next one.
+
+    A night of no length comes back where the Sun does not set so far.
+    """
+    start, length_s = find_night(place, time)
+    problem = NightProblem(
+        start=start,
+        length_s=length_s,
+        sky=compute_sky(place, start, length_s),
+        instrument=instrument,
+        proposals=[_proposal_limit(proposal) for proposal in proposals],
+    )
+    problem.add_visits(visits_of(problem, groups))
+    return problem
+
+
+def _proposal_limit(proposal: Proposal) -> ProposalLimit:
+    left = max(0.0, proposal.hours_allocated - proposal.hours_used) if proposal.active else 0.0
+    return ProposalLimit(proposal.id, proposal.share, left * 3600.0)
+
+
+def visits_of(problem: NightProblem, groups: Sequence[RequestGroup]) -> tuple[Visit, ...]:
+    """Turn the pending requests of groups into visits.
+
+    A group whose proposal is not known pays from an allocation of nothing: it is never planned,
+    and `why_not` says so.
+    """
+    visits: list[Visit] = []
+    for group in groups:
+        row = _proposal_row(problem, group.proposal)
+        previous = ""
+        for request in group.requests:
+            if request.state is RequestState.PENDING:
+                visits.append(_visit(problem, group, request, proposal=row, after=previous))
+            if group.operator is GroupOperator.SEQUENCE:
+                # One that is done holds nobody up; one that has failed holds up all after it.
+                done = request.state is RequestState.COMPLETED
+                previous = "" if done else request.id
+    return tuple(visits)
+
+
+def _proposal_row(problem: NightProblem, name: str) -> int:
+    for row, proposal in enumerate(problem.proposals):
+        if proposal.id == name:
+            return row
+    problem.proposals.append(ProposalLimit(name, 0.0, 0.0))
+    return len(problem.proposals) - 1
+
+
+def _visit(
+    problem: NightProblem, group: RequestGroup, request: Request, *, proposal: int, after: str
+) -> Visit:
+    limits = request.constraints
+    ra, dec, track = _place_target(problem.sky, request.target)
+    kinds = {configuration.type for configuration in request.configurations}
+    return Visit(
+        id=request.id,
+        urgency=_URGENCIES[group.urgency],
+        proposal=proposal,
+        ra=ra,
+        dec=dec,
+        track=track,
+        needs_sky=not kinds <= _INDOORS,
+        priority=group.priority,
+        shutter_s=sum(part.exposure * part.count for part in request.configurations),
+        runs=_frame_runs(problem, request),
+        filters=(
+            problem.filter_index(request.configurations[0].filter),
+            problem.filter_index(request.configurations[-1].filter),
+        ),
+        windows=_windows(problem, request),
+        min_altitude=limits.min_altitude,
+        max_airmass=limits.max_airmass,
+        min_moon_distance=limits.min_moon_distance,
+        max_moon_illumination=limits.max_moon_illumination,
+        max_sun_altitude=limits.max_sun_altitude,
+        max_hour_angle=12.0 if limits.max_hour_angle is None else limits.max_hour_angle,
+        max_seeing=math.inf if limits.max_seeing is None else limits.max_seeing,
+        max_clouds=math.inf if limits.max_clouds is None else limits.max_clouds,
+        phase=limits.phase,
+        after=after,
+    )
+
+
+def _frame_runs(problem: NightProblem, request: Request) -> tuple[FrameRun, ...]:
+    """Give the frames that are not done yet, with what comes between configurations."""
+    done = [*request.frames_done, *([0] * len(request.configurations))]
+    runs: list[FrameRun] = []
+    last: Configuration | None = None
+    for part, kept in zip(request.configurations, done, strict=False):
+        left = max(0, part.count - kept)
+        changes = last is not None and part.filter not in ("", last.filter)
+        before = problem.instrument.filter_change if changes and left else 0.0
+        runs.append(FrameRun(left, part.exposure + problem.instrument.readout, before))
+        if left:
+            last = part
+    return tuple(runs)
+
+
+def _windows(problem: NightProblem, request: Request) -> tuple[tuple[int, int], ...]:
+    """Cut windows to the night."""
+    cut = []
+    for window in request.windows:
+        begin = max(0, math.ceil(window.start - problem.start))
+        end = min(problem.length_s, math.floor(window.end - problem.start))
+        if begin < end:
+            cut.append((begin, end))
+    return tuple(cut)
+
+
+def _place_target(sky: NightSky, target: Target | None) -> tuple[float, float, Floats | None]:
+    """Give right ascension, declination (°) and, of what moves, its directions (3 × n)."""
+    match target:
+        case None:
+            return 0.0, 0.0, None
+        case IcrsTarget():
+            years = (float(sky.unix[0]) - _J2000_UNIX) / _YEAR_S + 2000.0 - target.epoch
+            dec = target.dec + years * target.proper_motion_dec * _MAS_IN_DEGREES
+            shrink = max(math.cos(math.radians(target.dec)), 1e-6)
+            ra = target.ra + years * target.proper_motion_ra * _MAS_IN_DEGREES / shrink
+            return ra % 360.0, min(90.0, max(-90.0, dec)), None
+        case SolarSystemTarget():
+            return _with_middle(sky.body_track(target.body))
+        case FixedTarget():
+            return _with_middle(sky.fixed_track(target.altitude, target.azimuth))
+
+
+def _with_middle(track: Floats) -> tuple[float, float, Floats]:
+    x, y, z = (float(part) for part in track[:, track.shape[1] // 2])
+    return math.degrees(math.atan2(y, x)) % 360.0, math.degrees(math.asin(z)), track

@@ -1,0 +1,138 @@
+"""How a night stands: what is done, what it was charged, where the telescope points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.planner.feasibility import Feasibility
+from talaia.planner.overheads import PARKED, TelescopePointing
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from talaia.planner.night_problem import Ints, NightProblem, Visit
+
+__all__ = ["NightProgress"]
+
+
+class NightProgress:
+    """The part of a night that changes while it goes on.
+
+    Attributes:
+        problem: what is asked.
+        feasibility: when each visit may be observed.
+        done: visits that need nothing more, ended ones among them.
+        complete: of these, those that were observed.
+        held_until: second from which a visit may be tried again.
+        used_s: block time that each proposal was charged in this night.
+        shutter_s: open shutter that each proposal got in this night.
+        pointing: where the telescope points; none: parked.
+        open: whether the roof is.
+        closed_why: why it is not, in words.
+        seeing: as measured last (″); none: nobody knows.
+        clouds: as measured last (%); none: nobody knows.
+
+    """
+
+    def __init__(self, problem: NightProblem) -> None:
+        """Begin a night with everything still to be done."""
+        self.problem = problem
+        self.feasibility = Feasibility(problem)
+        count = len(problem.table)
+        self.done: NDArray[np.bool_] = np.zeros(count, np.bool_)
+        self.complete: NDArray[np.bool_] = np.zeros(count, np.bool_)
+        self.held_until: Ints = np.zeros(count, np.int64)
+        self.used_s = np.zeros(len(problem.proposals))
+        self.shutter_s = np.zeros(len(problem.proposals))
+        self.pointing: TelescopePointing | None = PARKED
+        self.open = True
+        self.closed_why = ""
+        self.seeing: float | None = None
+        self.clouds: float | None = None
+        self._limits = self._visit_limits()
+
+    def add_visits(self, visits: tuple[Visit, ...]) -> list[int]:
+        """Add visits; gives the rows of those that are new."""
+        blocks = self.problem.table.block_s
+        rows = self.problem.add_visits(visits)
+        # A proposal may have come with them.
+        more_limits = np.zeros(len(self.problem.proposals) - len(self.used_s))
+        self.used_s = np.concatenate([self.used_s, more_limits])
+        self.shutter_s = np.concatenate([self.shutter_s, more_limits])
+        if rows:
+            # What was shortened stays so.
+            self.problem.table.block_s[: len(blocks)] = blocks
+            self.feasibility.add_rows()
+            more = len(rows)
+            self.done = np.concatenate([self.done, np.zeros(more, np.bool_)])
+            self.complete = np.concatenate([self.complete, np.zeros(more, np.bool_)])
+            self.held_until = np.concatenate([self.held_until, np.zeros(more, np.int64)])
+            self._limits = self._visit_limits()
+        return rows
+
+    def candidates(self, second: int) -> Ints:
+        """Give the rows of visits that may still be observed under the open sky in this night."""
+        table = self.problem.table
+        rows = ~self.done & table.needs_sky & (table.block_s > 0)
+        rows &= self.held_until <= second
+        left = np.array([limit.seconds_left for limit in self.problem.proposals]) - self.used_s
+        rows &= table.block_s <= left[table.proposal] + 1e-6
+        seeing, clouds, failed = self._limits
+        rows &= ~failed
+        if self.seeing is not None:
+            rows &= self.seeing <= seeing
+        if self.clouds is not None:
+            rows &= self.clouds <= clouds
+        return np.flatnonzero(rows)
+
+    def released(self, rows: Ints) -> Ints:
+        """Leave out those whose predecessor in a sequence is not complete."""
+        before = self.problem.table.after[rows]
+        return rows[(before < 0) | self.complete[np.maximum(before, 0)]]
+
+    def pointing_at(self, row: int) -> TelescopePointing:
+        """Give where the telescope points after a visit, and its filter."""
+        table = self.problem.table
+        last = int(table.filter_last[row])
+        if last < 0 and self.pointing is not None:
+            last = self.pointing.filter
+        return TelescopePointing(float(table.ra[row]), float(table.dec[row]), last)
+
+    def complete_visit(self, row: int) -> None:
+        """Count a visit as observed, and charge it."""
+        if self.done[row]:
+            return
+        table = self.problem.table
+        self.done[row] = self.complete[row] = True
+        self.used_s[table.proposal[row]] += table.block_s[row]
+        self.shutter_s[table.proposal[row]] += table.shutter_s[row]
+        if table.needs_sky[row]:
+            self.pointing = self.pointing_at(row)
+
+    def shorten_visit(self, row: int, seconds_left: int) -> None:
+        """Leave a visit only the block that it still needs (s)."""
+        self.problem.table.block_s[row] = max(1, seconds_left)
+        self.feasibility.update_block(row)
+
+    def keep_frames(self, row: int, frames_done: tuple[int, ...]) -> None:
+        """Leave a visit only the frames that are not done, by configuration."""
+        visit = self.problem.table.visits[row]
+        kept = [*frames_done, *([0] * (len(visit.runs) - len(frames_done)))]
+        runs = tuple(
+            run._replace(
+                frames=max(0, run.frames - done), before_s=run.before_s * (run.frames > done)
+            )
+            for run, done in zip(visit.runs, kept, strict=False)
+        )
+        self.shorten_visit(row, replace(visit, runs=runs).block_s())
+
+    def _visit_limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        visits = self.problem.table.visits
+        return (
+            np.array([visit.max_seeing for visit in visits]),
+            np.array([visit.max_clouds for visit in visits]),
+            np.array([visit.failures_reached for visit in visits], np.bool_),
+        )

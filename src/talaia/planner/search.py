@@ -1,0 +1,197 @@
+"""The anytime search for the rest of a night: prices, then beams, the former plan kept at hand.
+
+Each call does a bounded piece of work. What it finds is compared with the former plan, timed anew;
+the better by one measure is kept.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from talaia.planner.beam_search import (
+    BeamShape,
+    Field,
+    OrderedVisit,
+    make_field,
+    score_order,
+    search_beam,
+)
+from talaia.planner.fairness import FairnessRule, adjust_merits
+from talaia.planner.prices import PriceProblem, TimePrices, find_prices
+from talaia.planner.sky import MARK_S
+
+if TYPE_CHECKING:
+    from talaia.planner.night_problem import Ints
+    from talaia.planner.outlook import WeatherOutlook
+    from talaia.planner.progress import NightProgress
+    from talaia.planner.sky import Floats
+
+__all__ = ["PROMPT", "THOROUGH", "Effort", "NightSearch"]
+
+# A usual slew between fields (°), for what leads to a block before its neighbours are known.
+_USUAL_SLEW = 20.0
+# Before prices are known, the best by worth a minute of each half hour are chosen.
+_COVER_S = 1800
+_COVER_EACH = 60
+
+
+class Effort(NamedTuple):
+    """How much is tried in one call.
+
+    Attributes:
+        shapes: of the beams.
+        iterations: of the prices.
+        candidates: visits that a beam chooses from.
+
+    """
+
+    shapes: tuple[BeamShape, ...]
+    iterations: int
+    candidates: int
+
+
+PROMPT = Effort((BeamShape(8, 8, 120, 10_800),), 40, 250)
+"""For a decision: some hours ahead."""
+
+THOROUGH = Effort((BeamShape(16, 10, 120), BeamShape(48, 12, 60)), 200, 350)
+"""While there is time: the whole night."""
+
+
+class NightSearch:
+    """Searches again and again through one night, each time from what it found before."""
+
+    def __init__(
+        self, progress: NightProgress, outlook: WeatherOutlook, fairness: FairnessRule
+    ) -> None:
+        """Begin without a plan."""
+        self._progress = progress
+        self._outlook = outlook
+        self._fairness = fairness
+        self.plan: tuple[OrderedVisit, ...] = ()
+        self.method = ""
+        self.bound: float | None = None
+        # Of a minute of each proposal's shutter, beside its priority.
+        self.merits: Floats = np.ones(len(progress.problem.proposals))
+        self._prices: TimePrices | None = None
+
+    def search(self, second: int, effort: Effort) -> tuple[OrderedVisit, ...]:
+        """Search the rest of the night from ``second`` on; gives the best plan that is known."""
+        progress = self._progress
+        self._adjust_merits()
+        rows = self._choose_rows(second)
+        if not rows.size:
+            self.plan, self.method = (), "dispatch"
+            return ()
+        problem = progress.problem
+        marks = np.arange(progress.feasibility.marks, dtype=np.float64) * MARK_S
+        weights = self._outlook.weights(marks - float(second))
+        values = problem.table.value[rows] * self.merits[problem.table.proposal[rows]]
+        prices = self._find_prices(second, rows, values, weights, iterations=effort.iterations)
+        field = self._make_field(rows, values, weights, prices, most=effort.candidates)
+        best: tuple[float, tuple[OrderedVisit, ...], str] = (-np.inf, (), "")
+        kept = tuple(step.row for step in self.plan)
+        for shape in effort.shapes:
+            found = search_beam(progress, field, second, shape)
+            order = tuple(step.row for step in found)
+            for name, rows_in_order in (("kept", kept), ("search", order)):
+                steps, score = score_order(
+                    progress, field, second, order=rows_in_order, horizon_s=shape.horizon_s
+                )
+                # The first shape's horizon is the measure of all.
+                if shape.horizon_s == effort.shapes[0].horizon_s and score > best[0] + 1e-9:
+                    best = (score, steps, name)
+        self.plan, self.method = best[1], best[2]
+        return self.plan
+
+    def price_of(self, begin: int, end: int) -> float:
+        """Give what a minute costs between two seconds of the night, as priced last."""
+        if self._prices is None or end <= begin:
+            return 0.0
+        paid = self._prices.until(np.array([begin, end]))
+        return float(paid[1] - paid[0]) / (end - begin) * 60.0
+
+    def _adjust_merits(self) -> None:
+        progress = self._progress
+        table, limits = progress.problem.table, progress.problem.proposals
+        if len(self.merits) < len(limits):
+            more = np.ones(len(limits) - len(self.merits))
+            self.merits = np.concatenate([self.merits, more])
+        shutter_s = progress.shutter_s.copy()
+        planned = [step.row for step in self.plan if not progress.done[step.row]]
+        np.add.at(shutter_s, table.proposal[planned], table.shutter_s[planned])
+        due = np.array([limit.share for limit in limits])
+        self.merits = adjust_merits(self._fairness, self.merits, due=due, shutter_s=shutter_s)
+
+    def _choose_rows(self, second: int) -> Ints:
+        """Choose visits that could begin at all: for each half hour those worth most a minute."""
+        progress = self._progress
+        rows = progress.candidates(second)
+        marks = np.arange(second // MARK_S, progress.feasibility.marks, _COVER_S // MARK_S)
+        if not rows.size or not marks.size:
+            return rows[:0]
+        begin = progress.feasibility.startable(rows, marks)
+        fits = begin < marks[None, :] + _COVER_S // MARK_S
+        table = progress.problem.table
+        rate = table.value[rows] * self.merits[table.proposal[rows]]
+        rate = rate / (table.block_s[rows] + self._usual_overhead())
+        chosen = np.zeros(len(rows), np.bool_)
+        for slot in range(len(marks)):
+            here = np.flatnonzero(fits[:, slot])
+            if len(here) > _COVER_EACH:
+                here = here[np.argpartition(-rate[here], _COVER_EACH)[:_COVER_EACH]]
+            chosen[here] = True
+        chosen |= np.isin(rows, list(self._kept_rows()))
+        return np.asarray(rows[chosen & fits.any(axis=1)])
+
+    def _kept_rows(self) -> frozenset[int]:
+        return frozenset(step.row for step in self.plan)
+
+    def _usual_overhead(self) -> float:
+        instrument = self._progress.problem.instrument
+        return instrument.settle + instrument.acquire + _USUAL_SLEW / instrument.slew_rate
+
+    def _find_prices(
+        self, second: int, rows: Ints, values: Floats, weights: Floats, *, iterations: int
+    ) -> TimePrices:
+        progress = self._progress
+        table = progress.problem.table
+        limits = np.array([limit.seconds_left for limit in progress.problem.proposals])
+        asked = PriceProblem(
+            rows=rows,
+            values=values,
+            blocks=table.block_s[rows],
+            proposal=table.proposal[rows],
+            seconds_left=limits - progress.used_s,
+            weights=weights,
+            second=second,
+            overhead=self._usual_overhead(),
+        )
+        former = self._prices
+        if former is not None and len(former.proposals) != len(limits):
+            former = None
+        self._prices = find_prices(
+            progress.feasibility, asked, iterations=iterations, former=former
+        )
+        return self._prices
+
+    def _make_field(
+        self, rows: Ints, values: Floats, weights: Floats, prices: TimePrices, *, most: int
+    ) -> Field:
+        """Leave the visits that come nearest to paying for their time, and those of the plan."""
+        table = self._progress.problem.table
+        blocks = table.block_s[rows]
+        merit = prices.margins / np.sqrt(blocks + self._usual_overhead())
+        merit[np.isin(rows, list(self._kept_rows()))] = np.inf
+        merit[table.after[rows] >= 0] = np.inf
+        best = np.argsort(-merit)[:most]
+        rents = prices.rents + prices.proposals[table.proposal[rows]] * blocks
+        return make_field(
+            self._progress,
+            rows[best],
+            values=values[best],
+            rents=rents[best],
+            weights=weights,
+            prices=prices,
+        )

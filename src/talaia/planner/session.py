@@ -1,0 +1,262 @@
+"""One night's planning, from the evening to the morning: what happened in, what is next out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from talaia.model.observing.plan import Plan, PlannedBlock, WhyNot
+from talaia.planner.bound import RestBound
+from talaia.planner.dispatch import rank_now, soonest_start
+from talaia.planner.errors import UnknownRequest
+from talaia.planner.fairness import INDIFFERENT, FairnessRule
+from talaia.planner.feasibility import NEVER
+from talaia.planner.from_requests import visits_of
+from talaia.planner.night_problem import RAPID
+from talaia.planner.outlook import WeatherOutlook
+from talaia.planner.overheads import overheads_from
+from talaia.planner.progress import NightProgress
+from talaia.planner.search import PROMPT, THOROUGH, Effort, NightSearch
+from talaia.planner.sky import MARK_S
+from talaia.planner.why_not import clock_words, explain_visits
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.model.observing.requests import RequestGroup
+    from talaia.planner.beam_search import OrderedVisit
+    from talaia.planner.night_problem import NightProblem, Visit
+
+__all__ = ["Decision", "PlanningSession"]
+
+# After something went wrong a visit is not tried again at once (s).
+_HOLD_S = 120
+# Rather than to stand idle at a field for longer, wait where something new may come first (s).
+_LONGEST_IDLE_S = 30
+_USUAL_OUTLOOK = WeatherOutlook()
+
+
+class Decision(NamedTuple):
+    """What to do next (times: s since the epoch, UTC).
+
+    Attributes:
+        request: to observe now; empty: wait.
+        not_before: its first exposure; set out so that it can begin then.
+        wait_until: ask again then, or at the next event.
+        reason: in words.
+
+    """
+
+    request: str
+    not_before: float
+    wait_until: float
+    reason: str
+
+
+class PlanningSession:
+    """Plans one night. Times are seconds since the epoch (UTC); nothing here knows a clock.
+
+    Events are handed over as they happen; `decide` then says what is next.
+    """
+
+    def __init__(
+        self,
+        problem: NightProblem,
+        *,
+        outlook: WeatherOutlook = _USUAL_OUTLOOK,
+        fairness: FairnessRule = INDIFFERENT,
+        effort: Effort = PROMPT,
+    ) -> None:
+        """Begin a night: the roof counts as open, the telescope as parked."""
+        self._progress = NightProgress(problem)
+        self._problem = problem
+        self._search = NightSearch(self._progress, outlook, fairness)
+        self._effort = effort
+        self._bound = RestBound(self._progress)
+        # Whether something has happened since the last search.
+        self._changed = True
+
+    def add_requests(self, groups: Sequence[RequestGroup]) -> None:
+        """Take in requests that are new, or again those that are pending."""
+        self.add_visits(visits_of(self._problem, groups))
+
+    def add_visits(self, visits: tuple[Visit, ...]) -> None:
+        """Take in visits that are new."""
+        self._changed = True
+        self._progress.add_visits(visits)
+
+    def remove_requests(self, requests: Sequence[str]) -> None:
+        """Plan these no more: cancelled, expired or failed too often."""
+        self._changed = True
+        for request in requests:
+            self._progress.done[self._row(request)] = True
+
+    def complete_request(self, request: str) -> None:
+        """Count a request as observed; the telescope points at it."""
+        self._changed = True
+        self._progress.complete_visit(self._row(request))
+
+    def suspend_request(
+        self,
+        request: str,
+        frames_done: tuple[int, ...] | None = None,
+        *,
+        seconds_left: int | None = None,
+    ) -> None:
+        """Count a request as interrupted: what was read out is kept, the rest is planned again.
+
+        Args:
+            request: its id.
+            frames_done: of each configuration, since the problem was made.
+            seconds_left: of its block, where that is known instead.
+
+        """
+        self._changed = True
+        row = self._row(request)
+        if seconds_left is not None:
+            self._progress.shorten_visit(row, seconds_left)
+        elif frames_done is not None:
+            self._progress.keep_frames(row, frames_done)
+        self._progress.pointing = self._progress.pointing_at(row)
+
+    def hold_request(self, request: str, time: float, seconds: float = _HOLD_S) -> None:
+        """Leave a request out for a while: it was refused, or it failed."""
+        self._changed = True
+        self._progress.held_until[self._row(request)] = self._problem.second(time + seconds)
+
+    def close_roof(self, why: str = "") -> None:
+        """Plan nothing that needs the sky until `open_roof`; the telescope parks."""
+        self._changed = True
+        self._progress.open, self._progress.closed_why = False, why
+        self._progress.pointing = None
+
+    def open_roof(self) -> None:
+        """Plan with an open roof again; the telescope is parked still."""
+        self._changed = True
+        self._progress.open, self._progress.closed_why = True, ""
+        self._progress.pointing = None
+
+    def set_conditions(self, *, seeing: float | None, clouds: float | None) -> None:
+        """Keep what was measured last: FWHM (″) and clouds (%); none: nobody knows."""
+        self._changed = True
+        self._progress.seeing, self._progress.clouds = seeing, clouds
+
+    def decide(self, time: float) -> Decision:
+        """Say what to do next, and why."""
+        second = self._problem.second(time)
+        end = self._problem.unix(self._problem.length_s)
+        if not self._progress.open:
+            return Decision("", time, end, f"the roof is closed: {self._progress.closed_why}")
+        rapid = self._rapid_choice(second)
+        if rapid is not None:
+            return rapid
+        plan = self._search.search(second, self._effort)
+        self._changed = False
+        if not plan:
+            start = soonest_start(self._progress, second)
+            until = end if start >= NEVER else self._problem.unix(max(start, second + MARK_S))
+            return Decision("", time, until, "nothing may be observed now")
+        first = plan[0]
+        lead = int(overheads_from(self._problem, self._progress.pointing, np.array([first.row]))[0])
+        name = self._problem.table.visits[first.row].id
+        if first.start - lead > second + _LONGEST_IDLE_S:
+            until = self._problem.unix(first.start - lead)
+            return Decision("", time, until, f"{name} is next, and may not begin yet")
+        reason = self._reason(first, second)
+        if len(plan) > 1:
+            follower = self._problem.table.visits[plan[1].row].id
+            reason += f"; {follower} follows at {clock_words(self._problem.unix(plan[1].start))}"
+        return Decision(name, self._problem.unix(first.start), time, reason)
+
+    def _reason(self, step: OrderedVisit, since: int) -> str:
+        """Say what a visit is worth beside the time that it takes from a second on."""
+        minutes = max(step.end - since, 1) / 60.0
+        rate = float(self._problem.table.value[step.row]) / minutes
+        price = self._search.price_of(since, step.end)
+        return f"worth {rate:.1f} a minute, where the night's time costs {price:.1f}"
+
+    def _rapid_choice(self, second: int) -> Decision | None:
+        """Give the rapid request that can begin at once, if there is one."""
+        rows = self._progress.released(self._progress.candidates(second))
+        rows = rows[self._problem.table.urgency[rows] == RAPID]
+        if not rows.size:
+            return None
+        start, rate, overhead = rank_now(self._progress, second, rows)
+        rate = np.where(start - second - overhead <= MARK_S, rate, -1.0)
+        best = int(np.argmax(rate))
+        if rate[best] <= 0.0:
+            return None
+        name = self._problem.table.visits[int(rows[best])].id
+        unix = self._problem.unix
+        return Decision(name, unix(int(start[best])), unix(second), "a rapid request")
+
+    def improve(self, time: float) -> None:
+        """Search the whole rest of the night, more widely than a decision has time for."""
+        self._search.search(self._problem.second(time), THOROUGH)
+        self._changed = False
+
+    def interrupt(self, time: float, rapid: str, current: str) -> bool:
+        """Tell whether a request that has just come interrupts the one that is observed."""
+        row, under_way = self._row(rapid), self._row(current)
+        urgency = self._problem.table.urgency
+        if urgency[row] != RAPID or urgency[under_way] == RAPID or not self._progress.open:
+            return False
+        second = self._problem.second(time)
+        pointing = self._progress.pointing_at(under_way)
+        lead = int(overheads_from(self._problem, pointing, np.array([row]))[0])
+        if row not in self._progress.released(self._progress.candidates(second)):
+            return False
+        start = self._progress.feasibility.next_start(row, second + lead)
+        return start <= second + lead + MARK_S
+
+    def plan(self, time: float) -> Plan:
+        """Give the plan of the rest of the night; searched anew where something has happened.
+
+        With a closed roof it is what would be done if it opened now.
+        """
+        problem = self._problem
+        second, table = problem.second(time), problem.table
+        if self._changed or not self._search.plan:
+            self.improve(time)
+        blocks, before, pointing = [], second, self._progress.pointing
+        for step in self._search.plan:
+            if self._progress.done[step.row] or step.end <= second:
+                continue
+            lead = overheads_from(problem, pointing, np.array([step.row]))[0]
+            reason = self._reason(step, min(before, step.start))
+            blocks.append(
+                PlannedBlock(
+                    request=table.visits[step.row].id,
+                    start=problem.unix(step.start),
+                    end=problem.unix(step.end),
+                    overhead=float(lead),
+                    reason=reason,
+                )
+            )
+            before, pointing = step.end, self._progress.pointing_at(step.row)
+        planned = [table.index[block.request] for block in blocks]
+        return Plan(
+            made_at=time,
+            night_start=problem.start,
+            night_end=problem.unix(problem.length_s),
+            blocks=tuple(blocks),
+            method=self._search.method,
+            value=float(table.value[planned].sum()),
+            bound=self._bound.value(second),
+        )
+
+    def why_not(self, time: float, requests: Sequence[str] = ()) -> tuple[WhyNot, ...]:
+        """Say of requests (none named: of all that wait) why they are not observed now."""
+        rows = [self._row(name) for name in requests] or [
+            row for row, done in enumerate(self._progress.done) if not done
+        ]
+        second = self._problem.second(time)
+        planned = {step.row: step.start for step in self._search.plan if step.end > second}
+        return explain_visits(self._progress, second, rows, planned=planned)
+
+    def _row(self, request: str) -> int:
+        row = self._problem.table.index.get(request)
+        if row is None:
+            raise UnknownRequest(request)
+        return row

@@ -1,0 +1,132 @@
+"""What was observed is numbered, kept until the hub has it, and never told twice as new."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from hypothesis import given, strategies as st
+from night_observatory import request
+
+from talaia.gateway.night.night_values import ObservationChange
+from talaia.gateway.night.observation_book import MOST_WAITING, BookContent, ObservationBook
+from talaia.model.observing.states import (
+    FINAL_OBSERVATION_STATES,
+    OBSERVATION_CHANGES,
+    ObservationState,
+    SuspensionCause,
+)
+
+pytestmark = pytest.mark.pure
+S = ObservationState
+
+
+def change(
+    name: str, state: ObservationState, *frames: int, spent: float = 0.0
+) -> ObservationChange:
+    return ObservationChange(name, state, frames, block_s=spent)
+
+
+def restarted(book: ObservationBook) -> ObservationBook:
+    """Give what another run reads from the disk."""
+    data = msgspec.json.encode(book.content)
+    return ObservationBook(msgspec.json.decode(data, type=BookContent), "site-later")
+
+
+def test_one_try_keeps_its_id_over_interruptions_and_a_restart_and_the_next_has_another() -> None:
+    book = ObservationBook(BookContent(), "site")
+    first = book.record_change(change("m31", S.IN_PROGRESS), 10.0)
+    book.record_change(change("m31", S.SUSPENDED, 2), 20.0)
+    book = restarted(book)
+    ended = book.record_change(change("m31", S.COMPLETED, 5), 30.0)
+    assert (ended.id, ended.number) == (first.id, 3)
+    again = book.record_change(change("m31", S.IN_PROGRESS), 40.0)
+    assert again.id != first.id
+
+
+def test_what_a_killed_gateway_had_under_way_is_suspended_with_its_frames() -> None:
+    book = ObservationBook(BookContent(), "site")
+    book.record_change(change("m31", S.IN_PROGRESS, 2), 10.0)
+    book = restarted(book)
+    (update,) = book.close_interrupted(50.0)
+    assert (update.state, update.cause) == (S.SUSPENDED, SuspensionCause.FAULT)
+    assert update.frames_done == [2]
+    assert book.close_interrupted(60.0) == []
+
+
+def test_block_time_of_all_visits_of_a_try_is_charged_once() -> None:
+    book = ObservationBook(BookContent(), "site")
+    book.record_change(change("m31", S.IN_PROGRESS, spent=0.0), 0.0)
+    book.record_change(change("m31", S.IN_PROGRESS, 1, spent=60.0), 60.0)
+    assert book.record_change(change("m31", S.SUSPENDED, 1, spent=80.0), 80.0).block_s == 80.0
+    book.record_change(change("m31", S.IN_PROGRESS, 1, spent=0.0), 500.0)
+    assert book.record_change(change("m31", S.COMPLETED, 2, spent=70.0), 570.0).block_s == 150.0
+
+
+def test_frames_of_this_gateway_count_before_the_hub_knows_of_them() -> None:
+    book = ObservationBook(BookContent(), "site")
+    book.record_change(change("m31", S.SUSPENDED, 2), 10.0)
+    assert book.frames_done([request("m31")]) == {"m31": (2,)}
+
+
+def test_what_is_completed_here_is_not_begun_again_until_the_hub_asks_it_anew() -> None:
+    book = ObservationBook(BookContent(), "site")
+    book.record_change(change("m31", S.IN_PROGRESS), 10.0)
+    done = book.record_change(change("m31", S.COMPLETED, 3), 20.0)
+    # The hub does not know it yet, and asks for it still.
+    book.settle_requests([request("m31")])
+    assert book.ended == {"m31"}
+    book.acknowledge_updates(done.number)
+    # Now it does: who asks for it again means it so, for the frames were of no use.
+    book.settle_requests([request("m31")])
+    assert book.ended == frozenset()
+
+
+def test_a_hub_that_is_away_for_long_hears_of_every_end_but_not_of_every_frame() -> None:
+    book = ObservationBook(BookContent(), "site")
+    for index in range(20):
+        for frame in range(100):
+            book.record_change(change(f"r{index}", S.IN_PROGRESS, frame), 10.0)
+        book.record_change(change(f"r{index}", S.COMPLETED, 100), 20.0)
+    waiting = book.content.waiting
+    assert len(waiting) <= MOST_WAITING + 1
+    assert sum(one.state is S.COMPLETED for one in waiting) == 20
+    assert book.acknowledge_updates(waiting[-1].number)
+    assert book.content.waiting == []
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from("ab"), st.sampled_from(sorted(ObservationState)), st.booleans()),
+        max_size=30,
+    )
+)
+def test_numbers_rise_and_each_try_ends_once(
+    steps: list[tuple[str, ObservationState, bool]],
+) -> None:
+    book = ObservationBook(BookContent(), "site")
+    now: dict[str, ObservationState] = {}
+    told = []
+    for name, state, restart in steps:
+        if restart:
+            book = restarted(book)
+        before = now.get(name)
+        if before is None or before in FINAL_OBSERVATION_STATES:
+            state = S.IN_PROGRESS
+        elif state is not before and state not in OBSERVATION_CHANGES[before]:
+            continue
+        now[name] = state
+        told.append(book.record_change(change(name, state), 1.0))
+    assert [one.number for one in told] == list(range(1, len(told) + 1))
+    for name in {one.id for one in told}:
+        ends = [one for one in told if one.id == name and one.state in FINAL_OBSERVATION_STATES]
+        assert len(ends) <= 1
+
+
+def test_files_of_steps_that_are_left_out_go_on_with_the_next_one() -> None:
+    book = ObservationBook(BookContent(), "site")
+    for number in range(MOST_WAITING + 1):
+        book.record_change(change("m31", S.IN_PROGRESS, number), float(number), [f"file-{number}"])
+    waiting = book.content.waiting
+    assert len(waiting) < MOST_WAITING
+    named = [name for update in waiting for name in update.files]
+    assert named == [f"file-{number}" for number in range(MOST_WAITING + 1)]

@@ -1,0 +1,227 @@
+"""An observatory of numbers: what commands do to it, with delays and faults; for pure tests."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from talaia.gateway.night.arming import NightArming
+from talaia.gateway.night.block_run import BlockParts
+from talaia.gateway.night.executor import NightExecutor
+from talaia.gateway.night.night_values import (
+    NightChoice,
+    NightCommand,
+    NightEvent,
+    NightView,
+    ObservationChange,
+    PartRun,
+    PlanQuestion,
+    StepAnswer,
+)
+from talaia.gateway.night.target_place import place_of_date
+from talaia.model.observing.requests import (
+    Configuration,
+    Guiding,
+    Request,
+    RequestGroup,
+    Urgency,
+    Window,
+)
+from talaia.model.observing.targets import IcrsTarget
+from talaia.model.units import astronomy
+from talaia.model.yaml_text.load import load_site
+from talaia.wire.frames import CommandPhase, Scalar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.model.observing.targets import Target
+    from talaia.model.site import Site
+
+SITE_FILE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
+# 2026-11-23 20:00 UTC: night at the example's place.
+EVENING = 1_795_464_000.0
+P = CommandPhase
+MOVING = ("dome/open", "telescope/unpark", "telescope/goto", "camera/expose")
+SAFE = ("telescope/park", "dome/close", "camera/abort", "camera/cooler", "camera/cool")
+
+
+@cache
+def example_site() -> Site:
+    return load_site(SITE_FILE.read_text())
+
+
+def request(
+    name: str,
+    *,
+    frames: int = 3,
+    seconds: float = 60.0,
+    urgency: Urgency = Urgency.NORMAL,
+    priority: float = 10.0,
+    hours_east: float = 1.0,
+    start: float = EVENING - 86_400.0,
+    guiding: Guiding = Guiding.OPTIONAL,
+    target: Target | None = None,
+) -> RequestGroup:
+    """Ask for frames of a place that is high in the evening, or of another target."""
+    jd = astronomy.julian_day(EVENING)
+    place = example_site().place
+    assert place is not None
+    ra = (astronomy.sidereal_hours(jd, place.longitude) + hours_east) % 24.0
+    return RequestGroup(
+        id=f"g-{name}",
+        proposal="school",
+        urgency=urgency,
+        priority=priority,
+        requests=(
+            Request(
+                id=name,
+                target=target or IcrsTarget(name=name, ra=ra * 15.0 % 360.0, dec=42.0),
+                configurations=(Configuration(exposure=seconds, count=frames, guiding=guiding),),
+                windows=(Window(start=start, end=EVENING + 86_400.0),),
+            ),
+        ),
+    )
+
+
+class PureObservatory:
+    """Acts on commands after a while; a ledger says what was asked, and how things stood."""
+
+    def __init__(
+        self, *, arming: NightArming | None = None, parts: BlockParts | None = None
+    ) -> None:
+        """Begin in the evening, closed and parked."""
+        site = example_site()
+        assert site.night is not None
+        assert site.place is not None
+        self.night = site.night
+        self.executor = NightExecutor(
+            night=site.night,
+            enclosure=site.enclosures["dome"],
+            place=site.place,
+            parts=parts if parts is not None else BlockParts(),
+            arming=arming,
+        )
+        self.now, self.sun = 0.0, -30.0
+        self.shutter, self.telescope = "closed", "parked"
+        self.closing = self.barred = self.person = ""
+        self.blind = self.mute_planner = False
+        # Commands that fail, are refused or never end, by what becomes of them.
+        self.faults: dict[str, CommandPhase | None] = {}
+        # The planner has nothing before so long (s).
+        self.idle_for = 60.0
+        self.choice: Callable[[PlanQuestion], str] = lambda _question: ""
+        self.durations = {"dome/open": 20.0, "dome/close": 20.0, "telescope/goto": 10.0}
+        self.ledger: list[tuple[float, str, NightView]] = []
+        # Of each command that was asked for, in order.
+        self.args: list[Mapping[str, Scalar]] = []
+        self.frames: list[str] = []
+        self.events: list[NightEvent] = []
+        # Of nights that have ended.
+        self.summaries: list[NightEvent] = []
+        self.changes: list[ObservationChange] = []
+        self._pending: list[tuple[float, NightCommand]] = []
+        self._later: list[tuple[float, Callable[[], None]]] = []
+
+    @property
+    def view(self) -> NightView:
+        known = not self.blind
+        return NightView(
+            now=self.now,
+            time=EVENING + self.now,
+            sun=self.sun,
+            closing=self.closing,
+            barred=self.barred or self.closing,
+            opened=self.shutter == "opened" if known else None,
+            closed=self.shutter == "closed" if known else None,
+            parked=self.telescope == "parked" if known else None,
+            person=self.person,
+        )
+
+    def ask(self, *groups: RequestGroup) -> None:
+        self.executor.replace_requests(groups, {}, frozenset())
+
+    def arm(self, until: float = 0.0) -> None:
+        assert self.executor.arm_night("ada", until, self.view) == ""
+
+    def pass_time(self, seconds: float, step: float = 1.0) -> None:
+        ends = self.now + seconds
+        while self.now < ends:
+            self.turn()
+            self.now += step
+
+    def until(self, holds: Callable[[], bool], within: float = 3600.0) -> None:
+        ends = self.now + within
+        while not holds():
+            assert self.now < ends, (self.executor.phase, self.executor.why, self.events[-3:])
+            self.pass_time(1.0)
+
+    def turn(self) -> None:
+        """Let everything that is due happen once."""
+        # The roof's guard, which is not the night's: it closes whatever the night does.
+        if self.closing and self.shutter != "closed":
+            self.telescope, self.shutter = "parked", "closed"
+        for due, command in [one for one in self._pending if one[0] <= self.now]:
+            self._pending.remove((due, command))
+            self._end(command)
+        for action in self.executor.update_night(self.view):
+            match action:
+                case NightCommand():
+                    self.ledger.append((self.now, action.command, self.view))
+                    self.args.append(action.args)
+                    self._begin(action)
+                case PlanQuestion() if not self.mute_planner:
+                    self.executor.take_choice(
+                        NightChoice(
+                            action.number, self.choice(action), EVENING + self.now + self.idle_for
+                        )
+                    )
+                case NightEvent(kind="night_ended"):
+                    self.summaries.append(action)
+                case NightEvent():
+                    self.events.append(action)
+                case ObservationChange():
+                    self.changes.append(action)
+                case PartRun():
+                    self.ledger.append((self.now, f"part/{action.part}", self.view))
+                    phase = self.faults.get(f"part/{action.part}", P.SUCCEEDED)
+                    if phase is not None:
+                        self.executor.take_answer(StepAnswer(action.id, phase, "told"))
+                case _:
+                    pass
+
+    def _begin(self, command: NightCommand) -> None:
+        seconds = self.durations.get(command.command, 1.0)
+        if command.command in ("camera/expose", "camera/dark"):
+            seconds = float(command.args["seconds"]) + 2.0
+        if (self.barred or self.closing) and command.command in MOVING:
+            self.executor.take_answer(StepAnswer(command.id, P.REFUSED, "Rain"))
+            return
+        if command.command == "camera/abort":
+            self._pending = [one for one in self._pending if one[1].command != "camera/expose"]
+        self._pending.append((self.now + seconds, command))
+
+    def _end(self, command: NightCommand) -> None:
+        phase = self.faults.get(command.command, P.SUCCEEDED)
+        if phase is None:
+            return
+        if phase is P.SUCCEEDED:
+            match command.command:
+                case "dome/open":
+                    self.shutter = "opened"
+                case "dome/close":
+                    self.shutter = "closed"
+                case "telescope/unpark":
+                    self.telescope = "idle"
+                case "telescope/park":
+                    self.telescope = "parked"
+                case "camera/expose":
+                    self.frames.append(str(command.args["target"]))
+        self.executor.take_answer(StepAnswer(command.id, phase, "its own words"))
+
+    def asked(self, command: str) -> list[float]:
+        return [at for at, name, _ in self.ledger if name == command]
+
+
+__all__ = ["EVENING", "MOVING", "SAFE", "PureObservatory", "place_of_date", "request"]

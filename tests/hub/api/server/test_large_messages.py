@@ -1,0 +1,114 @@
+"""Large messages: they arrive whole, in pieces that let others pass."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+from typing import TYPE_CHECKING
+
+import uvicorn
+import websockets
+
+from talaia.hub.api.server.large_messages import LARGEST_PIECE, HubSocketProtocol
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+
+LARGE = os.urandom(10 * LARGEST_PIECE + 17)
+
+
+@contextlib.asynccontextmanager
+async def connected(
+    serve: Callable[[Callable[[dict], Awaitable[None]]], Awaitable[None]],
+) -> AsyncIterator[websockets.ClientConnection]:
+    """Connect a client that we did not write to a server whose application is ``serve``."""
+
+    async def app(_scope, receive, send):
+        await receive()
+        await send({"type": "websocket.accept"})
+        await serve(send)
+        await receive()
+
+    config = uvicorn.Config(
+        app, ws=HubSocketProtocol, lifespan="off", log_config=None, ws_per_message_deflate=False
+    )
+    server = uvicorn.Server(config)
+    listener = socket.create_server(("127.0.0.1", 0))
+    serving = asyncio.create_task(server.serve(sockets=[listener]))
+    address = f"ws://127.0.0.1:{listener.getsockname()[1]}"
+    try:
+        async with websockets.connect(address, max_size=None, proxy=None) as client:
+            yield client
+    finally:
+        server.should_exit = True
+        await serving
+
+
+def binary(data: bytes) -> dict[str, object]:
+    return {"type": "websocket.send", "bytes": data}
+
+
+async def test_large_messages_arrive_whole_and_in_order_though_several_tasks_send() -> None:
+    async def serve(send) -> None:
+        await asyncio.gather(
+            send(binary(LARGE)),
+            send({"type": "websocket.send", "text": "small"}),
+            send(binary(LARGE[::-1])),
+            send(binary(LARGE[:LARGEST_PIECE])),
+        )
+
+    async with connected(serve) as client:
+        got = [await client.recv() for _ in range(4)]
+    assert got == [LARGE, "small", LARGE[::-1], LARGE[:LARGEST_PIECE]]
+
+
+async def test_whoever_else_has_something_to_do_does_it_between_the_pieces() -> None:
+    turns = []
+
+    async def count() -> None:
+        while True:
+            turns.append(1)
+            await asyncio.sleep(0)
+
+    async def serve(send) -> None:
+        others = asyncio.create_task(count())
+        await asyncio.sleep(0)
+        before = len(turns)
+        await send(binary(LARGE))
+        turns.append(len(turns) - before)
+        others.cancel()
+
+    async with connected(serve) as client:
+        assert await client.recv() == LARGE
+        # Answered while the message is under way, or after: nothing of it stands within a frame.
+        await (await client.ping())
+    assert turns[-1] >= 10
+
+
+async def test_a_message_that_is_broken_off_is_sent_to_its_end_so_that_others_can_follow() -> None:
+    async def serve(send) -> None:
+        sending = asyncio.create_task(send(binary(LARGE)))
+        # Its first piece is out.
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        sending.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await sending
+        await send({"type": "websocket.send", "text": "after it"})
+
+    async with connected(serve) as client:
+        assert await client.recv() == LARGE
+        assert await client.recv() == "after it"
+
+
+async def test_frames_hold_a_piece_at_most() -> None:
+    async def serve(send) -> None:
+        await send(binary(LARGE))
+
+    async with connected(serve) as client:
+        # One for each frame.
+        sizes = [len(frame) async for frame in client.recv_streaming()]
+    assert sum(sizes) == len(LARGE)
+    assert max(sizes) == LARGEST_PIECE

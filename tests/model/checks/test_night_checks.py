@@ -1,0 +1,117 @@
+"""What does not fit in ``night:`` is found, and said with what to do."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import pytest
+from msgspec.structs import replace
+
+from talaia.model.checks.site_checks import check_site
+from talaia.model.interlocks.enclosure import Sighting
+from talaia.model.interlocks.interlock import Step
+from talaia.model.night_section import (
+    FilterCommand,
+    FrameCommand,
+    NightDarks,
+    NightSection,
+    NightSun,
+    NightTimes,
+    SlewCommand,
+)
+from talaia.model.observing.plan import Instrument
+from talaia.model.yaml_text.load import load_site
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
+
+pytestmark = pytest.mark.pure
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+@cache
+def observatory() -> Site:
+    return load_site((EXAMPLES / "observatory" / "site.yaml").read_text())
+
+
+def night(**changes: object) -> Site:
+    site = observatory()
+    assert site.night is not None
+    return replace(site, night=replace(site.night, **changes))
+
+
+@pytest.mark.parametrize("example", ["observatory", "indi"])
+def test_the_examples_observe_by_themselves_and_fit(example: str) -> None:
+    site = load_site((EXAMPLES / example / "site.yaml").read_text())
+    assert isinstance(site.night, NightSection)
+    assert check_site(site) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "where"),
+    [
+        ({"enclosure": "roof"}, "$.night.enclosure"),
+        ({"opened": Sighting(signal="dome/lid", is_one_of=("open",))}, "$.night.opened.signal"),
+        ({"open": Step(command="dome/opn")}, "$.night.open.command"),
+        ({"open": Step(command="power/outlet8")}, "$.night.open.command"),
+        ({"start": (Step(command="camera/cool", args={"celsius": 99}),)}, "$.night.start[0].args"),
+        ({"slew": SlewCommand(command="telescope/gto")}, "$.night.slew.command"),
+        ({"slew": SlewCommand(command="telescope/goto", ra="x")}, "$.night.slew.ra"),
+        (
+            {"light": FrameCommand(command="camera/expose", seconds="target")},
+            "$.night.light.seconds",
+        ),
+        ({"light": FrameCommand(command="camera/expose", seconds="")}, "$.night.light.seconds"),
+        ({"light": FrameCommand(command="camera/expose", args={"no": 1})}, "$.night.light.args.no"),
+        (
+            {"darks": NightDarks(command=FrameCommand(command="camera/drk"))},
+            "$.night.darks.command.command",
+        ),
+        (
+            {"filter": FilterCommand(command="camera/cool", argument="slot", filters={"R": 1})},
+            "$.night.filter.argument",
+        ),
+        (
+            {"filter": FilterCommand(command="camera/cool", argument="celsius", filters={})},
+            "$.night.filter.filters",
+        ),
+        ({"clouds": "weather/cloud"}, "$.night.clouds"),
+        ({"clouds": "dome/shutter"}, "$.night.clouds"),
+        ({"sun": NightSun(opening=-5.0)}, "$.night.sun"),
+        ({"sun": NightSun(observing=float("nan"))}, "$.night.sun"),
+        ({"times": NightTimes(slew_rate=0.0)}, "$.night.times.slew_rate"),
+        ({"times": NightTimes(horizon=-3.0)}, "$.night.times.horizon"),
+        ({"step_tries": 0}, "$.night.step_tries"),
+        ({"failure_limit": 0}, "$.night.failure_limit"),
+        ({"hand_over": -1.0}, "$.night.hand_over"),
+    ],
+)
+def test_what_does_not_fit_is_found_where_it_stands(changes: dict[str, object], where: str) -> None:
+    assert {finding.where for finding in check_site(night(**changes))} == {where}
+
+
+def test_a_roof_that_no_interlock_keeps_from_opening_is_not_opened_by_a_machine() -> None:
+    site = observatory()
+    free = {name: replace(rule, refuse=()) for name, rule in site.interlocks.items()}
+    found = [finding.where for finding in check_site(replace(site, interlocks=free))]
+    assert {"$.night.open.command", "$.night.unpark.command"} <= set(found)
+
+
+def test_nobody_observes_by_night_where_no_place_is_known() -> None:
+    # Without a place neither night nor day is known, nor where a telescope may point.
+    site = replace(observatory(), place=None)
+    assert "$.night" in [finding.where for finding in check_site(site)]
+
+
+def test_the_times_of_the_description_are_those_of_the_planner() -> None:
+    names = [field.name for field in msgspec.structs.fields(Instrument)]
+    assert [field.name for field in msgspec.structs.fields(NightTimes)] == names
+    assert NightTimes().as_instrument() == Instrument()
+    assert NightTimes(slew_rate=1.5).as_instrument().slew_rate == 1.5
+
+
+def test_what_the_night_goes_by_stays_at_hand_as_what_safety_goes_by() -> None:
+    assert {"dome/shutter", "weather/clouds"} <= observatory().safety_signals()

@@ -1,0 +1,64 @@
+/** What a night by itself is drawn with. */
+
+import { html } from "lit";
+import { proposalMarks, type NightBlock } from "../../series/plan-layout.js";
+import { nightSky } from "../../sky/night-sky.js";
+import type { GalleryEntry } from "./entry.js";
+import "../../elements/observatory/plan-timeline.js";
+import "../../elements/observatory/sky-chart.js";
+
+const MONTSEC = { latitude: 42.0517, longitude: 0.7297 };
+const HOUR = 3_600_000;
+const EVENING = Date.parse("2026-11-23T16:30:00Z");
+const SPAN = { from: EVENING, to: EVENING + 15 * HOUR };
+const NOW = EVENING + 5.2 * HOUR;
+const SKY = nightSky(MONTSEC, SPAN);
+
+const BLOCKS: readonly NightBlock[] = (
+  [
+    ["NGC 7000", "school-1", 1.6, 2.5, "done", "highest of those allowed"],
+    ["M 31", "survey", 2.55, 3.4, "suspended", "clouds over 60 %"],
+    ["T CrB", "variables", 3.45, 3.6, "failed", "guide star lost"],
+    ["M 31", "survey", 4.6, 5.6, "current", "goes on with 12 of 30 frames"],
+    ["M 42", "school-1", 5.7, 7.2, "planned", "best at 03:10"],
+    ["M 1", "survey", 7.25, 8.9, "planned", "its window ends at 02:30"],
+    ["RZ Cas", "variables", 8.95, 9.2, "planned", "phase 0.98 to 0.02"],
+    ["M 51", "school-1", 11, 13.2, "planned", "rises above 30° at 04:20"],
+  ] as const
+).map(([name, proposal, start, end, state, reason], i) => ({
+  id: String(i), request: String(i), name, proposal, state, reason, startMs: EVENING + start * HOUR, endMs: EVENING + end * HOUR,
+}));
+const MARKS = proposalMarks(BLOCKS.map(({ proposal }) => proposal));
+
+export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-plan-timeline",
+    wide: true,
+    states: [
+      {
+        name: "a night under way",
+        show: () => html`<t-plan-timeline .span=${SPAN} .sky=${SKY} .blocks=${BLOCKS} .marks=${MARKS} .ms=${NOW} zone="Europe/Madrid" chosen="4"></t-plan-timeline>`,
+      },
+      { name: "no block yet", show: () => html`<t-plan-timeline .span=${SPAN} .sky=${SKY} .ms=${NOW} zone="Europe/Madrid"></t-plan-timeline>` },
+      { name: "place not known", show: () => html`<t-plan-timeline .span=${SPAN} .blocks=${BLOCKS} .marks=${MARKS} .ms=${NOW}></t-plan-timeline>` },
+    ],
+  },
+  {
+    tag: "t-sky-chart",
+    states: [
+      {
+        name: "with what is planned",
+        show: () => html`<t-sky-chart
+          .place=${MONTSEC}
+          .ms=${NOW}
+          .telescope=${{ name: "Telescope", alt: 62, az: 140 }}
+          .limit=${20}
+          .planned=${[
+            { name: "M 31", letter: "B", colour: 2, alt: 75, az: 200 },
+            { name: "M 42", letter: "A", colour: 1, alt: 24, az: 120 },
+          ]}
+        ></t-sky-chart>`,
+      },
+    ],
+  },
+];

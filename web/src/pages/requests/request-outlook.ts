@@ -1,0 +1,100 @@
+/** What would become of a request that is being typed: its charge, what is left, what forbids it, when it can be seen. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base/base-style.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { formatDuration } from "../../format/duration.js";
+import { adviceFor } from "../../format/error-advice.js";
+import type { GroupAsk, RequestOutlookShape, ValidationShape } from "../../generated/api.js";
+import { apiContext } from "../../state/contexts.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { ObservingApi } from "../../wire/observing-api.js";
+import { curveNight } from "./outlook-curve.js";
+import "../../elements/observatory/night-curve.js";
+
+/** So long nothing may be typed before the hub is asked (ms). */
+const PAUSE_MS = 600;
+
+@customElement("t-request-outlook")
+export class RequestOutlook extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      t-night-curve {
+        max-inline-size: 48rem;
+      }
+    `,
+  ];
+
+  @property() site = "";
+  /** Null while it cannot be asked. */
+  @property({ attribute: false }) asked: GroupAsk | null = null;
+  /** Whether the hub's curve of the best night is drawn, too. */
+  @property({ type: Boolean }) curve = false;
+  @property() zone = "UTC";
+  /** What the hub is asked, as JSON; empty for nothing. */
+  @state() private question = "";
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly answer = new LoadController<ValidationShape | null>(this);
+  private typed = "";
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  override willUpdate(): void {
+    const typed = this.asked === null ? "" : JSON.stringify(this.asked);
+    if (typed !== this.typed) {
+      this.typed = typed;
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => {
+        this.question = typed;
+      }, PAUSE_MS);
+    }
+    const { asked, question } = this;
+    if (question === typed) this.answer.load(`${this.site} ${question}`, async () => (asked === null ? null : new ObservingApi(this.api, this.site).validateGroup(asked)));
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    clearTimeout(this.timer);
+    this.typed = "";
+  }
+
+  override render(): TemplateResult {
+    const { result, value } = this.answer;
+    if (this.typed === "") return html`<p class="muted">What it is charged is shown once everything that it needs is written.</p>`;
+    const isNow = this.question === this.typed && result.state !== "loading" && result.state !== "idle";
+    if (isNow && result.state === "failed") return html`<div>${renderAdvice(adviceFor(result.error, "what this request would be charged"), this.answer.invalidate)}</div>`;
+    if (value === undefined || value === null) return html`<p class="muted">Asking the hub what it is charged …</p>`;
+    return html`<div role="status" aria-busy=${isNow ? "false" : "true"}>
+        <p>${chargeText(value)}${isNow ? nothing : html` <span class="muted">(before the last change)</span>`}</p>
+        ${value.problems.length === 0 ? nothing : html`<p>It cannot be submitted like this:</p><ul>${map(value.problems, (problem) => html`<li>${problem}</li>`)}</ul>`}
+        ${map(value.requests, ({ message }) => html`<p>With a clear sky: ${message}.</p>`)}
+      </div>
+      ${this.curve && isNow ? map(value.requests, (outlook) => this.renderCurve(outlook)) : nothing}`;
+  }
+
+  private renderCurve({ curve, message }: RequestOutlookShape): TemplateResult | typeof nothing {
+    const drawn = curve === null ? null : curveNight(curve);
+    if (drawn === null) return nothing;
+    return html`<t-night-curve .night=${drawn.night} .seen=${drawn.seen} .moon=${drawn.moon} .allowed=${drawn.allowed} .ms=${Date.now()} .zone=${this.zone} .words=${message}></t-night-curve>`;
+  }
+}
+
+function chargeText({ charge_s: charge, left_s: left, person_left_s: own }: ValidationShape): string {
+  const part = own === null ? "" : `, your part of it ${formatDuration(own)}`;
+  return `Charged about ${formatDuration(charge)} with pointing, readout and filters; the proposal has ${formatDuration(left)} left${part}.`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-request-outlook": RequestOutlook;
+  }
+}
