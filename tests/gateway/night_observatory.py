@@ -140,7 +140,7 @@ class PureObservatory:
         )
 
     def ask(self, *groups: RequestGroup) -> None:
-        self.executor.replace_requests(groups, {}, frozenset())
+        self.executor.chooser.replace_requests(groups, {}, frozenset())
 
     def arm(self, until: float = 0.0) -> None:
         assert self.executor.arm_night("ada", until, self.view) == ""
@@ -172,7 +172,7 @@ class PureObservatory:
                     self.args.append(action.args)
                     self._begin(action)
                 case PlanQuestion() if not self.mute_planner:
-                    self.executor.take_choice(
+                    self.executor.chooser.take_choice(
                         NightChoice(
                             action.number, self.choice(action), EVENING + self.now + self.idle_for
                         )

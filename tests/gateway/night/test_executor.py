@@ -250,7 +250,7 @@ def test_somebody_who_closes_the_roof_ends_the_night() -> None:
 def test_a_rapid_request_interrupts_and_the_other_goes_on_behind_it() -> None:
     world = planned("m31")
     world.until(lambda: len(world.frames) == 1)
-    world.executor.replace_requests(
+    world.executor.chooser.replace_requests(
         [request("m31"), request("burst", frames=1, urgency=Urgency.RAPID_RESPONSE)],
         {"m31": (1,)},
         frozenset(),

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 from astropy import units
 from astropy.coordinates import TETE, AltAz, EarthLocation, SkyCoord, get_body
 from astropy.time import Time
 from astropy.utils import iers
 
-from talaia.gateway.night import target_place
-from talaia.gateway.night.target_place import arcseconds_between, place_of_date
+from talaia.gateway.night.target_place import arcseconds_between, knows_bodies, place_of_date
 from talaia.model.interlocks.enclosure import Place
 from talaia.model.observing.targets import (
     FixedTarget,
@@ -102,6 +103,9 @@ def test_a_fixed_direction_stays_above_the_horizon_where_it_was_asked_for():
 
 
 def test_where_bodies_cannot_be_worked_out_the_telescope_is_sent_to_none(monkeypatch):
-    monkeypatch.setattr(target_place, "_knows_bodies", lambda: False)
+    # As Python marks a package that cannot be imported.
+    monkeypatch.setitem(sys.modules, "erfa", None)
+    knows_bodies.cache_clear()
     assert place_of_date(SolarSystemTarget(body=SolarSystemBody.MARS), EVENING, PLACE) is None
     assert place_of_date(None, EVENING, PLACE) is None
+    knows_bodies.cache_clear()

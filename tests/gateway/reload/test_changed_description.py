@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
-import threading
 from contextlib import asynccontextmanager
 from itertools import count
 from typing import TYPE_CHECKING
@@ -14,8 +13,6 @@ from fake_hub import KEY, FakeHub, fake_hub
 from gateway_bench import SITE, Peer, addresses_of, running
 
 from talaia.gateway.change_policy import AcceptedChanges
-from talaia.gateway.reload import requests
-from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.wire.frames import (
     ChangePhase,
     ChangeRequest,
@@ -253,30 +250,3 @@ async def test_file_that_cannot_be_written_refuses_the_change(
         assert told.phase is ChangePhase.REFUSED
         assert "site.yaml" in told.message
         assert file.read_text() == SITE
-
-
-async def test_a_file_whose_disk_does_not_answer_is_told_of_once_and_followed_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(requests, "SLOW_LOOK_S", 0.2)
-    stands, answers = threading.Event(), threading.Event()
-    reads = DescriptionFile.read_change
-
-    def stalled(file: DescriptionFile) -> str | None:
-        if stands.is_set():
-            answers.wait()
-        return reads(file)
-
-    monkeypatch.setattr(DescriptionFile, "read_change", stalled)
-    async with following(tmp_path) as (hub, file):
-        stands.set()
-        told = await hub.next(ChangeState, lambda state: state.phase is ChangePhase.REFUSED)
-        assert "has not been answered for 0.2 s" in str(told)
-        file.write_text(step(1))
-        stands.clear()
-        answers.set()
-        await hub.next(ChangeState, lambda state: state.phase is ChangePhase.APPLIED)
-        update = await hub.next(DescriptionUpdate)
-        assert decompress_text(update.source) == step(1)
-        # Told once: the one above was taken out.
-        assert ChangePhase.REFUSED not in [state.phase for state in hub.of(ChangeState)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.night.frame_arguments import frame_arguments
+from talaia.gateway.night.frames.frame_arguments import frame_arguments
 from talaia.gateway.night.night_values import NightCommand, PartRun
 from talaia.gateway.night.simple_dispatch import frames_left
 from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState

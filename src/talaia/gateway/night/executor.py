@@ -15,32 +15,30 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from talaia.gateway.night.arming import NightArming
-from talaia.gateway.night.dark_frames import DarkFrames
-from talaia.gateway.night.night_summary import NightSummary
-from talaia.gateway.night.night_values import NightAction, NightCommand, NightEvent
+from talaia.gateway.night.frames.dark_frames import DarkFrames
+from talaia.gateway.night.night_summary import NightReport
+from talaia.gateway.night.night_values import NightAction, NightEvent
 from talaia.gateway.night.observing_run import ObservingRun
 from talaia.gateway.night.request_chooser import RequestChooser
 from talaia.gateway.night.roof_steps import abort_commands, closing_steps, opening_steps, steps_of
 from talaia.gateway.night.step_runner import StepRunner, StepsState
+from talaia.gateway.night.unended_commands import GUARD_S, UnendedCommands
 from talaia.model.observing.states import SuspensionCause
-from talaia.wire.frames import CommandPhase, NightPhase, NightState
+from talaia.wire.frames import NightPhase, NightState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
     from talaia.gateway.night.block_run import BlockParts, BlockRun
-    from talaia.gateway.night.night_values import NightChoice, NightView, StepAnswer
+    from talaia.gateway.night.night_values import NightView, StepAnswer
     from talaia.gateway.night.step_runner import NightStep
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
-    from talaia.model.observing.requests import Request, RequestGroup
 
 __all__ = ["NightExecutor"]
 
 # Nothing is to be observed for so long: the roof closes until then (s).
 IDLE_CLOSE_S = 1800.0
-# The roof's guard has so long, beside its own times, before the night closes by itself (s).
-GUARD_S = 10.0
 _P = NightPhase
 
 
@@ -51,6 +49,7 @@ class NightExecutor:
         phase: what it does.
         why: why it waits, is closed or failed.
         arming: who has armed it.
+        chooser: chooses what is observed next; takes what is asked, and what the planner answers.
 
     """
 
@@ -79,8 +78,8 @@ class NightExecutor:
         self.arming = arming if arming is not None else NightArming()
         self.phase, self.why = _P.DISARMED, ""
         self._since: float | None = None
-        self._counter = itertools.count(1)
-        self._prefix = id_prefix
+        counter = itertools.count(1)
+        self._next_id: Callable[[], str] = lambda: f"{id_prefix}-{next(counter)}"
         if self.arming.fault:
             self.phase, self.why = _P.FAULT, self.arming.fault
         elif self.arming.armed_by:
@@ -89,21 +88,17 @@ class NightExecutor:
         # Into which phase parking leads, and since when it has lasted.
         self._after_parking = _P.WAITING
         self._steps: StepRunner | None = None
-        self._chooser = RequestChooser(night, place)
+        self.chooser = RequestChooser(night, place)
         self._observing = ObservingRun(
-            night=night, enclosure=enclosure, place=place, parts=parts, chooser=self._chooser
+            night=night, enclosure=enclosure, place=place, parts=parts, chooser=self.chooser
         )
         self._darks = DarkFrames(night)
         self._closed_since: float | None = None
-        # Commands that open or unpark and may not have ended, by id: which, and until when at the
-        # longest (monotonic, s).
-        self._undoes = {night.open.command, night.unpark.command}
-        self._undoing: dict[str, tuple[str, float]] = {}
+        self._undoing = UnendedCommands({night.open.command, night.unpark.command})
         # `night.start` was asked for and `night.end` not yet: an earlier run may have.
         self._begun = bool(self.arming.armed_by)
         self._actions: list[NightAction] = []
-        # From the dark evening on in which it is armed, until the morning is told of it.
-        self._summary: NightSummary | None = None
+        self._report = NightReport(night)
 
     # ── what comes from outside ──
 
@@ -128,31 +123,13 @@ class NightExecutor:
         self._suspend(view, SuspensionCause.PERSON, why)
         self._park(view, _P.DISARMED, why)
 
-    def replace_requests(
-        self,
-        groups: Sequence[RequestGroup],
-        done: Mapping[str, tuple[int, ...]],
-        ended: frozenset[str],
-    ) -> None:
-        """Take what is asked from now on, with what there is of it already."""
-        self._chooser.replace_requests(groups, done, ended)
-
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command or a part ended."""
         if self._steps is not None:
             self._steps.take_answer(answer)
-        if answer.phase is not CommandPhase.UNKNOWN:
-            self._undoing.pop(answer.id, None)
+        self._undoing.take_answer(answer)
         self._observing.take_answer(answer)
         self._darks.take_answer(answer)
-
-    def take_choice(self, choice: NightChoice) -> None:
-        """Take what the planner answers; an answer to an earlier question is passed over."""
-        self._chooser.take_choice(choice)
-
-    def held_requests(self) -> dict[str, float]:
-        """Give what is left alone for a while, until when (s since the epoch, UTC)."""
-        return self._chooser.held_requests()
 
     def night_state(self) -> NightState:
         """Give how it stands, as the hub is told."""
@@ -164,31 +141,20 @@ class NightExecutor:
 
     def update_night(self, view: NightView) -> list[NightAction]:
         """Go on; give what is to be asked and told now."""
-        if self._since is None:
-            self._since = view.time
+        self._since = view.time if self._since is None else self._since
         phase, block = self.phase, self._observing.block
         self._act(view)
         block = self._observing.block or block
-        self._summarise(view, phase, block.request if block is not None else None)
+        self._actions += self._report.pass_time(
+            view,
+            self._actions,
+            request=block.request if block is not None else None,
+            is_armed=bool(self.arming.armed_by),
+            phases=(phase, self.phase),
+        )
         actions, self._actions = self._actions, []
-        for ask in actions:
-            if isinstance(ask, NightCommand) and ask.command in self._undoes:
-                self._undoing[ask.id] = ask.command, view.now + ask.within + GUARD_S
+        self._undoing.add_asked(actions, view.now)
         return actions
-
-    def _summarise(self, view: NightView, phase: NightPhase, request: Request | None) -> None:
-        """Count what the night does, and tell of it when it is over."""
-        if self._summary is None:
-            if not self.arming.armed_by or view.sun > self._night.sun.opening:
-                return
-            self._summary = NightSummary(view.time)
-        self._summary.pass_time(view.time, phase)
-        self._summary.add_actions(self._actions, request)
-        at_rest = self.phase in {_P.DISARMED, _P.FAULT, _P.WAITING}
-        if at_rest and (view.sun > self._night.sun.closing or not self.arming.armed_by):
-            text, good = self._summary.summary_text(), self._summary.is_good
-            self._actions.append(NightEvent("night_ended", text, good=good))
-            self._summary = None
 
     def _act(self, view: NightView) -> None:
         if self.arming.armed_by and not self.arming.holds_at(view.time):
@@ -283,7 +249,7 @@ class NightExecutor:
 
     def _take_darks(self, view: NightView, phase: NightPhase, why: str) -> None:
         """Fill the time with darks; without any left it is spent in ``phase``."""
-        if self._darks.words or not self._chooser.thinks:
+        if self._darks.words or not self.chooser.thinks:
             if not self._begun and self._night.darks is not None:
                 # Darks of a warm chip are worth nothing.
                 self._begun = True
@@ -293,7 +259,7 @@ class NightExecutor:
         self._move(view, _P.CALIBRATING if self._darks.words else phase, why)
 
     def _may_observe(self, view: NightView) -> bool:
-        asked, actions = self._chooser.choose_request(view)
+        asked, actions = self.chooser.choose_request(view)
         self._actions += actions
         return asked is not None
 
@@ -340,7 +306,7 @@ class NightExecutor:
 
     def _go_on_parking(self, view: NightView) -> None:
         if self._steps is None:
-            under_way = {name for name, until in self._undoing.values() if view.now < until}
+            under_way = self._undoing.under_way(view.now)
             steps = closing_steps(
                 self._roof,
                 opens=self._night.open.command in under_way,
@@ -358,7 +324,7 @@ class NightExecutor:
             self._actions.append(NightEvent("night_not_closed", why or "not closed", good=False))
 
     def _finish_parking(self, view: NightView) -> None:
-        self._undoing.clear()
+        self._undoing.forget_all()
         if view.parked is not True:
             why = "the roof is closed, but the telescope is not parked"
             self._actions.append(NightEvent("night_not_parked", why, good=False))
@@ -389,9 +355,6 @@ class NightExecutor:
         if phase is not self.phase:
             self._since = view.time
         self.phase, self.why = phase, why
-
-    def _next_id(self) -> str:
-        return f"{self._prefix}-{next(self._counter)}"
 
 
 def _with_block(

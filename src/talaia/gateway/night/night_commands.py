@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.commands.command_service import CommandService
     from talaia.gateway.night.device_hold import NightHolds
-    from talaia.gateway.night.frame_files import FrameFiles
+    from talaia.gateway.night.frames.frame_files import FrameFiles
     from talaia.gateway.night.imaging.night_star_devices import AskDevice
     from talaia.wire.frames import Scalar
 

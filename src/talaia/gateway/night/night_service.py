@@ -21,7 +21,7 @@ from talaia.clock import SECOND
 from talaia.gateway.commands.request_tasks import RequestTasks
 from talaia.gateway.night.device_hold import NightHolds
 from talaia.gateway.night.executor import NightExecutor
-from talaia.gateway.night.frame_files import FrameFiles
+from talaia.gateway.night.frames.frame_files import FrameFiles
 from talaia.gateway.night.night_calls import NightCalls
 from talaia.gateway.night.night_commands import NightCommands
 from talaia.gateway.night.night_readings import NightReadings
@@ -232,7 +232,9 @@ class NightService:
 
     def _hand_over_requests(self) -> None:
         groups = self._requests.groups
-        self._executor.replace_requests(groups, self._book.frames_done(groups), self._book.ended)
+        self._executor.chooser.replace_requests(
+            groups, self._book.frames_done(groups), self._book.ended
+        )
         self.planner.take_setup(
             PlannerSetup(
                 latitude=self._place.latitude,
@@ -299,14 +301,14 @@ class NightService:
                 time=question.time,
                 done=self._book.frames_done(groups),
                 ended=tuple(sorted(self._book.ended)),
-                held=self._executor.held_requests(),
+                held=self._executor.chooser.held_requests(),
                 seeing=view.seeing,
                 clouds=view.clouds,
             )
         )
 
     def _take_plan(self, answer: PlannerAnswer) -> None:
-        self._executor.take_choice(
+        self._executor.chooser.take_choice(
             NightChoice(answer.number, answer.request, answer.wait_until, answer.reason)
         )
         if answer.plan is not None:

@@ -13,14 +13,16 @@ from talaia.wire.frames import NightPhase
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from talaia.gateway.night.night_values import NightAction
+    from talaia.gateway.night.night_values import NightAction, NightView
+    from talaia.model.night_section import NightSection
     from talaia.model.observing.requests import Request
 
-__all__ = ["NightSummary"]
+__all__ = ["NightReport", "NightSummary"]
 
 # More names, or events, than anybody reads.
 _MOST_NAMED = 12
 _OPEN = frozenset({NightPhase.OPENING, NightPhase.OBSERVING})
+_AT_REST = frozenset({NightPhase.DISARMED, NightPhase.FAULT, NightPhase.WAITING})
 
 
 @dataclass
@@ -114,3 +116,45 @@ def _named(names: list[str]) -> str:
 def _hours(seconds: float) -> str:
     minutes = round(seconds / 60.0)
     return f"{minutes // 60} h {minutes % 60} min" if minutes >= 60 else f"{minutes} min"
+
+
+class NightReport:
+    """Sums up each night that it is armed in, and tells of it when the night is over."""
+
+    def __init__(self, night: NightSection) -> None:
+        """Sum up nights between the Sun's altitudes of the description."""
+        self._sun = night.sun
+        # From the dark evening on in which it is armed, until the morning is told of it.
+        self._summary: NightSummary | None = None
+
+    def pass_time(
+        self,
+        view: NightView,
+        actions: Iterable[NightAction],
+        *,
+        request: Request | None,
+        is_armed: bool,
+        phases: tuple[NightPhase, NightPhase],
+    ) -> list[NightEvent]:
+        """Count what the night does; give the summary when it is over.
+
+        Args:
+            view: how things stand.
+            actions: what the night does now.
+            request: what is being observed.
+            is_armed: whether it runs by itself.
+            phases: in which phase the time until now was spent, and that from now on.
+
+        """
+        if self._summary is None:
+            if not is_armed or view.sun > self._sun.opening:
+                return []
+            self._summary = NightSummary(view.time)
+        before, phase = phases
+        self._summary.pass_time(view.time, before)
+        self._summary.add_actions(actions, request)
+        if phase not in _AT_REST or (is_armed and view.sun <= self._sun.closing):
+            return []
+        text, good = self._summary.summary_text(), self._summary.is_good
+        self._summary = None
+        return [NightEvent("night_ended", text, good=good)]

@@ -19,6 +19,7 @@ __all__ = [
     "altitude_of",
     "arcseconds_between",
     "hour_angle_of",
+    "knows_bodies",
     "place_of_date",
     "sun_altitude",
 ]
@@ -53,7 +54,7 @@ def place_of_date(target: Target | None, time: float, place: Place) -> Equatoria
             jd = astronomy.julian_day(time)
             return astronomy.horizontal_to_equatorial(target.altitude, target.azimuth, here, jd)
         case SolarSystemTarget():
-            return _body_place(target.body, time, place) if _knows_bodies() else None
+            return _body_place(target.body, time, place) if knows_bodies() else None
 
 
 def _star_place(target: IcrsTarget, jd: float) -> EquatorialPlace:
@@ -69,15 +70,15 @@ def _star_place(target: IcrsTarget, jd: float) -> EquatorialPlace:
 
 
 @lru_cache(maxsize=1)
-def _knows_bodies() -> bool:
+def knows_bodies() -> bool:
+    """Tell whether what works out the places of bodies is installed."""
     return importlib.util.find_spec("erfa") is not None
 
 
 def _body_place(body: SolarSystemBody, time: float, place: Place) -> EquatorialPlace:
     mark, past = divmod(time, _BODY_MARK_S)
-    before, after = _body_directions(
-        body, mark * _BODY_MARK_S, place.latitude, place.longitude, place.elevation
-    )
+    where = place.latitude, place.longitude, place.elevation
+    before, after = _body_directions(body, mark * _BODY_MARK_S, where)
     share = past / _BODY_MARK_S
     x, y, z = (a + share * (b - a) for a, b in zip(before, after, strict=True))
     ra = math.degrees(math.atan2(y, x)) % 360.0 / 15.0
@@ -86,13 +87,13 @@ def _body_place(body: SolarSystemBody, time: float, place: Place) -> EquatorialP
 
 @lru_cache(maxsize=64)
 def _body_directions(
-    body: SolarSystemBody, start: float, latitude: float, longitude: float, elevation: float
+    body: SolarSystemBody, start: float, where: tuple[float, float, float]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Give a body's direction (unit vector, equator of date) at a mark and at the next one."""
     # Here, so that nights without such a target do not keep its tables in memory.
     from talaia.planner.sky import TelescopePlace, compute_sky
 
-    sky = compute_sky(TelescopePlace(latitude, longitude, elevation), start, _BODY_MARK_S)
+    sky = compute_sky(TelescopePlace(*where), start, _BODY_MARK_S)
     track = sky.body_track(body)
     return tuple(map(float, track[:, 0])), tuple(map(float, track[:, 1]))
 

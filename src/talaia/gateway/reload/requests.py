@@ -9,19 +9,20 @@ import asyncio
 import hmac
 import logging
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
 from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
 from talaia.gateway.reload.current_description import prepare_description
 from talaia.gateway.reload.discovered_devices import with_kept
+from talaia.gateway.reload.refusals import ChangeRefused, refusal_of
 from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.site_checks import check_site
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.yaml_text.load import site_in
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import ChangePhase, ChangeState, DescriptionProblem
+from talaia.wire.frames import ChangePhase, ChangeState
 from talaia.wire.sealing import decompress_text, seal_of
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.frames import ChangeRequest
 
-__all__ = ["ChangeRefused", "ChangeRequests"]
+__all__ = ["ChangeRequests"]
 
 log = logging.getLogger(__name__)
 # Between two looks at the file, s.
@@ -45,33 +46,8 @@ SLOW_LOOK_S = 10.0
 AGAIN_S = 0.05
 # Zeros last for ten seconds at the most; a device whose zeros never end is not to hold up others.
 LEFT_S = 12.0
-# The wire's bound; a person mends the first of them first.
-MOST_PROBLEMS = 50
 # Ended changes whose answer may be asked for again after a lost link.
 MOST_REMEMBERED = 50
-
-
-class ChangeRefused(NamedTuple):
-    """Why a change does not take place."""
-
-    message: str
-    problems: tuple[Finding, ...] = ()
-
-    def change_state(self, change_id: str) -> ChangeState:
-        """Give what the hub is told."""
-        return ChangeState(
-            id=change_id,
-            phase=ChangePhase.REFUSED,
-            message=self.message[:2000],
-            problems=[
-                DescriptionProblem(
-                    where=problem.where[:2000],
-                    problem=problem.problem[:2000],
-                    remedy=problem.remedy[:2000],
-                )
-                for problem in self.problems[:MOST_PROBLEMS]
-            ],
-        )
 
 
 class ChangeRequests:
@@ -88,6 +64,7 @@ class ChangeRequests:
         send: Callable[[ChangeState], None],
         events: EventSink,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+        slow_look_s: float = SLOW_LOOK_S,
     ) -> None:
         """Judge by what the gateway permits.
 
@@ -100,6 +77,7 @@ class ChangeRequests:
             send: tells the hub.
             events: told what is worth writing down.
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
+            slow_look_s: a look at the file that takes longer is told of.
 
         """
         self._file = file  # None where the description is not from a file; then nothing is watched.
@@ -111,6 +89,7 @@ class ChangeRequests:
         self._send = send  # To the hub.
         self._events = events  # For the record.
         self._on_disk = on_disk  # Runs writes in order.
+        self._slow_look_s = slow_look_s  # A look at the file that takes longer is told of.
         self._turn = asyncio.Lock()  # One change at a time, whether of the file or of the hub.
         self._known: dict[str, ChangeState] = {}  # By id: how asked changes stand, oldest first.
         # What is wrong with the file as it stands now, if anything.
@@ -133,7 +112,7 @@ class ChangeRequests:
             try:
                 text = await self._look_at(self._file)
             except DescriptionError as error:
-                self._report_refused(_refusal_of(error))
+                self._report_refused(refusal_of(error))
                 continue
             if text is not None:
                 await self._follow_text(text)
@@ -141,12 +120,12 @@ class ChangeRequests:
     async def _look_at(self, file: DescriptionFile) -> str | None:
         # A thread that hangs in a system call cannot be ended: it is waited for, and told of once.
         look = asyncio.ensure_future(asyncio.to_thread(file.read_change))
-        done, _ = await asyncio.wait({look}, timeout=SLOW_LOOK_S)
+        done, _ = await asyncio.wait({look}, timeout=self._slow_look_s)
         if done:
             return look.result()
-        what = f"has not been answered for {SLOW_LOOK_S:g} s by where it is kept"
+        what = f"has not been answered for {self._slow_look_s:g} s by where it is kept"
         slow = NotReadable(str(file.path), what, "what counted before goes on")
-        self._report_refused(_refusal_of(slow))
+        self._report_refused(refusal_of(slow))
         text = await look
         log.warning("the description's file is answered again")
         self._clear_problem()
@@ -260,7 +239,7 @@ class ChangeRequests:
         try:
             site = site_in(text, self._file.path)
         except DescriptionError as error:
-            return _refusal_of(error)
+            return refusal_of(error)
         findings = check_site(site)
         if findings:
             return ChangeRefused("the description cannot be used as written", tuple(findings))
@@ -305,8 +284,3 @@ class ChangeRequests:
         file.accept_text(site, text)
         log.info("the description was changed%s", f" by {who}" if who else "")
         return None
-
-
-def _refusal_of(error: DescriptionError) -> ChangeRefused:
-    finding = Finding(error.where, error.problem, error.remedy)
-    return ChangeRefused("the description cannot be used as written", (finding,))

@@ -30,11 +30,17 @@ async def count_until(peer: Peer, heard: Callable[[], object]) -> None:
             await asyncio.sleep(0.2)
 
 
+@pytest.fixture
+def soon_deaf(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Join anew after two seconds without hearing anybody, instead of 22."""
+    monkeypatch.setattr(Deafness, "FIRST", 8)
+
+
+@pytest.mark.usefixtures("soon_deaf")
 async def test_a_gateway_that_hears_nobody_joins_anew_and_hears_again(
-    peer: Peer, ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    peer: Peer, ros_domain: int, tmp_path: Path
 ) -> None:
     # Whether the robot hangs or our own transport does, looks the same.
-    monkeypatch.setattr(Deafness, "FIRST", 8)
     async with (
         fake_hub(addresses_of) as hub,
         running(hub.url, tmp_path / "data", SITE),
@@ -59,10 +65,10 @@ async def test_a_gateway_that_hears_nobody_joins_anew_and_hears_again(
         await count_until(peer, lambda: len(hub.values("base/number")) > before)
 
 
+@pytest.mark.usefixtures("soon_deaf")
 async def test_a_port_of_shared_memory_that_was_made_anew_beside_us_is_heard_after_joining_anew(
-    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ros_domain: int, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(Deafness, "FIRST", 8)
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", SITE):
         await hub.until(lambda: hub.hellos, "a hello")
         # As Fast DDS does it with a port whose reader seems dead: who writes to it makes another.

@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.gateway.night.block_run import FRAME_MARGIN_S
-from talaia.gateway.night.frame_arguments import frame_arguments
+from talaia.gateway.night.frames.frame_arguments import frame_arguments
 from talaia.gateway.night.imaging.star_parts import DeviceFailed
 from talaia.wire.frames import CommandPhase
 

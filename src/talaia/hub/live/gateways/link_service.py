@@ -125,8 +125,7 @@ class LinkService:
         self._attendance = attendance
         self._links = links
         self._admission = admission
-        self._settings = settings
-        self._clock = clock
+        self._settings, self._clock = settings, clock
         # A second gateway with one key is kept out; one that says too much is cut off.
         self._rivals = DuplicateGateways(reporting)
         self._flood_guard = FloodGuard(reporting, clock)

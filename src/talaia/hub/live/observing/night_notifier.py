@@ -77,15 +77,16 @@ class NightNotifier:
     async def run(self) -> None:
         """Write them down until cancelled."""
         while True:
-            notice = await self._waiting.get()
-            while True:
-                try:
-                    async with self._database.write() as connection:
-                        now_us = self._clock.wall_ns() // 1000
-                        told = await add_night_notice(connection, notice, now_us)
-                    break
-                except StoreDown as error:
-                    _LOG.warning("a message about the night of %s waits: %s", notice.site, error)
-                    await asyncio.sleep(_RETRY_S)
-            if told:
+            if await self._add_notice(await self._waiting.get()):
                 self._deliver()
+
+    async def _add_notice(self, notice: NightNotice) -> bool:
+        """Write one down, when the database can; give whether anybody is to be told."""
+        while True:
+            try:
+                async with self._database.write() as connection:
+                    now_us = self._clock.wall_ns() // 1000
+                    return await add_night_notice(connection, notice, now_us)
+            except StoreDown as error:
+                _LOG.warning("a message about the night of %s waits: %s", notice.site, error)
+                await asyncio.sleep(_RETRY_S)

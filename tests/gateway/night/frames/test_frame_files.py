@@ -11,7 +11,7 @@ from night_observatory import example_site
 from talaia.clock import HandClock
 from talaia.gateway.fits.frame_arrivals import FrameArrivals
 from talaia.gateway.fits.outbox import ArchiveOutbox
-from talaia.gateway.night.frame_files import FrameFiles
+from talaia.gateway.night.frames.frame_files import FrameFiles
 from talaia.gateway.night.night_values import StepAnswer
 from talaia.model.site import Site
 from talaia.simulated_time import SimulatedLoop

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.night.frame_arguments import frame_arguments
+from talaia.gateway.night.frames.frame_arguments import frame_arguments
 from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
 
 if TYPE_CHECKING:
