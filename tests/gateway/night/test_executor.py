@@ -264,6 +264,41 @@ def test_a_rapid_request_interrupts_and_the_other_goes_on_behind_it() -> None:
     assert world.frames == ["m31", "burst", "m31", "m31"]
 
 
+def test_a_rapid_request_that_only_the_planner_refuses_interrupts_nothing() -> None:
+    world = planned("m31")
+    world.until(lambda: len(world.frames) == 1)
+    # The planner knows of the Moon beside it; the simplest rules do not.
+    burst = request("burst", frames=1, urgency=Urgency.RAPID_RESPONSE)
+    world.executor.chooser.replace_requests([request("m31"), burst], {"m31": (1,)}, frozenset())
+    world.until(lambda: states(world, "m31")[-1] is S.COMPLETED)
+    assert world.frames == ["m31"] * 3
+    assert S.SUSPENDED not in states(world, "m31")
+
+
+def test_a_rapid_request_that_is_chosen_and_then_refused_interrupts_once_in_a_while() -> None:
+    world = planned()
+    burst = request("burst", frames=1, urgency=Urgency.RAPID_RESPONSE)
+    world.ask(request("m31", frames=200), burst)
+    # A planner that says one thing while a block is under way and another when asked for the next.
+    world.choice = lambda question: "burst" if question.current else "m31"
+    world.until(lambda: bool(world.frames))
+    world.pass_time(1500.0)
+    assert states(world, "m31").count(S.SUSPENDED) == 1
+    assert len(world.frames) > 15
+
+
+def test_a_rapid_request_interrupts_though_the_planner_is_dead() -> None:
+    world = planned("m31")
+    world.until(lambda: len(world.frames) == 1)
+    world.mute_planner = True
+    burst = request("burst", frames=1, urgency=Urgency.RAPID_RESPONSE)
+    world.executor.chooser.replace_requests(
+        [request("m31", frames=9), burst], {"m31": (1,)}, frozenset()
+    )
+    world.until(lambda: "burst" in world.frames, 180.0)
+    assert states(world, "m31")[-1] is S.SUSPENDED
+
+
 def test_a_planner_that_says_nothing_is_done_without_and_said_once() -> None:
     world = planned("m31", "m33")
     world.mute_planner = True

@@ -71,9 +71,12 @@ class ObservingRun:
 
     def update_observing(self, view: NightView, next_id: Callable[[], str]) -> list[NightAction]:
         """Go on; give what is to be asked and told now."""
-        if self.block is not None and (rapid := self._rapid_instead(view)):
-            return self.suspend_block(view, next_id, cause=SuspensionCause.RAPID, why=rapid)
         actions: list[NightAction] = []
+        if self.block is not None:
+            rapid, actions = self._rapid_instead(view, self.block)
+            if rapid:
+                cause = SuspensionCause.RAPID
+                return actions + self.suspend_block(view, next_id, cause=cause, why=rapid)
         if self.block is None:
             asked, actions = self._chooser.choose_request(view)
             if asked is None:
@@ -112,12 +115,12 @@ class ObservingRun:
         )
         return _change(self.block, view, _O.IN_PROGRESS)
 
-    def _rapid_instead(self, view: NightView) -> str:
-        """Say what is to be observed at once instead; empty: nothing."""
+    def _rapid_instead(self, view: NightView, block: BlockRun) -> tuple[str, list[NightAction]]:
+        """Say what is to be observed at once instead, and what to ask; empty: nothing."""
         if self._asked is None or self._asked.urgency is Urgency.RAPID_RESPONSE:
-            return ""
-        rapid = self._chooser.rapid_request(view)
-        return f"{rapid.request.id} is urgent" if rapid is not None else ""
+            return "", []
+        rapid, actions = self._chooser.rapid_request(view, block.request.id)
+        return f"{rapid.request.id} is urgent" if rapid is not None else "", actions
 
     def _judge_block(self, view: NightView, block: BlockRun) -> list[NightAction]:
         name, why = block.request.id, block.why

@@ -29,6 +29,11 @@ __all__ = ["LOOK_S", "RequestChooser"]
 PLANNER_S = 30.0
 # Between two looks whether something may be observed (s).
 LOOK_S = 20.0
+# The same for one that is urgent, while another is observed: what the planner reckons with goes by
+# the minute.
+RAPID_LOOK_S = 60.0
+# A request that has interrupted another interrupts none again for so long, whatever became of it (s).
+RAPID_AGAIN_S = 1800.0
 # Of another's reckoning; see `veto_reason`.
 SLACK = 1.0
 
@@ -51,6 +56,8 @@ class RequestChooser:
         self._done: dict[str, tuple[int, ...]] = {}
         self._ended: set[str] = set()
         self._held: dict[str, float] = {}
+        # Urgent ones that have interrupted another, and interrupt none before (monotonic, s).
+        self._interrupted: dict[str, float] = {}
         self._numbers = itertools.count(1)
         # The question that is open, and until when it is waited for (monotonic, s).
         self._question: tuple[int, float] | None = None
@@ -108,12 +115,48 @@ class RequestChooser:
         if self._question is not None and choice.number == self._question[0]:
             self._choice, self._question = choice, None
 
-    def rapid_request(self, view: NightView) -> AskedRequest | None:
-        """Give a request that is urgent and may be observed now."""
-        for asked in self._asked.values():
-            if asked.urgency is Urgency.RAPID_RESPONSE and not self._veto(asked, view):
-                return asked
-        return None
+    def rapid_request(
+        self, view: NightView, current: str
+    ) -> tuple[AskedRequest | None, list[NightAction]]:
+        """Give a request that is urgent and is to be observed instead of ``current``, if any.
+
+        Only one that the planner would begin now: it knows the Moon, the horizon's outline and the
+        hours of proposals, and what it refuses would interrupt block after block for nothing.
+
+        Returns:
+            The request, and what to ask to know of one.
+
+        """
+        urgent = [
+            asked
+            for asked in self._asked.values()
+            if asked.urgency is Urgency.RAPID_RESPONSE
+            and view.now >= self._interrupted.get(asked.request.id, 0.0)
+            and not self._veto(asked, view)
+        ]
+        if not urgent:
+            self._choice = self._question = None
+            return None, []
+        chosen, actions = self._ask_of_rapid(view, current)
+        found = next((asked for asked in urgent if asked.request.id == chosen), None)
+        if found is not None:
+            self._interrupted[chosen] = view.now + RAPID_AGAIN_S
+        return found, actions
+
+    def _ask_of_rapid(self, view: NightView, current: str) -> tuple[str, list[NightAction]]:
+        """Give what would be begun now, as soon as it is known; empty: nothing, or not yet."""
+        if self._choice is not None:
+            choice, self._choice = self._choice, None
+            self._next_look, self._planner_failed = view.now + RAPID_LOOK_S, False
+            return choice.request, []
+        if self._question is not None:
+            if view.now < self._question[1]:
+                return "", []
+            self._question = None
+            simple, actions = self._choose_simply(view, "the planner does not answer")
+            self._next_look = view.now + RAPID_LOOK_S
+            return simple.request.id if simple is not None else "", actions
+        return "", self._ask_planner(view, current)
 
     def choose_request(self, view: NightView) -> tuple[AskedRequest | None, list[NightAction]]:
         """Give what is to be observed now, if anything is known yet, and what to ask."""
@@ -124,11 +167,15 @@ class RequestChooser:
                 return None, []
             self._question = None
             return self._choose_simply(view, "the planner does not answer")
+        return None, self._ask_planner(view)
+
+    def _ask_planner(self, view: NightView, current: str = "") -> list[NightAction]:
+        """Ask, unless it was asked a moment ago."""
         if view.now < self._next_look:
-            return None, []
+            return []
         number = next(self._numbers)
         self._question = number, view.now + PLANNER_S
-        return None, [PlanQuestion(number, view.time)]
+        return [PlanQuestion(number, view.time, current)]
 
     def _judge_choice(
         self, view: NightView, choice: NightChoice
