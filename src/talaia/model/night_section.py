@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-import msgspec
-
 from talaia.model.base import Shape
 from talaia.model.interlocks.enclosure import Sighting  # noqa: TC001 - msgspec reads it
 from talaia.model.interlocks.interlock import Step  # noqa: TC001 - msgspec reads it
@@ -25,7 +23,6 @@ __all__ = [
     "NightLinkLoss",
     "NightSection",
     "NightSun",
-    "NightTimes",
     "SlewCommand",
 ]
 
@@ -169,41 +166,6 @@ class NightDarks(Shape, frozen=True, kw_only=True):
     count: int = 5
 
 
-class NightTimes(Shape, frozen=True, kw_only=True):
-    """How long the telescope takes for what stands between exposures; see `Instrument`.
-
-    Attributes:
-        slew_rate: of the slower axis (°/s).
-        settle: after a slew (s).
-        acquire: to centre on a new field (s).
-        filter_change: (s).
-        readout: after each frame (s).
-        unpark: (s).
-        meridian_flip: (s); 0: a mount that needs none.
-        focus_run: (s).
-        horizon: lowest altitude anywhere (°).
-        horizon_mask: points of azimuth and altitude (°), joined by lines, round the compass.
-        dome_rate: of a dome that turns (°/s); 0: none, or it does not turn.
-
-    """
-
-    slew_rate: float = 3.0
-    settle: float = 3.0
-    acquire: float = 20.0
-    filter_change: float = 8.0
-    readout: float = 5.0
-    unpark: float = 20.0
-    meridian_flip: float = 75.0
-    focus_run: float = 120.0
-    horizon: float = 15.0
-    horizon_mask: tuple[tuple[float, float], ...] = ()
-    dome_rate: float = 0.0
-
-    def as_instrument(self) -> Instrument:
-        """Give them as the planner takes them."""
-        return Instrument(**msgspec.structs.asdict(self))
-
-
 class NightSection(Shape, frozen=True, kw_only=True):
     """How a site observes by itself, once somebody has armed it.
 
@@ -225,7 +187,7 @@ class NightSection(Shape, frozen=True, kw_only=True):
         clouds: address of the cloud cover (%), or empty.
         seeing: address of the seeing (FWHM, ″), or empty.
         sun: see `NightSun`.
-        times: see `NightTimes`.
+        times: how long the telescope takes; see `Instrument`.
         step_tries: a step of a block that fails is tried so often in all.
         failure_limit: so many different targets that fail one after the other are a fault of a
             device: it parks, closes and calls somebody.
@@ -251,7 +213,7 @@ class NightSection(Shape, frozen=True, kw_only=True):
     clouds: str = ""
     seeing: str = ""
     sun: NightSun = NightSun()
-    times: NightTimes = NightTimes()
+    times: Instrument = Instrument()
     step_tries: int = 2
     failure_limit: int = 3
     hand_over: float = 300.0

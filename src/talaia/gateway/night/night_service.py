@@ -240,7 +240,7 @@ class NightService:
                 latitude=self._place.latitude,
                 longitude=self._place.longitude,
                 elevation=self._place.elevation,
-                instrument=self._night.times.as_instrument(),
+                instrument=self._night.times,
                 proposals=self._requests.proposals,
                 groups=groups,
             )
@@ -312,7 +312,7 @@ class NightService:
             NightChoice(answer.number, answer.request, answer.wait_until, answer.reason)
         )
         if answer.plan is not None:
-            instrument = self._night.times.as_instrument()
+            instrument = self._night.times
             self._plan = NightPlan(
                 plan=answer.plan, why_not=list(answer.why_not), instrument=instrument
             )

@@ -49,7 +49,7 @@ class RequestChooser:
     def __init__(self, night: NightSection, place: Place) -> None:
         """Begin with nothing asked."""
         filters = frozenset(night.filter.filters if night.filter is not None else ())
-        times = night.times.as_instrument()
+        times = night.times
         self._limits = NightLimits(place, times, night.sun.observing, filters)
         self._asked: dict[str, AskedRequest] = {}
         # Frames read out, in all tries; what has ended; what is not tried before (UTC, s).

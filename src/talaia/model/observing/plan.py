@@ -6,11 +6,13 @@ from enum import StrEnum
 
 import msgspec
 
+from talaia.model.base import Shape
+
 __all__ = ["Instrument", "Plan", "PlannedBlock", "VetoCause", "WhyNot"]
 
 
-class Instrument(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """How long a telescope takes for what stands between exposures.
+class Instrument(Shape, frozen=True, kw_only=True):
+    """How long a telescope takes for what stands between exposures: `times` of a night.
 
     Attributes:
         slew_rate: of the slower axis (°/s).

@@ -27,7 +27,7 @@ def is_observatory(site: Site) -> bool:
 
 def instrument_of(site: Site) -> Instrument:
     """Give how long its telescope takes for what stands between exposures."""
-    return site.night.times.as_instrument() if site.night is not None else Instrument()
+    return site.night.times if site.night is not None else Instrument()
 
 
 def filters_of(site: Site) -> tuple[str, ...] | None:
