@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
 import pytest
 from msgspec.structs import replace
 
@@ -19,7 +18,6 @@ from talaia.model.night_section import (
     NightDarks,
     NightSection,
     NightSun,
-    NightTimes,
     SlewCommand,
 )
 from talaia.model.observing.plan import Instrument
@@ -82,8 +80,8 @@ def test_the_examples_observe_by_themselves_and_fit(example: str) -> None:
         ({"clouds": "dome/shutter"}, "$.night.clouds"),
         ({"sun": NightSun(opening=-5.0)}, "$.night.sun"),
         ({"sun": NightSun(observing=float("nan"))}, "$.night.sun"),
-        ({"times": NightTimes(slew_rate=0.0)}, "$.night.times.slew_rate"),
-        ({"times": NightTimes(horizon=-3.0)}, "$.night.times.horizon"),
+        ({"times": Instrument(slew_rate=0.0)}, "$.night.times.slew_rate"),
+        ({"times": Instrument(horizon=-3.0)}, "$.night.times.horizon"),
         ({"step_tries": 0}, "$.night.step_tries"),
         ({"failure_limit": 0}, "$.night.failure_limit"),
         ({"hand_over": -1.0}, "$.night.hand_over"),
@@ -104,13 +102,6 @@ def test_nobody_observes_by_night_where_no_place_is_known() -> None:
     # Without a place neither night nor day is known, nor where a telescope may point.
     site = replace(observatory(), place=None)
     assert "$.night" in [finding.where for finding in check_site(site)]
-
-
-def test_the_times_of_the_description_are_those_of_the_planner() -> None:
-    names = [field.name for field in msgspec.structs.fields(Instrument)]
-    assert [field.name for field in msgspec.structs.fields(NightTimes)] == names
-    assert NightTimes().as_instrument() == Instrument()
-    assert NightTimes(slew_rate=1.5).as_instrument().slew_rate == 1.5
 
 
 def test_what_the_night_goes_by_stays_at_hand_as_what_safety_goes_by() -> None:
