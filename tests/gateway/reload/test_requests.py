@@ -1,8 +1,9 @@
-"""A description's file whose disk does not answer for a while."""
+"""Hostile and stalled files as a description, or beside it: following goes on."""
 
 from __future__ import annotations
 
 import asyncio
+import os
 import threading
 from typing import TYPE_CHECKING, cast
 
@@ -37,6 +38,23 @@ class Events:
         pass
 
 
+def requests_of(
+    file: DescriptionFile, told: asyncio.Queue[ChangeState], slow_look_s: float = 30.0
+) -> ChangeRequests:
+    return ChangeRequests(
+        file=file,
+        accepts=AcceptedChanges.NO,
+        key_hash="",
+        data=file.path.parent,
+        # No text that these tests write gets as far as that.
+        reload=cast("DescriptionReload", None),
+        send=told.put_nowait,
+        events=Events(),
+        on_disk=asyncio.to_thread,
+        slow_look_s=slow_look_s,
+    )
+
+
 async def test_a_file_whose_disk_does_not_answer_is_told_of_once_and_followed_again(
     tmp_path: Path,
 ) -> None:
@@ -44,18 +62,7 @@ async def test_a_file_whose_disk_does_not_answer_is_told_of_once_and_followed_ag
     path.write_text("talaia: 1")
     file = StalledFile(path)
     told: asyncio.Queue[ChangeState] = asyncio.Queue()
-    requests = ChangeRequests(
-        file=file,
-        accepts=AcceptedChanges.NO,
-        key_hash="",
-        data=tmp_path,
-        # No text that this test writes gets as far as that.
-        reload=cast("DescriptionReload", None),
-        send=told.put_nowait,
-        events=Events(),
-        on_disk=asyncio.to_thread,
-        slow_look_s=0.2,
-    )
+    requests = requests_of(file, told, 0.2)
     following = asyncio.create_task(requests.watch_file())
     try:
         slow = await asyncio.wait_for(told.get(), 30.0)
@@ -71,3 +78,41 @@ async def test_a_file_whose_disk_does_not_answer_is_told_of_once_and_followed_ag
     finally:
         file.answers.set()
         following.cancel()
+
+
+async def test_a_number_of_thousands_of_digits_is_refused_and_the_file_is_followed_on(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_text("talaia: 1")
+    told: asyncio.Queue[ChangeState] = asyncio.Queue()
+    following = asyncio.create_task(requests_of(DescriptionFile(path), told).watch_file())
+    try:
+        path.write_text("talaia: 0x" + "f" * 5_000)
+        assert "64 bits" in str(await asyncio.wait_for(told.get(), 30.0))
+        path.write_text("site: [")
+        assert "64 bits" not in str(await asyncio.wait_for(told.get(), 30.0))
+    finally:
+        following.cancel()
+
+
+async def test_a_pipe_beside_the_description_is_refused_and_holds_up_no_other_change(
+    tmp_path: Path,
+) -> None:
+    path, pipe = tmp_path / "site.yaml", tmp_path / "commands.json"
+    path.write_text("talaia: 1")
+    told: asyncio.Queue[ChangeState] = asyncio.Queue()
+    following = asyncio.create_task(requests_of(DescriptionFile(path), told).watch_file())
+    try:
+        os.mkfifo(pipe)
+        path.write_text(
+            "talaia: 1\nsite: a\nname: A\ndevices: {}\n"
+            "connections: {old: {kind: process, file: commands.json}}\n"
+        )
+        assert "is not a file" in str(await asyncio.wait_for(told.get(), 30.0))
+        path.write_text("site: [")
+        assert "is not a file" not in str(await asyncio.wait_for(told.get(), 30.0))
+    finally:
+        following.cancel()
+        # Whoever waits for a writer has one now: a test that fails ends, too.
+        os.close(os.open(pipe, os.O_RDWR | os.O_NONBLOCK))

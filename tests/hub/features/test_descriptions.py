@@ -7,6 +7,7 @@ import hashlib
 from itertools import count
 
 import numpy as np
+import pytest
 from patience import PATIENCE_S
 
 from talaia.model.yaml_text.load import dump_site, load_site
@@ -226,6 +227,18 @@ async def test_form_edit_keeps_comments_and_order(hub) -> None:
     assert edited["text"].startswith("# The workshop's robot.")
     assert "speed:  # by the wheels" in edited["text"]
     assert "maximum: 2.0" in edited["text"]
+
+
+@pytest.mark.parametrize("number", ["{}", "[1, {}]", "{{? {} : 1}}"])
+async def test_number_of_thousands_of_digits_is_a_finding_with_its_place(hub, number) -> None:
+    gateway, admin = await hub.gateway(), await hub.client("admin")
+    await greet(gateway)
+    text = FIRST.replace("talaia: 1", f"talaia: {number.format('0x' + 'f' * 5_000)}")
+    assert text != FIRST
+    answer = await admin.post(f"{AT}/check", json={"text": text})
+    assert answer.status_code == 200, answer.text
+    assert "64 bits" in answer.json()["findings"][0]["problem"]
+    assert answer.json()["findings"][0]["line"]
 
 
 async def test_description_as_large_as_one_may_be_is_read_and_a_larger_one_is_not(hub) -> None:

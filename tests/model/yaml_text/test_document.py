@@ -8,10 +8,11 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.model.yaml_text.document import document_of
 
+whole = st.integers(-(2**63), 2**64 - 1)
 plain = (
     st.none()
     | st.booleans()
-    | st.integers()
+    | whole
     | st.floats(allow_nan=False)
     | st.text(max_size=20)
     | st.dates()
@@ -20,7 +21,11 @@ values = st.recursive(
     plain,
     lambda inner: (
         st.lists(inner, max_size=4)
-        | st.dictionaries(st.text(max_size=8) | st.integers() | st.booleans(), inner, max_size=4)
+        | st.dictionaries(
+            st.text(max_size=8) | whole | st.booleans(),
+            inner,
+            max_size=4,
+        )
     ),
     max_leaves=20,
 )
@@ -73,6 +78,14 @@ def test_an_alias_is_what_its_anchor_is() -> None:
         ("a: !!timestamp x", "is not of"),
         ("[" * 100, "nested deeper"),
         ("a: 2001-99-99", "is not of"),
+        ("talaia: 0x" + "f" * 5_000, "64 bits"),
+        ("a: [1, 0x" + "f" * 5_000 + "]", "64 bits"),
+        ("? 0x" + "f" * 5_000 + "\n: a", "64 bits"),
+        ("a: 18446744073709551616", "64 bits"),
+        ("a: -9223372036854775809", "64 bits"),
+        ("a: !!int 0b" + "1" * 65, "64 bits"),
+        # To the base of 60: quadratic in its digits, half a minute of them in one text.
+        ("a: 1" + ":1" * 100_000, "64 bits"),
     ],
 )
 def test_what_no_description_needs_is_refused_with_its_place(text: str, said: str) -> None:

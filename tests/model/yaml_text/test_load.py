@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import suppress
 from pathlib import Path
 
@@ -117,6 +118,28 @@ def test_a_file_that_is_not_text_says_so(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(NotReadable, match="UTF-8"):
         read_site(path)
+
+
+def test_a_file_that_is_too_long_is_refused_and_not_read_whole(tmp_path: Path) -> None:
+    path = tmp_path / "site.yaml"
+    with path.open("wb") as file:
+        file.truncate(2**40)
+    with pytest.raises(NotReadable, match="longer than 4 MiB"):
+        read_site(path)
+
+
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
+def test_what_is_no_file_is_refused_as_a_description_and_beside_one(make, tmp_path: Path) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_text(
+        "talaia: 1\nsite: a\nname: A\n"
+        "connections: {old: {kind: process, file: commands.json}}\ndevices: {}\n"
+    )
+    make(tmp_path / "commands.json")
+    make(tmp_path / "other.yaml")
+    for tried in (path, tmp_path / "other.yaml"):
+        with pytest.raises(NotReadable, match="is not a file"):
+            read_site(tried)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "3", "just words", "a: &a [*a]", "? {a: 1}\n: 2"])

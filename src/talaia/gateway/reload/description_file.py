@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from typing import TYPE_CHECKING
 
 from talaia.gateway.persistence import write_whole
@@ -43,7 +42,7 @@ class DescriptionFile:
         self._seen = self._file_marks()
         # Marks of what was given out or counts; a change is one from these.
         self._settled = self._seen
-        self.text = _text_of_file(path)
+        self.text = text_of(path)
 
     @property
     def digest(self) -> str:
@@ -81,7 +80,7 @@ class DescriptionFile:
         # Told as an error: the gateway goes on by what it knows.
         if marks[0] is None:
             raise NotReadable(str(self.path), "is not there any more", "put it back")
-        return _text_of_file(self.path)
+        return text_of(self.path)
 
     def write_text(self, text: str) -> None:
         """Put another text in the file's place; a crash leaves the old or the new.
@@ -101,13 +100,6 @@ class DescriptionFile:
 
     def _file_marks(self) -> list[_Mark]:
         return [_file_mark(path) for path in (self.path, *self._beside)]
-
-
-def _text_of_file(path: Path) -> str:
-    # To open a pipe waits until somebody writes into it, which may be never.
-    if path.exists() and not stat.S_ISREG(path.stat().st_mode):
-        raise NotReadable(str(path), "is not a file", "put the description's file there")
-    return text_of(path)
 
 
 def _file_mark(path: Path) -> _Mark:

@@ -26,9 +26,15 @@ Key: TypeAlias = "str | int | float | bool"
 MAX_DEPTH = 64
 # What aliases may grow a text to, in values.
 MAX_VALUES = 4_000_000
+# Whole numbers have 64 bits, with a sign or without: no signal has larger ones, and Python writes
+# none of more than 4 300 digits, also not into a sentence about it.
+LEAST_INT, GREATEST_INT = -(2**63), 2**64 - 1
+# More than any way to write 64 bits (in twos: 64 digits, underscores between them, and a prefix).
+MAX_DIGITS = 200
+_TOO_LARGE = "the whole number is larger than 64 bits hold"
 _Loader = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
 _TAG = "tag:yaml.org,2002:"
-_STR = _TAG + "str"
+_STR, _INT = _TAG + "str", _TAG + "int"
 _PLAIN = {_TAG + tag for tag in ("null", "bool", "int", "float", "str", "binary", "timestamp")}
 _MAPPING, _SEQUENCE = (None, "!", _TAG + "map"), (None, "!", _TAG + "seq")
 
@@ -163,12 +169,18 @@ class _Document:
     def _value_of_tag(self, tag: str, event: yaml.ScalarEvent) -> Value:
         if tag not in _PLAIN:
             raise _yaml_error(f"the tag {tag} has no meaning here", event)
+        if tag == _INT and len(event.value) > MAX_DIGITS:
+            # Before it is worked out: PyYAML reads numbers to the base of 60, each digit slower.
+            raise _yaml_error(_TOO_LARGE, event)
         node = yaml.ScalarNode(tag, event.value)
         try:
-            return self._parser.construct_object(node)
+            value = self._parser.construct_object(node)
         except (ValueError, LookupError, AttributeError, OverflowError) as error:
             # PyYAML trusts that whoever writes a tag also writes what it means.
             raise _yaml_error(f"{event.value[:80]!r} is not of {tag}", event) from error
+        if isinstance(value, int) and not LEAST_INT <= value <= GREATEST_INT:
+            raise _yaml_error(_TOO_LARGE, event)
+        return value
 
 
 def _yaml_error(problem: str, event: object) -> yaml.MarkedYAMLError:

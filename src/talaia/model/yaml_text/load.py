@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import stat
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -79,8 +81,10 @@ def _with_files(site: Site, folder: Path) -> Site:
         if not isinstance(connection, ProcessConnection) or not connection.file:
             continue
         path = folder / connection.file
+        # Where it cannot be read is its path already.
+        text = text_of(path)
         try:
-            found = read_classic(text_of(path), name)
+            found = read_classic(text, name)
         except DescriptionError as error:
             where = f"{path}: {error.where}"
             raise DescriptionError(where, error.problem, error.remedy) from error
@@ -94,14 +98,14 @@ def _with_files(site: Site, folder: Path) -> Site:
 
 
 def text_of(path: Path) -> str:
-    """Read a description's file.
+    """Read a description's file, or one that it takes in.
 
     Raises:
-        NotReadable: it cannot be read, or is no text.
+        NotReadable: it cannot be read, is no file (a pipe, a folder), is too long, or is no text.
 
     """
     try:
-        data = path.read_bytes()
+        data = _bytes_of(path)
     except OSError as error:
         reason = error.strerror or str(error)
         raise NotReadable(str(path), f"cannot be read: {reason}") from error
@@ -111,6 +115,22 @@ def text_of(path: Path) -> str:
         problem = f"is not UTF-8 text (byte {error.start})"
         raise NotReadable(str(path), problem, "save it as UTF-8") from error
     return text
+
+
+def _bytes_of(path: Path) -> bytes:
+    # Not blocking: to open a pipe waits until somebody writes into it, which may be never.
+    number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        # Asked of what is open: the name may be given to something else between two questions.
+        if not stat.S_ISREG(os.fstat(number).st_mode):
+            raise NotReadable(str(path), "is not a file", "put the file there")
+        with open(number, "rb", closefd=False) as file:
+            data = file.read(MAX_BYTES + 1)
+    finally:
+        os.close(number)
+    if len(data) > MAX_BYTES:
+        raise NotReadable(str(path), f"is longer than {MAX_BYTES // 1024 // 1024} MiB")
+    return data
 
 
 def load_site(text: str) -> Site:
