@@ -94,6 +94,8 @@ def make_field(
     """Gather what a search needs of some visits."""
     problem = progress.problem
     table = problem.table
+    # The last line is the way from where the telescope points now, so that the first visit of a
+    # plan is looked up as any other.
     between = np.empty((len(rows) + 1, len(rows)), np.int64)
     between[:-1] = overhead_matrix(problem, rows)
     between[-1] = overheads_from(problem, progress.pointing, rows)
@@ -124,17 +126,24 @@ class _Pool:
     """Partial plans that wait in buckets, by the time at which they end."""
 
     def __init__(self, buckets: int, room: int) -> None:
+        # How many plans wait in each bucket; what lies beyond means nothing.
         self.counts = np.zeros(buckets, np.int64)
+        # Of each bucket. Four times what one step can bring: more would be chosen from for nothing.
         self._room = room
+        # When each plan ends, and when its last visit begins (s of the night).
         self.end = np.zeros((buckets, room), np.int64)
         self.start = np.zeros((buckets, room), np.int64)
+        # The visit that it ends with, and the number of the kept plan that it extends.
         self.last = np.zeros((buckets, room), np.int64)
         self.parent = np.zeros((buckets, room), np.int64)
+        # What it earns beyond the prices of its time.
         self.score = np.zeros((buckets, room))
+        # Which visits it has, as one number; see `_Search`.
         self.mark = np.zeros((buckets, room), np.uint64)
 
     def insert(self, bucket: Ints, columns: tuple[NDArray[np.generic], ...]) -> None:
         """Add plans to their buckets; what has no room is dropped."""
+        # Grouped by bucket: how far each stands behind the first of its group is its place there.
         order = np.argsort(bucket, kind="stable")
         sorted_bucket = bucket[order]
         first = np.searchsorted(sorted_bucket, sorted_bucket)
@@ -149,6 +158,7 @@ class _Pool:
     def select(self, bucket: int, width: int) -> Ints:
         """Give the places of the best plans of a bucket, no two of the same visits."""
         count = int(self.counts[bucket])
+        # Three times as many as are kept: the same visits in another order often end together.
         order = np.argsort(-self.score[bucket, :count])[: 3 * width]
         _, first = np.unique(self.mark[bucket, order], return_index=True)
         return np.asarray(order[np.sort(first)[:width]])
@@ -171,23 +181,31 @@ class _Search:
         self._field, self._shape, self._second = field, shape, second
         self._horizon = min(progress.problem.length_s, second + shape.horizon_s)
         count = len(field.rows)
+        # One more for what ends after the last whole bucket, one for the night's very end.
         buckets = (progress.problem.length_s - second) // shape.bucket_s + 2
         self._pool = _Pool(buckets, shape.width * shape.branches * 4)
+        # All plans that can ever be kept, and the empty one that all begin with.
         most = buckets * shape.width + 1
+        # Of each kept plan: which visits it has, and what it spent of each allocation (s).
         self._used = np.zeros((most, count), np.bool_)
         self._spent = np.zeros((most, len(field.left)))
+        # Of each: the plan that it extends, its visit, begin and end: the way back at the end.
         self._steps = np.zeros((most, 4), np.int64)
         self._states = 0
+        # The best total so far, and the number of its plan; 0 is the plan that does nothing.
         self._best = (-np.inf, 0)
         # One random number for each visit: the sum over a plan says which visits it has.
         self._marks = np.random.default_rng(1).integers(1, 2**63, count, dtype=np.uint64)
+        # To the night's end nothing is left to be priced: what a plan is worth is what counts.
         self._whole_night = self._horizon >= progress.problem.length_s
         self._worth = np.zeros(most)
+        # Candidates that wait for another one; mostly there are none, and nothing is looked up.
         self._in_order = np.flatnonzero(field.after >= 0)
 
     def run(self) -> tuple[OrderedVisit, ...]:
         count = len(self._field.rows)
         self._states = 1
+        # The empty plan: `count` is the line of `between` that begins where the telescope points.
         self._steps[0] = (-1, count, self._second, self._second)
         self._extend(
             np.array([0]),
@@ -197,7 +215,9 @@ class _Search:
             mark=np.zeros(1, np.uint64),
         )
         pool, shape = self._pool, self._shape
+        # Plans that end beyond the horizon are finished, but not extended.
         last = (self._horizon - self._second) // shape.bucket_s
+        # One pass, for time goes on; what ends in the bucket that it began in is dropped.
         for bucket in range(len(pool.counts)):
             if not pool.counts[bucket]:
                 continue
@@ -235,6 +255,7 @@ class _Search:
             total = self._worth[number]
         else:
             prices = self._field.prices
+            # Time that a plan leaves free up to the horizon has its price, and never earns by it.
             rest = prices.until(np.array([self._horizon])) - prices.until(end)
             total = score - np.maximum(rest, 0.0)
         best = int(np.argmax(total))
@@ -251,10 +272,12 @@ class _Search:
         mark: NDArray[np.uint64],
     ) -> None:
         field = self._field
+        # All plans of the bucket by all candidates at once: one matrix for each quantity.
         begin = end[:, None] + field.between[last]
         start = self._feasibility.earliest_starts(field.rows[None, :], begin)
         finish = start + field.blocks
         never = start >= NEVER
+        # Any mark that may be looked up; these are ruled out below.
         start[never] = 0
         paid = field.prices.until(finish) - field.prices.until(end)[:, None]
         gain = field.values * field.weights.take(start // MARK_S) - field.rents - paid
@@ -262,14 +285,19 @@ class _Search:
         if self._in_order.size:
             before = field.after[self._in_order]
             never[:, self._in_order] |= ~self._used[number][:, before]
+        # What rounding leaves is no reason to refuse the last block of an allocation.
         spent = self._spent[number][:, field.proposal] + field.blocks
         never |= spent > field.left[field.proposal] + 1e-6
         gain[never] = -np.inf
+        # Between gain for each second, which favours short visits, and gain alone, which favours
+        # long ones.
         key = gain / np.sqrt(finish - end[:, None])
+        # Which are the best few, not in which order: they need not be sorted.
         branches = min(self._shape.branches, key.shape[1])
         child = np.argpartition(-key, branches - 1, axis=1)[:, :branches]
         plan = np.repeat(np.arange(len(number)), branches)
         child = child.ravel()
+        # Where fewer are possible than branches are asked for, the rest were ruled out.
         good = gain[plan, child] > -np.inf
         plan, child = plan[good], child[good]
         ends = finish[plan, child]
@@ -287,6 +315,7 @@ class _Search:
 
     def _trace(self, number: int) -> tuple[OrderedVisit, ...]:
         steps = []
+        # Number 0 is the empty plan.
         while number > 0:
             parent, visit, start, end = (int(part) for part in self._steps[number])
             steps.append(OrderedVisit(int(self._field.rows[visit]), start, end))

@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = ["RestBound", "bound_value"]
 
+# Marks of a minute in one slot of the program.
 _SLOT_MARKS = 5
+# Visits in the program; its prices are then applied to all others, too.
 _IN_PROGRAM = 500
+# Fields nearer than 0.01° count as one: nothing is slewed and centred between them.
 _FIELDS_PER_DEGREE = 100
 
 
@@ -51,12 +54,15 @@ class RestBound:
 
     def __init__(self, progress: NightProgress) -> None:
         """Bound what ``progress`` leaves to be done."""
+        # Read anew each time: what is done and used by then.
         self._progress = progress
+        # Of slots, of the whole time and of allocations; None until first asked.
         self._prices: tuple[Floats, float, Floats] | None = None
 
     def value(self, second: int) -> float | None:
         """Give what no plan from a second on is worth more than; none: scipy is not there."""
         progress = self._progress
+        # What is over counts as closed.
         problem, gone = progress.problem, [(0, max(0, second) // MARK_S * MARK_S)]
         allowed = progress.feasibility.run_end >= 0
         if not len(allowed):
@@ -64,6 +70,7 @@ class RestBound:
         open_marks = _open_marks(allowed.shape[1], gone)
         program = _make_program(problem, allowed & open_marks, gone)
         program = program._replace(
+            # Done is worth nothing more, but stays a column: the prices are by column.
             values=np.where(progress.done, 0.0, program.values),
             left=np.maximum(0.0, program.left - progress.used_s),
         )
@@ -112,6 +119,7 @@ def bound_value(
         return 0.0
     chosen = order[:_IN_PROGRAM]
     best = np.inf
+    # What the first prices still find worth its time comes into the program, once.
     for _ in range(2):
         prices = _solve(program, chosen)
         bound, gains = _dual_bound(program, possible, prices)
@@ -141,14 +149,17 @@ def _make_program(
 ) -> _Program:
     table = problem.table
     marks = covered.shape[1]
+    # Without resuming a block must be whole, and its minutes lie inside a run that holds it.
     if not problem.resume:
         covered = _inside_blocks(covered, table.block_s)
+    # The last slot is filled up with marks at which nothing is possible.
     padding = -marks % _SLOT_MARKS
     is_open = np.pad(_open_marks(marks, closed), (0, padding))
     slots = is_open.reshape(-1, _SLOT_MARKS).sum(1) * float(MARK_S)
     by_slot = np.pad(covered, ((0, 0), (0, padding)))
     by_slot = by_slot.reshape(len(covered), -1, _SLOT_MARKS).sum(2) * float(MARK_S)
     by_slot = np.minimum(by_slot, slots)
+    # Time at which nothing can be observed is no time that any plan could sell.
     usable = np.minimum(slots, by_slot.max(axis=0))
     overheads = _least_overheads(problem)
     return _Program(
@@ -201,6 +212,7 @@ def _solve(program: _Program, chosen: Ints) -> tuple[Floats, float, Floats]:
     visit = chosen[index]
     count, slots = len(chosen), len(program.slots)
     column = np.arange(len(visit))
+    # A visit that is split pays its overhead in parts, in proportion: less than any real plan.
     stretch = 1.0 + program.overheads[visit] / program.blocks[visit]
     one = np.ones(len(visit))
     rows: list[Ints] = [index, count + slot, np.full(len(visit), count + slots)]
@@ -221,6 +233,7 @@ def _solve(program: _Program, chosen: Ints) -> tuple[Floats, float, Floats]:
         bounds=np.stack([np.zeros(len(visit)), program.covered[visit, slot]], axis=1),
         method="highs",
     )
+    # Prices are never negative; the solver's rounding may be.
     dual = np.maximum(0.0, -np.asarray(solved.ineqlin.marginals))
     return dual[count : count + slots], float(dual[count + slots]), dual[count + slots + 1 :]
 
@@ -235,6 +248,7 @@ def _dual_bound(
     earned = rate[:, None] - slot_price - (total_price * stretch)[:, None]
     earned -= allocation[program.proposal][:, None]
     earned = np.where((program.covered > 0.0) & possible[:, None], earned, 0.0)
+    # Each visit takes its best slots first, up to its block: the inner maximum of the dual.
     order = np.argsort(-earned, axis=1)
     best = np.maximum(np.take_along_axis(earned, order, 1), 0.0)
     room = np.take_along_axis(program.covered, order, 1)

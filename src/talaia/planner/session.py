@@ -69,10 +69,14 @@ class PlanningSession:
         effort: Effort = PROMPT,
     ) -> None:
         """Begin a night: the roof counts as open, the telescope as parked."""
+        # What is done, what points where and whether the roof is open: shared with what follows.
         self._progress = NightProgress(problem)
         self._problem = problem
+        # Keeps its best plan from one question to the next, and begins with it.
         self._search = NightSearch(self._progress, outlook, fairness)
+        # How much a decision may search; `improve` has its own measure.
         self._effort = effort
+        # Solved when a plan is first asked for, not with each decision.
         self._bound = RestBound(self._progress)
         # Whether something has happened since the last search.
         self._changed = True
@@ -118,6 +122,7 @@ class PlanningSession:
             self._progress.shorten_visit(row, seconds_left)
         elif frames_done is not None:
             self._progress.keep_frames(row, frames_done)
+        # The telescope still points there: going on at once costs no slew.
         self._progress.pointing = self._progress.pointing_at(row)
 
     def hold_request(self, request: str, time: float, seconds: float = _HOLD_S) -> None:
@@ -148,6 +153,7 @@ class PlanningSession:
         end = self._problem.unix(self._problem.length_s)
         if not self._progress.open:
             return Decision("", time, end, f"the roof is closed: {self._progress.closed_why}")
+        # Before any search: seconds count, and nothing else may come first.
         rapid = self._rapid_choice(second)
         if rapid is not None:
             return rapid
@@ -155,11 +161,13 @@ class PlanningSession:
         self._changed = False
         if not plan:
             start = soonest_start(self._progress, second)
+            # Asked again a mark later at the soonest: constraints are known for whole marks.
             until = end if start >= NEVER else self._problem.unix(max(start, second + MARK_S))
             return Decision("", time, until, "nothing may be observed now")
         first = plan[0]
         lead = int(overheads_from(self._problem, self._progress.pointing, np.array([first.row]))[0])
         name = self._problem.table.visits[first.row].id
+        # Set out only when it may begin: meanwhile something better may come.
         if first.start - lead > second + _LONGEST_IDLE_S:
             until = self._problem.unix(first.start - lead)
             return Decision("", time, until, f"{name} is next, and may not begin yet")
@@ -183,6 +191,7 @@ class PlanningSession:
         if not rows.size:
             return None
         start, rate, overhead = rank_now(self._progress, second, rows)
+        # One that has to wait for its sky is planned as any other, or the telescope would idle.
         rate = np.where(start - second - overhead <= MARK_S, rate, -1.0)
         best = int(np.argmax(rate))
         if rate[best] <= 0.0:
@@ -200,6 +209,7 @@ class PlanningSession:
         """Tell whether a request that has just come interrupts the one that is observed."""
         row, under_way = self._row(rapid), self._row(current)
         urgency = self._problem.table.urgency
+        # Of two rapid ones the first goes on: they would interrupt each other for ever.
         if urgency[row] != RAPID or urgency[under_way] == RAPID or not self._progress.open:
             return False
         second = self._problem.second(time)
@@ -221,6 +231,7 @@ class PlanningSession:
             self.improve(time)
         blocks, before, pointing = [], second, self._progress.pointing
         for step in self._search.plan:
+            # What was done since the search, or is over: the rest of its plan still holds.
             if self._progress.done[step.row] or step.end <= second:
                 continue
             lead = overheads_from(problem, pointing, np.array([step.row]))[0]

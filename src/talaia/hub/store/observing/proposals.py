@@ -139,6 +139,7 @@ class ProposalStore:
                     site=proposal.site, proposal=proposal.id, **self._row_of(proposal)
                 )
             )
+            # Gateways plan by what proposals may use: what is asked is sent to them anew.
             await raise_revision(connection, proposal.site)
 
     async def change_proposal(self, proposal: KeptProposal) -> bool:
@@ -160,11 +161,13 @@ class ProposalStore:
 
         """
         async with self._database.write() as connection:
+            # In the same transaction: a request may be handed in meanwhile.
             asked = select(func.count()).where(
                 request_groups.c.site == site, request_groups.c.proposal == proposal
             )
             if (await connection.execute(asked)).scalar_one():
                 raise ProposalInUse("there are requests for this proposal", "end it instead")
+            # Members first: a proposal of the same id may be made later, by others.
             await connection.execute(
                 delete(proposal_members).where(
                     proposal_members.c.site == site, proposal_members.c.proposal == proposal
