@@ -32,7 +32,8 @@ LOOK_S = 20.0
 # The same for one that is urgent, while another is observed: what the planner reckons with goes by
 # the minute.
 RAPID_LOOK_S = 60.0
-# A request that has interrupted another interrupts none again for so long, whatever became of it (s).
+# A request that has interrupted another interrupts none again for so long (s), whatever became of
+# it.
 RAPID_AGAIN_S = 1800.0
 # Of another's reckoning; see `veto_reason`.
 SLACK = 1.0
