@@ -27,13 +27,14 @@ class Observatory:
 
     def __init__(
         self, folder: Path, description: str = "", *, ros1: bool = False, hours: int = 0,
-        roof: str = "dome",
+        roof: str = "dome", speed: int = SPEED,
     ) -> None:  # fmt: skip
         """Start the simulator, as ROS 2 or ROS 1 nodes; see `start_gateway`.
 
-        It stands where it is so many hours after midnight, under a roof of that kind.
+        It stands where it is so many hours after midnight, under a roof of that kind, and moves so
+        many times as fast.
         """
-        self._roof = roof
+        self._roof, self._speed = roof, speed
         self.folder = folder
         self._ros1 = ["--ros1"] if ros1 else []
         self._clients = itertools.count()
@@ -53,10 +54,11 @@ class Observatory:
         self.parts: list[Process] = [self._simulator()]
 
     def _simulator(self, *more: str) -> Process:
-        words = ["-m", "talaia", "sim", "observatory", "--speed", str(SPEED)]
+        words = ["-m", "talaia", "sim", "observatory", "--speed", str(self._speed)]
         words += self._ros1 or ["--domain", str(self._world.domain)]
         words += ["--longitude", str(longitude_of_night(self._now))]
-        words += ["--enclosure", self._roof, "--log", str(self.ledger_file), *more]
+        words += ["--enclosure", self._roof, "--log", str(self.ledger_file)]
+        words += ["--orders", str(self.folder / "orders"), *more]
         return Process(words, self.folder / "sim.log", self.environment)
 
     def start_gateway(self, *more: str) -> Process:
@@ -86,6 +88,11 @@ class Observatory:
 
     def fault(self, words: str) -> None:
         assert words in self.client("observatory_servcli", "client", "fault", *words.split())
+
+    def order(self, words: str) -> None:
+        """Bring a fault about, or act by hand, at once and without a program of its own."""
+        with (self.folder / "orders").open("w") as pipe:
+            pipe.write(f"{words}\n")
 
     def ledger(self) -> list[dict[str, Any]]:
         return [json.loads(line) for line in self.ledger_file.read_text().splitlines()]

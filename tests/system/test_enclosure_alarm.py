@@ -5,15 +5,11 @@ All of it is real: the simulated observatory, the gateway, the hub and a mail se
 
 from __future__ import annotations
 
-import asyncio
-import email
-import email.policy
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import httpx
 import pytest
-from aiosmtpd.smtp import SMTP
 from msgspec.structs import replace
 from ports import free_port
 
@@ -24,6 +20,7 @@ from talaia.model.interlocks.enclosure import ClosingOrder
 from talaia.model.yaml_text.load import dump_site, load_site
 
 from .conftest import need_ros2
+from .mail_server import Mailbox, mail_server
 from .observatory import EXAMPLE, Observatory
 from .stack import PASSWORD, Process, until
 
@@ -41,32 +38,10 @@ to = ["guard@example.org"]
 """
 
 
-class Mailbox:
-    """A real SMTP server on loopback that keeps what it gets: to whom, and the subject."""
-
-    def __init__(self) -> None:
-        """Hold nothing."""
-        self.port = 0
-        self.mails: list[tuple[str, str]] = []
-
-    async def handle_DATA(self, _server, _session, envelope) -> str:  # noqa: N802 - aiosmtpd's name
-        mail = email.message_from_bytes(envelope.content, policy=email.policy.default)
-        self.mails += [(to.partition("@")[0], str(mail["Subject"])) for to in envelope.rcpt_tos]
-        return "250 OK"
-
-    def to(self, who: str) -> list[str]:
-        """Give the subjects of the mails to one."""
-        return [subject for to, subject in self.mails if to == who]
-
-
 @pytest.fixture
 async def mailbox() -> AsyncIterator[Mailbox]:
-    mailbox = Mailbox()
-    loop = asyncio.get_running_loop()
-    server = await loop.create_server(lambda: SMTP(mailbox, hostname="test"), "127.0.0.1", 0)
-    mailbox.port = server.sockets[0].getsockname()[1]
-    yield mailbox
-    server.close()
+    async with mail_server() as mailbox:
+        yield mailbox
 
 
 def described() -> str:
@@ -155,7 +130,7 @@ async def test_a_roof_that_does_not_close_reaches_people_with_and_without_the_hu
         await until(lambda: mailbox.to("anna"), what="a mail to the first person")
         assert "Roof NOT CLOSED (critical)" in mailbox.to("anna")[0]
         await until(lambda: mailbox.to("ben"), what="a mail to the second person")
-        assert next(who for who, _ in mailbox.mails if who != "guard") == "anna"
+        assert next(mail.to for mail in mailbox.mails if mail.to != "guard") == "anna"
         acted = await anna.post(f"/api/sites/{SITE}/alarms/roof/act", json={"act": "acknowledge"})
         assert acted.status_code == 204, acted.text
         # It still stands, for longer than the next repeat would have taken: nobody is told.

@@ -286,6 +286,8 @@ class NightExecutor:
         self._actions += steps.update_steps(view)
         if steps.state is StepsState.DONE:
             self._steps = None
+            # What it opened for was asked a while ago; what is best now is asked at once.
+            self.chooser.look_again()
             self._move(view, _P.OBSERVING, "")
         elif steps.state is StepsState.REFUSED:
             # An interlock or somebody: no fault. It is tried again when it may be.
