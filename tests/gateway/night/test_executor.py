@@ -128,6 +128,16 @@ def test_it_plans_anew_before_it_opens_and_stays_closed_when_there_is_nothing_to
     assert world.asked("dome/open") == []
 
 
+def test_what_is_best_is_asked_anew_as_soon_as_the_roof_is_open() -> None:
+    world = planned("m31")
+    world.durations["dome/open"] = 2.0
+    world.until(lambda: world.executor.phase is P.OBSERVING)
+    open_at = world.now
+    world.until(lambda: bool(world.asked("telescope/goto")))
+    # At once, and not at its next look.
+    assert world.asked("telescope/goto")[0] - open_at < 3.0
+
+
 def test_a_dark_that_is_under_way_is_ended_before_the_roof_opens() -> None:
     world = planned("m31")
     world.closing = "Rain: wet"
