@@ -142,9 +142,9 @@ class NightExecutor:
     def update_night(self, view: NightView) -> list[NightAction]:
         """Go on; give what is to be asked and told now."""
         self._since = view.time if self._since is None else self._since
-        phase, block = self.phase, self._observing.block
+        phase, before = self.phase, self._observing.block
         self._act(view)
-        block = self._observing.block or block
+        block = self._observing.block or before
         self._actions += self._report.pass_time(
             view,
             self._actions,
@@ -286,7 +286,7 @@ class NightExecutor:
         self._actions += steps.update_steps(view)
         if steps.state is StepsState.DONE:
             self._steps = None
-            # What it opened for was asked a while ago; what is best now is asked at once.
+            # What is best now is asked at once: what it opened for was chosen a while ago.
             self.chooser.look_again()
             self._move(view, _P.OBSERVING, "")
         elif steps.state is StepsState.REFUSED:
@@ -302,8 +302,7 @@ class NightExecutor:
     # ── rest ──
 
     def _park(self, view: NightView, after: NightPhase, why: str) -> None:
-        self._after_parking = after
-        self._steps = None
+        self._after_parking, self._steps = after, None
         self._move(view, _P.PARKING, why)
 
     def _go_on_parking(self, view: NightView) -> None:
