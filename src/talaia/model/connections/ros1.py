@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape
 from talaia.model.checks.identifiers import Finding, topic_fits
+from talaia.model.closed_lists import LogLevel
 from talaia.model.connections.addresses import url_fits
 from talaia.model.connections.kinds import ConnectionKind
 from talaia.model.connections.ros import RosRules, node_fits
@@ -24,6 +25,8 @@ class Ros1Connection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="ro
         namespace: names that do not begin with ``/`` are below it.
         node: the gateway's node name.
         python: the interpreter that has rospy.
+        log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        use_sim_time: the robot's nodes go by ``/clock``, and so do the stamps of their messages.
 
     """
 
@@ -31,6 +34,8 @@ class Ros1Connection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="ro
     namespace: str = "/"
     node: str = "talaia_gateway"
     python: str = "/usr/bin/python3"
+    log: LogLevel = LogLevel.NONE
+    use_sim_time: bool = False
 
 
 class Ros1Rules(RosRules[Ros1Connection]):

@@ -135,7 +135,7 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Descri
 
 
 def _ros2_of(found: Found) -> Ros2Settings | None:
-    """Say how ROS 2 is joined; its log is read from warnings on."""
+    """Say how ROS 2 is joined; its log is read from warnings on, as ROS 1's is."""
     if found.protocol != "ros2":
         return None
     return Ros2Settings(
@@ -151,7 +151,7 @@ def _connections_of(found: Found) -> dict[str, Connection]:
     """Name how the robot is reached."""
     match found.protocol:
         case "ros1":
-            return {"ros1": Ros1Connection(master=found.master)}
+            return {"ros1": _ros1_of(found)}
         case "indi":
             return {"indi": IndiConnection(host=found.host, port=found.port)}
         case "alpaca":
@@ -162,6 +162,10 @@ def _connections_of(found: Found) -> dict[str, Connection]:
         case _:
             # ROS 2 has a key of its own in a description; the others are named connections.
             return {}
+
+
+def _ros1_of(found: Found) -> Ros1Connection:
+    return Ros1Connection(master=found.master, log=LogLevel.WARNING, use_sim_time=found.sim_time)
 
 
 def _alpaca_of(found: Found) -> AlpacaConnection:

@@ -68,7 +68,8 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
         subscribers: how many listen to it, without the probe.
         rate: messages a second, by the spacing of those that came while looking (Hz); 0 where
             fewer than two came.
-        latched: the last message is kept for whoever comes later (transient local): it is state.
+        latched: the last message is kept for whoever comes later (ROS 2: transient local): it is
+            state.
         fields: what can be read of one message.
         names: of a topic that carries many sensors (CloudConnect's ``/metric``, ROS's
             ``/diagnostics``): their names that were heard.
@@ -213,7 +214,8 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
         definitions: folder or recording that definitions of types were read from, if there was one.
-        sim_time: the robot has a clock of its own, as a simulator's (``/clock``).
+        sim_time: the robot has a clock of its own, as a simulator's (``/clock``); ROS 1 says so by
+            a parameter.
         master: where the ROS 1 master answers; empty for other protocols.
         host: of the INDI or Alpaca server; empty for other protocols.
         port: of that server.

@@ -17,6 +17,7 @@ from actionlib.msg import TestAction, TestFeedback, TestResult
 from genpy.dynamic import generate_dynamic
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock, Log
 from sensor_msgs.msg import CompressedImage, Image, LaserScan
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
@@ -40,12 +41,16 @@ class Peer:
         def make(topic: str, kind: type, **more: object) -> rospy.Publisher:
             return rospy.Publisher(topic, kind, queue_size=1000, **more)
 
+        self.lines = make("/rosout", Log)
+        self.clock = None
         self.number = make("/number", Float64)
         self.odom_ = make("/odom", Odometry)
         self.metric_ = make("/metric", String)
         self.mode_ = make("/mode", String, latch=True)
         self.scan_ = make("/scan", LaserScan)
         self.odd_ = make("/odd", self.odd_kind)
+        # Of a type that no machine has, and nothing is ever said.
+        self.kept = make("/kept", self.odd_kind, latch=True)
         self.image_ = make("/images", Image)
         self.jpeg_ = make("/images/compressed", CompressedImage)
         listen = rospy.Subscriber
@@ -104,8 +109,24 @@ class Peer:
 
         threading.Thread(target=run, daemon=True).start()
 
+    def do_log(self, asked: dict) -> None:
+        """Write lines as rospy does, or, for a node that is named, as that one would."""
+        for number in range(asked["count"]):
+            text = asked["text"].format(number)
+            if "node" in asked:
+                self.lines.publish(Log(level=Log.ERROR, name=asked["node"], msg=text))
+            else:
+                {"info": rospy.loginfo, "error": rospy.logerr}[asked["level"]](text)
+
+    def do_clock(self, asked: dict) -> None:
+        """Say the time; who says it is a robot's simulator, and no other test's."""
+        if self.clock is None:
+            self.clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self.clock.publish(Clock(rospy.Time(asked["sec"])))
+
     def do_odom(self, asked: dict) -> None:
         message = Odometry()
+        message.header.stamp = rospy.Time(asked.get("sec", 0))
         message.twist.twist.linear.x = asked["speed"]
         message.pose.pose.position.x = 1.5
         message.pose.pose.orientation.w = 1.0

@@ -62,6 +62,7 @@ PARAMETERS = {
     "/robot_description": "<robot/>" * 100,
     "/base/track": 0.4,
     "/gain": 1.0,
+    "/use_sim_time": True,
 }
 
 
@@ -113,6 +114,11 @@ async def test_a_probe_lists_topics_services_and_actions_of_types_that_no_packag
     assert odd == ["flags[0]", "flags[1]", "axes[0]", "axes[1]", "axes[2]", "other.word"]
     assert topics["/metric"].names == ("light 2", "speed1")
     assert topics["/mode"].publishers == 1
+    # Nothing was ever said under the last of them: its publisher was asked.
+    latched = ("/mode", "/odd", "/odom", "/kept")
+    assert [topics[each].latched for each in latched] == [True, False, False, True]
+    assert {each.path for each in topics["/kept"].fields} >= {"axes[0]", "other.word"}
+    assert found.sim_time
     assert topics["/cmd_vel"].subscribers == 1
     assert topics["/number"].rate == 0.0
     assert [each.path for each in topics["/number"].fields] == ["data"]
@@ -157,7 +163,13 @@ async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
     site = propose_description(found, "old", "Old robot", "UTC").site
     assert check_site(site) == []
     assert load_site(write_description(site)) == site
-    assert site.connections["ros1"].master == found.master
+    old = site.connections["ros1"]
+    assert (old.master, old.log, old.use_sim_time) == (found.master, "warning", True)
+    ages = {each.source.topic: each.max_age for device in site.devices.values()
+            for each in device.signals.values()}  # fmt: skip
+    # What is latched holds until another comes.
+    assert ages["/mode"] == 0
+    assert ages["/odom"] > 0
     assert site.devices["sensors"].signals["speed_1"].source.name == "speed1"
     assert site.devices["camera"].streams.keys() >= {"images"}
     drive = site.devices["base"].drive

@@ -25,6 +25,7 @@ from talaia.gateway.adapters.ros1.node_requests import command_frames, site_fram
 from talaia.gateway.adapters.ros1.node_signs import NodeSigns
 from talaia.gateway.adapters.ros1.numbered_topics import NumberedTopics
 from talaia.gateway.adapters.ros1.presence import Ros1Presence
+from talaia.gateway.adapters.ros1.robot_messages import RobotMessages
 from talaia.gateway.adapters.ros1.taps import Ros1TopicSource
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
@@ -71,7 +72,8 @@ class Ros1Adapter:
         self._unreadable = UnreadableReports(context.events)
         uri = settings.master or os.environ.get("ROS_MASTER_URI") or _DEFAULT_MASTER
         self._master = RosMaster(uri)
-        self._topics = NumberedTopics(scope, context, self._unreadable)
+        self._robot = RobotMessages(settings, context)
+        self._topics = NumberedTopics(scope, context, self._unreadable, self._robot)
         self._source = Ros1TopicSource(context.taps, self._master)
         self._calls = NodeCalls()
         # Cameras that somebody looks at, whether or not the node is there.
@@ -108,7 +110,7 @@ class Ros1Adapter:
                 heard=lambda frame: self._read_frame(
                     frame, lambda said: loop.call_soon_threadsafe(self._on_frame, said, signs)
                 ),
-                turned=self._topics.publish_samples,
+                turned=self._end_turn,
                 failed=fail,
             )
             node.send_frame(node=self._settings.node, namespace=self._settings.namespace)
@@ -234,6 +236,10 @@ class Ros1Adapter:
         node.send_frame(**self._topics.listen_frame(number))
 
     # ── from the node, on its thread ──
+
+    def _end_turn(self) -> None:
+        self._topics.publish_samples()
+        self._robot.tell_left_out()
 
     def _read_frame(
         self,

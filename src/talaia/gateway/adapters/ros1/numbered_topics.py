@@ -2,7 +2,8 @@
 
 The pipe from the node carries numbers, not names. Two things hold while a node runs: a number means
 the same topic and the same reader, and no message is decoded by a definition that its own publisher
-has not told. Numbers are given anew before each start of the node.
+has not told. Numbers are given anew before each start of the node. Long, because whoever reads a
+topic reads it under its number.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros1.frames import ReceivedMessage
+    from talaia.gateway.adapters.ros1.robot_messages import RobotMessages, RobotTopic
     from talaia.gateway.adapters.topic_readers import TopicPlan
     from talaia.gateway.adapters.unreadable_reports import UnreadableReports
     from talaia.gateway.ports import AdapterContext, ChannelReading, FileSink
@@ -63,10 +65,14 @@ class NumberedTopics:
     """
 
     def __init__(
-        self, scope: ConnectionScope, context: AdapterContext, unreadable: UnreadableReports
+        self,
+        scope: ConnectionScope,
+        context: AdapterContext,
+        unreadable: UnreadableReports,
+        robot: RobotMessages,
     ) -> None:
         """Take what is wanted of the robot, where it goes, and who is told what cannot be read."""
-        self._scope, self._unreadable = scope, unreadable
+        self._scope, self._unreadable, self._robot = scope, unreadable, robot
         self._clock, self._samples = context.clock, context.samples
         self._raw, self._files = context.raw, context.files
         self.latest: dict[str, ChannelReading] = {}
@@ -75,15 +81,16 @@ class NumberedTopics:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # A plan's number is its place here.
-        self._plans = make_live_plans(scope, self.latest, unreadable)
+        self._plans = make_live_plans(scope, self.latest, unreadable, robot.shift_us)
         self._parameters = parameter_plans_of(scope, self.latest, unreadable.report_unreadable)
         self._topics: dict[int, _Topic] = {}
         # By address: cameras, which are listened to only while somebody looks at them.
         self._streams: dict[str, int] = {}
         # By device: where its FITS files come.
         self._frames: dict[str, int] = {}
-        # Topics that are recorded and that nobody reads.
+        # Topics that are recorded and that nobody reads, and those of the robot itself.
         self._recorded: list[int] = []
+        self._of_robot: list[int] = []
         # By number: the type and its definition, as the publisher told them.
         self._told: dict[int, tuple[str, str]] = {}
         # By number: reads messages of that definition; none while it is not known or not fitting.
@@ -116,6 +123,8 @@ class NumberedTopics:
                 if isinstance(device.frames, RosSource):
                     self._number_files(device_id, device.frames, self._files)
         self._number_recorded()
+        self._robot.forget_time()
+        self._of_robot = [self._number_robot(topic) for topic in self._robot.topics]
 
     def write_arrivals(self, heard_ns: dict[str, int] | None) -> None:
         """Write from now on when each topic's last message came (monotonic, ns); none: nowhere."""
@@ -127,7 +136,8 @@ class NumberedTopics:
 
     def standing_numbers(self) -> list[int]:
         """Give what is listened to all the time."""
-        return [*range(len(self._plans)), *self._frames.values(), *self._recorded]
+        standing = (*self._frames.values(), *self._recorded, *self._of_robot)
+        return [*range(len(self._plans)), *standing]
 
     def device_numbers(self, device: str, watched: Collection[str]) -> list[int]:
         """Give what belongs to a device, of its cameras only those that are ``watched``."""
@@ -235,6 +245,16 @@ class NumberedTopics:
                 self._record_message(heard, number)
 
             self._recorded.append(self._add_topic(_Topic(name, "", read)))
+
+    def _number_robot(self, topic: RobotTopic) -> int:
+        number = len(self._topics)
+
+        def read(heard: ReceivedMessage) -> None:
+            decode = self._decoders.get(number)
+            if decode is not None:
+                topic.read(heard.raw, heard.time_us, decode)
+
+        return self._add_topic(_Topic(topic.name, topic.type_name, read, topic.rate))
 
     # ── on the node's thread ──
 

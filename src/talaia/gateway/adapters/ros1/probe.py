@@ -3,8 +3,9 @@
 Listens only: it publishes nothing and calls nothing. Topics are heard raw through the adapter's
 own process of the machine's Python; a service is asked for its type by the header that is
 exchanged before any call. What a message holds is read from the definition that its publisher
-sends with it, so that no package of the robot's is needed; of a request, and of a topic that is
-silent, only the packages of this machine can tell. Parameters are read from the master.
+sends with it, so that no package of the robot's is needed; a topic that is silent is asked of its
+publisher, by the header before any message. Of a request only the packages of this machine can
+tell. Parameters are read from the master.
 
 Long, because listening and telling are two sides of what was heard.
 """
@@ -27,6 +28,7 @@ from talaia.gateway.adapters.ros1.master import RosMaster
 from talaia.gateway.adapters.ros1.message_types import definition_of
 from talaia.gateway.adapters.ros1.node import NodeProcess
 from talaia.gateway.adapters.ros1.probed_parameters import find_parameters
+from talaia.gateway.adapters.ros1.publications import ask_publisher
 from talaia.gateway.errors import AdapterLost, FieldError
 from talaia.model.connection import Ros1Connection
 from talaia.model.discovery.probe_report import (
@@ -69,9 +71,16 @@ class _Heard:
         self.raw = b""
         self.names: dict[str, None] = {}
         self._decode: Callable[[bytes], object] | None = None
+        self._latchings: set[bool] = set()
 
-    def learn_definition(self, type_name: str, definition: str) -> None:
-        """Take what the publisher says its messages are."""
+    @property
+    def latched(self) -> bool:
+        """Whether all publishers that were heard or asked keep their last message."""
+        return self._latchings == {True}
+
+    def learn_definition(self, type_name: str, definition: str, *, latched: bool) -> None:
+        """Take what a publisher says its messages are."""
+        self._latchings.add(latched)
         self.type, self.definition = type_name, definition
         try:
             self._decode = decoder_of(full_name(type_name), definition)
@@ -161,7 +170,11 @@ class _Look:
                 raise AdapterLost("ROS 1 cannot be joined: its node does not begin")
             await self._listen_topics(node)
             system = await loop.run_in_executor(None, self._master.read_graph)
+            await self._ask_silent(system)
             types = await loop.run_in_executor(None, self._master.read_types)
+            sim_time = await loop.run_in_executor(
+                None, self._master.read_parameter, "/use_sim_time"
+            )
             kinds = {
                 name: await loop.run_in_executor(None, self._master.service_type, name)
                 for name in sorted(system.services)
@@ -174,7 +187,8 @@ class _Look:
         finally:
             node.hang_up()
             await loop.run_in_executor(None, node.wait_ended)
-        return msgspec.structs.replace(self._describe_found(system, types, kinds), nodes=nodes)
+        found = self._describe_found(system, types, kinds)
+        return msgspec.structs.replace(found, nodes=nodes, sim_time=sim_time == (True, True))
 
     async def _wait_until(self, holds: Callable[[], bool], seconds: float) -> None:
         """Wait until it holds, or so long (s).
@@ -198,7 +212,8 @@ class _Look:
             case "ready":
                 self._name = said["node"]
             case "type":
-                self._heard[said["topic"]].learn_definition(said["type"], said["definition"])
+                heard = self._heard[said["topic"]]
+                heard.learn_definition(said["type"], said["definition"], latched=said["latched"])
             case "described":
                 self._described[said["what"], said["type"]] = said["definition"]
             case _:
@@ -218,6 +233,30 @@ class _Look:
                 number = len(self._heard) - 1
                 node.send_frame(op="listen", topic=number, name=topic, rate=0.0, deep=DEPTH)
             await self._wait_until(lambda: False, min(LOOK_AGAIN_S, left))
+
+    async def _ask_silent(self, system: GraphState) -> None:
+        """Ask the publishers of topics of which nothing came."""
+        asked = [
+            (heard, node)
+            for heard in self._heard
+            if not heard.type
+            for node in sorted(system.published.get(heard.topic, ()))
+        ]
+
+        async def ask(heard: _Heard, node: str) -> None:
+            try:
+                told = await asyncio.to_thread(ask_publisher, self._master, node, heard.topic)
+            except AdapterLost:
+                # Whoever asks the master next says so.
+                return
+            if told is not None and told.definition:
+                heard.learn_definition(told.type, told.definition, latched=told.latched)
+
+        # Some nodes that the master knows may be gone, and their computers do not answer.
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(DESCRIBE_S), asyncio.TaskGroup() as group:
+                for heard, node in asked:
+                    group.create_task(ask(heard, node))
 
     async def _describe(
         self, node: NodeProcess, types: dict[str, str], kinds: dict[str, str]
@@ -269,6 +308,7 @@ class _Look:
                 publishers=publishers,
                 subscribers=subscribers,
                 rate=round(one.message_rate(), 2) if one is not None else 0.0,
+                latched=one is not None and one.latched,
                 fields=shape.fields,
                 names=tuple(sorted(one.names)) if one is not None else (),
                 left_out=shape.left_out,

@@ -50,8 +50,9 @@ class RawSubscription:
         self._period = 1.0 / rate if rate else 0.0
         # When the next one may go out (monotonic, s).
         self._due = 0.0
-        # MD5 of the type that was told last.
+        # MD5 of the type that was told last, and what was told of latching with it.
         self._known = ""
+        self._latchings: set[bool] = set()
         self._subscriber = rospy.Subscriber(
             name,
             rospy.AnyMsg,
@@ -73,12 +74,18 @@ class RawSubscription:
             self._due = max(self._due + self._period, now)
         header = message._connection_header  # noqa: SLF001 - rospy has no other way
         known = header.get("md5sum", "")
-        # A publisher may come back with another definition.
-        if known != self._known:
+        # A publisher may come back with another definition, or another one be latched or not.
+        latched = header.get("latching", "0") == "1"
+        if known != self._known or latched not in self._latchings:
+            self._latchings = {latched} | (self._latchings if known == self._known else set())
             self._known = known
-            kind, text = header.get("type", ""), header.get("message_definition", "")
             self._out.send_frame(
-                op="type", topic=self._number, type=kind, md5=known, definition=text
+                op="type",
+                topic=self._number,
+                type=header.get("type", ""),
+                md5=known,
+                definition=header.get("message_definition", ""),
+                latched=latched,
             )
         raw = serialized_bytes(message)
         if len(raw) + STAMP.size < MAX_FRAME:

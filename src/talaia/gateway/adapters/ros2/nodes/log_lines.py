@@ -1,14 +1,23 @@
-"""Which lines of a robot's log go on, so that a node that talks much costs little. Pure."""
+"""Which lines of a robot's log go on, so that a node that talks much costs little.
+
+Of ROS 1 and ROS 2 alike. Knows no ROS and no socket.
+"""
 
 from __future__ import annotations
 
 import struct
-from typing import NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from talaia.clock import SECOND
 from talaia.model.closed_lists import LogLevel
 
-__all__ = ["LogBounds", "LogHead", "level_word", "read_head"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import EventSink
+
+__all__ = ["LogBounds", "LogHead", "LogLines", "level_word", "read_head"]
 
 _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
@@ -19,6 +28,10 @@ _ALL_BURST, _ALL_EVERY_NS = 20, 3 * SECOND
 _SAME_NS = 60 * SECOND
 # What was left out is told at most so often.
 _TOLD_NS = 60 * SECOND
+# Letters of a line: some nodes write whole messages.
+_MAX_TEXT = 500
+# What is no trouble.
+_GOOD = (LogLevel.DEBUG, LogLevel.INFO)
 # Nodes and lines that are remembered; the oldest go.
 _MOST = 500
 # rcl_interfaces/msg/Log: its levels.
@@ -34,7 +47,7 @@ _LEVEL_AT, _NAME_AT = 12, 16
 
 
 class LogHead(NamedTuple):
-    """What is read of a line before anything else: who says it, and how bad it is."""
+    """What is read of a line before anything else: who says it, and how bad (as ROS 2 counts)."""
 
     level: int
     node: str
@@ -135,6 +148,37 @@ class LogBounds:
         self._left_out = {}
         most = ", ".join(f"{count} of {node}" for node, count in counts[:3])
         return f"{total} more lines of the robot's log were left out: {most}"
+
+
+class LogLines:
+    """Hears all nodes of a robot; what has room goes on, and what has not is counted."""
+
+    def __init__(self, least: LogLevel, clock: Clock, events: EventSink) -> None:
+        """Let lines through from the level ``least`` on, into the logbook."""
+        self._clock, self._events = clock, events
+        self._bounds = LogBounds(least, clock.monotonic_ns())
+
+    def read_line(self, head: LogHead, text_of: Callable[[], str]) -> None:
+        """Judge a line by its head; only for one with room ``text_of`` is called."""
+        # Before anything is decoded: a node may say thousands of lines a second.
+        if not self._bounds.is_wanted(head.level):
+            return
+        # Then by who says it: what has no room is counted, and never decoded.
+        now_ns = self._clock.monotonic_ns()
+        if not self._bounds.has_room(head.node, now_ns):
+            return
+        text = text_of()[:_MAX_TEXT]
+        if self._bounds.is_new(head.node, text, now_ns):
+            level = level_word(head.level)
+            # `[WARNING]` and `[ERROR]` mark a line on the pages.
+            mark = LogLevel.ERROR if level is LogLevel.FATAL else level
+            said = f"[{mark.upper()}] {head.node}: {text}"
+            self._events.report_event("robot_log", said, good=level in _GOOD)
+
+    def tell_left_out(self) -> None:
+        """Say what was left out; called now and then."""
+        if said := self._bounds.left_out(self._clock.monotonic_ns()):
+            self._events.report_event("robot_log", said, good=True)
 
 
 def _forget_oldest(known: dict[_Key, _Value]) -> None:
