@@ -18,6 +18,8 @@ from talaia.planner.overheads import overhead_matrix, overheads_from
 from talaia.planner.sky import MARK_S
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from talaia.planner.night_problem import Ints
@@ -25,7 +27,20 @@ if TYPE_CHECKING:
     from talaia.planner.progress import NightProgress
     from talaia.planner.sky import Floats
 
-__all__ = ["BeamShape", "Field", "OrderedVisit", "make_field", "score_order", "search_beam"]
+__all__ = [
+    "BeamShape",
+    "Field",
+    "OrderedVisit",
+    "make_field",
+    "never_stopped",
+    "score_order",
+    "search_beam",
+]
+
+
+def never_stopped() -> bool:
+    """Let a search come to its end."""
+    return False
 
 
 class OrderedVisit(NamedTuple):
@@ -165,12 +180,20 @@ class _Pool:
 
 
 def search_beam(
-    progress: NightProgress, field: Field, second: int, shape: BeamShape
+    progress: NightProgress,
+    field: Field,
+    second: int,
+    shape: BeamShape,
+    *,
+    stopped: Callable[[], bool] = never_stopped,
 ) -> tuple[OrderedVisit, ...]:
-    """Search from ``second`` on; gives the best plan."""
+    """Search from ``second`` on; gives the best plan.
+
+    It is asked after each bucket whether it is ``stopped``; then it gives the best so far.
+    """
     if not field.rows.size:
         return ()
-    return _Search(progress, field, second, shape).run()
+    return _Search(progress, field, second, shape).run(stopped)
 
 
 class _Search:
@@ -202,7 +225,7 @@ class _Search:
         # Candidates that wait for another one; mostly there are none, and nothing is looked up.
         self._in_order = np.flatnonzero(field.after >= 0)
 
-    def run(self) -> tuple[OrderedVisit, ...]:
+    def run(self, stopped: Callable[[], bool]) -> tuple[OrderedVisit, ...]:
         count = len(self._field.rows)
         self._states = 1
         # The empty plan: `count` is the line of `between` that begins where the telescope points.
@@ -221,6 +244,8 @@ class _Search:
         for bucket in range(len(pool.counts)):
             if not pool.counts[bucket]:
                 continue
+            if stopped():
+                break
             chosen = pool.select(bucket, shape.width)
             number = self._keep(bucket, chosen)
             end, score = pool.end[bucket, chosen], pool.score[bucket, chosen]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from talaia.model.observing.plan import Instrument
 
-__all__ = ["make_night", "visits_of"]
+__all__ = ["limits_of", "make_night", "visits_of"]
 
 _URGENCIES = {
     Urgency.NORMAL: NORMAL,
@@ -64,10 +64,15 @@ def make_night(
         length_s=length_s,
         sky=compute_sky(place, start, length_s),
         instrument=instrument,
-        proposals=[_proposal_limit(proposal) for proposal in proposals],
+        proposals=limits_of(proposals),
     )
     problem.add_visits(visits_of(problem, groups))
     return problem
+
+
+def limits_of(proposals: Sequence[Proposal]) -> list[ProposalLimit]:
+    """Give what proposals are due, and have left."""
+    return [_proposal_limit(proposal) for proposal in proposals]
 
 
 def _proposal_limit(proposal: Proposal) -> ProposalLimit:

@@ -14,9 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from talaia.planner.beam_search import never_stopped
 from talaia.planner.sky import MARK_S
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from talaia.planner.feasibility import Feasibility
     from talaia.planner.night_problem import Ints
     from talaia.planner.sky import Floats
@@ -94,8 +97,12 @@ def find_prices(
     *,
     iterations: int,
     former: TimePrices | None = None,
+    stopped: Callable[[], bool] = never_stopped,
 ) -> TimePrices:
-    """Find prices; ``former`` ones are a better beginning than none."""
+    """Find prices; ``former`` ones are a better beginning than none.
+
+    It is asked before each iteration whether it is ``stopped``; then it gives the best so far.
+    """
     places = _Places(feasibility, asked)
     cells, width = places.cells, _SLOT_S // CELL_S
     begins = np.arange(0, cells, width)
@@ -109,6 +116,8 @@ def find_prices(
     best_bound, best = np.inf, (slots, allocation)
     ambition, since = _AMBITION, 0
     for _ in range(iterations):
+        if stopped():
+            break
         price = np.repeat(slots, width)[:cells]
         bound, slope, spent = places.evaluate(_sums(price), allocation)
         bound += float(price[asked.second // CELL_S :].sum())

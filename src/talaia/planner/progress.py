@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from talaia.planner.feasibility import Feasibility
+from talaia.planner.night_problem import ProposalLimit
 from talaia.planner.overheads import PARKED, TelescopePointing
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
     from numpy.typing import NDArray
 
     from talaia.planner.night_problem import Ints, NightProblem, Visit
@@ -54,6 +58,27 @@ class NightProgress:
         self.clouds: float | None = None
         self._limits = self._visit_limits()
 
+    def set_limits(self, limits: Sequence[ProposalLimit]) -> bool:
+        """Take what proposals have left from now on; tells whether that is another than before."""
+        named = {limit.id: limit for limit in limits}
+        known = self.problem.proposals
+        now: list[ProposalLimit] = []
+        for limit in known:
+            share, left = named.pop(limit.id, limit._replace(share=0.0, seconds_left=0.0))[1:]
+            # What was charged since the beginning is taken off again.
+            charged = float(self.used_s[len(now)])
+            now.append(ProposalLimit(limit.id, share, left + charged))
+        now += named.values()
+        changed = len(now) > len(known) or any(
+            one.share != other.share or abs(one.seconds_left - other.seconds_left) > 1.0
+            for one, other in zip(now, known, strict=False)
+        )
+        self.problem.proposals[:] = now
+        more = np.zeros(len(now) - len(self.used_s))
+        self.used_s = np.concatenate([self.used_s, more])
+        self.shutter_s = np.concatenate([self.shutter_s, more])
+        return changed
+
     def add_visits(self, visits: tuple[Visit, ...]) -> list[int]:
         """Add visits; gives the rows of those that are new."""
         blocks = self.problem.table.block_s
@@ -80,13 +105,7 @@ class NightProgress:
         rows &= self.held_until <= second
         left = np.array([limit.seconds_left for limit in self.problem.proposals]) - self.used_s
         rows &= table.block_s <= left[table.proposal] + 1e-6
-        seeing, clouds, failed = self._limits
-        rows &= ~failed
-        if self.seeing is not None:
-            rows &= self.seeing <= seeing
-        if self.clouds is not None:
-            rows &= self.clouds <= clouds
-        return np.flatnonzero(rows)
+        return np.flatnonzero(rows & self._let_by_conditions())
 
     def released(self, rows: Ints) -> Ints:
         """Leave out those whose predecessor in a sequence is not complete."""
@@ -112,6 +131,33 @@ class NightProgress:
         if table.needs_sky[row]:
             self.pointing = self.pointing_at(row)
 
+    @contextmanager
+    def assume_observed(self, row: int) -> Iterator[None]:
+        """Let it stand meanwhile as it will when a visit has been observed."""
+        done, complete = bool(self.done[row]), bool(self.complete[row])
+        used_s, shutter_s, pointing = self.used_s.copy(), self.shutter_s.copy(), self.pointing
+        self.complete_visit(row)
+        try:
+            yield
+        finally:
+            self.done[row], self.complete[row] = done, complete
+            self.used_s, self.shutter_s, self.pointing = used_s, shutter_s, pointing
+
+    def set_conditions(self, *, seeing: float | None, clouds: float | None) -> bool:
+        """Keep what was measured last; tells whether it lets other visits be observed."""
+        before = self._let_by_conditions()
+        self.seeing, self.clouds = seeing, clouds
+        return not np.array_equal(before, self._let_by_conditions())
+
+    def _let_by_conditions(self) -> NDArray[np.bool_]:
+        seeing, clouds, failed = self._limits
+        rows = ~failed
+        if self.seeing is not None:
+            rows &= self.seeing <= seeing
+        if self.clouds is not None:
+            rows &= self.clouds <= clouds
+        return rows
+
     def shorten_visit(self, row: int, seconds_left: int) -> None:
         """Leave a visit only the block that it still needs (s)."""
         self.problem.table.block_s[row] = max(1, seconds_left)
@@ -121,6 +167,10 @@ class NightProgress:
         """Leave a visit only the frames that are not done, by configuration."""
         visit = self.problem.table.visits[row]
         kept = [*frames_done, *([0] * (len(visit.runs) - len(frames_done)))]
+        if all(done >= run.frames for run, done in zip(visit.runs, kept, strict=False)):
+            # Nothing is left to be planned; that it is complete is said by `complete_visit`.
+            self.problem.table.block_s[row] = 0
+            return
         runs = tuple(
             run._replace(
                 frames=max(0, run.frames - done), before_s=run.before_s * (run.frames > done)

@@ -15,6 +15,7 @@ from talaia.planner.beam_search import (
     Field,
     OrderedVisit,
     make_field,
+    never_stopped,
     score_order,
     search_beam,
 )
@@ -23,12 +24,14 @@ from talaia.planner.prices import PriceProblem, TimePrices, find_prices
 from talaia.planner.sky import MARK_S
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from talaia.planner.night_problem import Ints
     from talaia.planner.outlook import WeatherOutlook
     from talaia.planner.progress import NightProgress
     from talaia.planner.sky import Floats
 
-__all__ = ["PROMPT", "THOROUGH", "Effort", "NightSearch"]
+__all__ = ["IDLE", "PROMPT", "THOROUGH", "Effort", "NightSearch"]
 
 # A usual slew between fields (°), for what leads to a block before its neighbours are known.
 _USUAL_SLEW = 20.0
@@ -58,6 +61,14 @@ PROMPT = Effort((BeamShape(8, 8, 120, 10_800),), 40, 250)
 THOROUGH = Effort((BeamShape(16, 10, 120), BeamShape(48, 12, 60)), 200, 350)
 """While there is time: the whole night."""
 
+IDLE = (
+    THOROUGH,
+    Effort((BeamShape(96, 16, 60),), 200, 350),
+    Effort((BeamShape(160, 20, 60),), 200, 450),
+)
+"""One after the other while nobody asks; then it is enough."""
+_WHOLE_NIGHT_S = BeamShape().horizon_s
+
 
 class NightSearch:
     """Searches again and again through one night, each time from what it found before."""
@@ -75,9 +86,28 @@ class NightSearch:
         # Of a minute of each proposal's shutter, beside its priority.
         self.merits: Floats = np.ones(len(progress.problem.proposals))
         self._prices: TimePrices | None = None
+        # Of the rounds in idle time, which look from a later second on.
+        self._idle_prices: TimePrices | None = None
 
-    def search(self, second: int, effort: Effort) -> tuple[OrderedVisit, ...]:
-        """Search the rest of the night from ``second`` on; gives the best plan that is known."""
+    def search(
+        self,
+        second: int,
+        effort: Effort,
+        *,
+        steady: bool = False,
+        since: int | None = None,
+        stopped: Callable[[], bool] = never_stopped,
+    ) -> tuple[OrderedVisit, ...]:
+        """Search the rest of the night from ``second`` on; gives the best plan that is known.
+
+        Args:
+            second: of the night.
+            effort: how much is tried.
+            steady: plans are compared by all of the night, so that the new one is worth no less.
+            since: from which second on values fade; none: from ``second``.
+            stopped: tells that there is no more time; then the former plan stands.
+
+        """
         progress = self._progress
         self._adjust_merits()
         rows = self._choose_rows(second)
@@ -86,24 +116,50 @@ class NightSearch:
             return ()
         problem = progress.problem
         marks = np.arange(progress.feasibility.marks, dtype=np.float64) * MARK_S
-        weights = self._outlook.weights(marks - float(second))
+        weights = self._outlook.weights(marks - float(second if since is None else since))
         values = problem.table.value[rows] * self.merits[problem.table.proposal[rows]]
-        prices = self._find_prices(second, rows, values, weights, iterations=effort.iterations)
+        prices = self._prices = self._find_prices(
+            second, rows, values, weights, iterations=effort.iterations, stopped=stopped
+        )
         field = self._make_field(rows, values, weights, prices, most=effort.candidates)
-        best: tuple[float, tuple[OrderedVisit, ...], str] = (-np.inf, (), "")
         kept = tuple(step.row for step in self.plan)
+        orders = [("kept", kept)]
         for shape in effort.shapes:
-            found = search_beam(progress, field, second, shape)
-            order = tuple(step.row for step in found)
-            for name, rows_in_order in (("kept", kept), ("search", order)):
-                steps, score = score_order(
-                    progress, field, second, order=rows_in_order, horizon_s=shape.horizon_s
-                )
-                # The first shape's horizon is the measure of all.
-                if shape.horizon_s == effort.shapes[0].horizon_s and score > best[0] + 1e-9:
-                    best = (score, steps, name)
-        self.plan, self.method = best[1], best[2]
+            found = search_beam(progress, field, second, shape, stopped=stopped)
+            orders.append(("search", tuple(step.row for step in found)))
+        if stopped():
+            return self.plan
+        # The first shape's horizon is the measure of all.
+        horizon_s = _WHOLE_NIGHT_S if steady else effort.shapes[0].horizon_s
+        best, chosen = -np.inf, kept
+        for name, order in orders:
+            # What was planned before goes on behind what looks less far ahead.
+            whole = (*order, *(row for row in kept if row not in order))
+            _, score = score_order(
+                progress, field, second, order=whole if steady else order, horizon_s=horizon_s
+            )
+            if score > best + 1e-9:
+                best, chosen, self.method = score, whole, name
+        self.plan, _ = score_order(progress, field, second, order=chosen, horizon_s=_WHOLE_NIGHT_S)
         return self.plan
+
+    def improve_rest(
+        self, second: int, effort: Effort, *, since: int, stopped: Callable[[], bool]
+    ) -> None:
+        """Search what follows after ``second``; what prices a decision goes by stay as they are."""
+        prices, self._prices = self._prices, self._idle_prices or self._prices
+        try:
+            self.search(second, effort, steady=True, since=since, stopped=stopped)
+        finally:
+            self._idle_prices, self._prices = self._prices, prices
+
+    def lead_with(self, step: OrderedVisit) -> None:
+        """Put what is observed now before the rest of the plan."""
+        self.plan = (step, *(one for one in self.plan if one.row != step.row))
+
+    def plan_first(self, rows: Sequence[int]) -> None:
+        """Begin from an order of visits that was good before."""
+        self.plan = tuple(OrderedVisit(row, 0, 0) for row in rows)
 
     def price_of(self, begin: int, end: int) -> float:
         """Give what a minute costs between two seconds of the night, as priced last."""
@@ -153,7 +209,14 @@ class NightSearch:
         return instrument.settle + instrument.acquire + _USUAL_SLEW / instrument.slew_rate
 
     def _find_prices(
-        self, second: int, rows: Ints, values: Floats, weights: Floats, *, iterations: int
+        self,
+        second: int,
+        rows: Ints,
+        values: Floats,
+        weights: Floats,
+        *,
+        iterations: int,
+        stopped: Callable[[], bool],
     ) -> TimePrices:
         progress = self._progress
         table = progress.problem.table
@@ -171,10 +234,9 @@ class NightSearch:
         former = self._prices
         if former is not None and len(former.proposals) != len(limits):
             former = None
-        self._prices = find_prices(
-            progress.feasibility, asked, iterations=iterations, former=former
+        return find_prices(
+            progress.feasibility, asked, iterations=iterations, former=former, stopped=stopped
         )
-        return self._prices
 
     def _make_field(
         self, rows: Ints, values: Floats, weights: Floats, prices: TimePrices, *, most: int

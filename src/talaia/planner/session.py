@@ -1,4 +1,7 @@
-"""One night's planning, from the evening to the morning: what happened in, what is next out."""
+"""One night's planning, from the evening to the morning: what happened in, what is next out.
+
+Long, because all events of a night meet here.
+"""
 
 from __future__ import annotations
 
@@ -7,25 +10,25 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.model.observing.plan import Plan, PlannedBlock, WhyNot
+from talaia.planner.beam_search import OrderedVisit
 from talaia.planner.bound import RestBound
 from talaia.planner.dispatch import rank_now, soonest_start
 from talaia.planner.errors import UnknownRequest
 from talaia.planner.fairness import INDIFFERENT, FairnessRule
 from talaia.planner.feasibility import NEVER
-from talaia.planner.from_requests import visits_of
+from talaia.planner.from_requests import limits_of, visits_of
 from talaia.planner.night_problem import RAPID
 from talaia.planner.outlook import WeatherOutlook
 from talaia.planner.overheads import overheads_from
 from talaia.planner.progress import NightProgress
-from talaia.planner.search import PROMPT, THOROUGH, Effort, NightSearch
+from talaia.planner.search import IDLE, PROMPT, THOROUGH, Effort, NightSearch
 from talaia.planner.sky import MARK_S
 from talaia.planner.why_not import clock_words, explain_visits
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
-    from talaia.model.observing.requests import RequestGroup
-    from talaia.planner.beam_search import OrderedVisit
+    from talaia.model.observing.requests import Proposal, RequestGroup
     from talaia.planner.night_problem import NightProblem, Visit
 
 __all__ = ["Decision", "PlanningSession"]
@@ -80,6 +83,20 @@ class PlanningSession:
         self._bound = RestBound(self._progress)
         # Whether something has happened since the last search.
         self._changed = True
+        # Rounds in idle time since then, and what is observed meanwhile: row, start, end.
+        self._rounds = 0
+        self._meanwhile: OrderedVisit | None = None
+        self._decided = 0
+
+    def begin_from(self, former: PlanningSession) -> None:
+        """Take the order of another session's plan for a beginning, and what proposals lack."""
+        names = [former._problem.table.visits[step.row].id for step in former._search.plan]
+        index = self._problem.table.index
+        self._search.plan_first([index[name] for name in names if name in index])
+        merits = dict(
+            zip((one.id for one in former._problem.proposals), former._search.merits, strict=False)
+        )
+        self._search.merits = np.array([merits.get(p.id, 1.0) for p in self._problem.proposals])
 
     def add_requests(self, groups: Sequence[RequestGroup]) -> None:
         """Take in requests that are new, or again those that are pending."""
@@ -136,6 +153,11 @@ class PlanningSession:
         self._progress.open, self._progress.closed_why = False, why
         self._progress.pointing = None
 
+    def park_telescope(self) -> None:
+        """Count the telescope as parked."""
+        self._changed |= self._progress.pointing is not None
+        self._progress.pointing = None
+
     def open_roof(self) -> None:
         """Plan with an open roof again; the telescope is parked still."""
         self._changed = True
@@ -144,20 +166,26 @@ class PlanningSession:
 
     def set_conditions(self, *, seeing: float | None, clouds: float | None) -> None:
         """Keep what was measured last: FWHM (″) and clouds (%); none: nobody knows."""
-        self._changed = True
-        self._progress.seeing, self._progress.clouds = seeing, clouds
+        self._changed |= self._progress.set_conditions(seeing=seeing, clouds=clouds)
+
+    def set_proposals(self, proposals: Sequence[Proposal]) -> None:
+        """Take what proposals are due and have left now; one that is not named has nothing."""
+        self._changed |= self._progress.set_limits(limits_of(proposals))
 
     def decide(self, time: float) -> Decision:
         """Say what to do next, and why."""
         second = self._problem.second(time)
         end = self._problem.unix(self._problem.length_s)
+        self._rounds *= not self._changed
+        self._decided, self._meanwhile = second, None
         if not self._progress.open:
             return Decision("", time, end, f"the roof is closed: {self._progress.closed_why}")
         # Before any search: seconds count, and nothing else may come first.
         rapid = self._rapid_choice(second)
         if rapid is not None:
             return rapid
-        plan = self._search.search(second, self._effort)
+        # A plan stands until something happens, or one that is worth more is found.
+        plan = self._search.search(second, self._effort, steady=not self._changed)
         self._changed = False
         if not plan:
             start = soonest_start(self._progress, second)
@@ -171,6 +199,7 @@ class PlanningSession:
         if first.start - lead > second + _LONGEST_IDLE_S:
             until = self._problem.unix(first.start - lead)
             return Decision("", time, until, f"{name} is next, and may not begin yet")
+        self._meanwhile = first
         reason = self._reason(first, second)
         if len(plan) > 1:
             follower = self._problem.table.visits[plan[1].row].id
@@ -196,14 +225,38 @@ class PlanningSession:
         best = int(np.argmax(rate))
         if rate[best] <= 0.0:
             return None
-        name = self._problem.table.visits[int(rows[best])].id
+        row, begin = int(rows[best]), int(start[best])
+        name = self._problem.table.visits[row].id
+        self._meanwhile = OrderedVisit(row, begin, begin + int(self._problem.table.block_s[row]))
         unix = self._problem.unix
-        return Decision(name, unix(int(start[best])), unix(second), "a rapid request")
+        return Decision(name, unix(begin), unix(second), "a rapid request")
 
     def improve(self, time: float) -> None:
         """Search the whole rest of the night, more widely than a decision has time for."""
         self._search.search(self._problem.second(time), THOROUGH)
         self._changed = False
+
+    def improve_idle(self, stopped: Callable[[], bool]) -> bool:
+        """Search once more, and more widely, what follows on the newest decision.
+
+        Args:
+            stopped: asked often; once it says so, the plan stays as it was.
+
+        Returns:
+            Whether another round may find more.
+
+        """
+        if self._rounds >= len(IDLE) or not self._progress.open:
+            return False
+        step, since, effort = self._meanwhile, self._decided, IDLE[self._rounds]
+        if step is None:
+            self._search.improve_rest(since, effort, since=since, stopped=stopped)
+        else:
+            with self._progress.assume_observed(step.row):
+                self._search.improve_rest(step.end, effort, since=since, stopped=stopped)
+            self._search.lead_with(step)
+        self._rounds += not stopped()
+        return self._rounds < len(IDLE)
 
     def interrupt(self, time: float, rapid: str, current: str) -> bool:
         """Tell whether a request that has just come interrupts the one that is observed."""

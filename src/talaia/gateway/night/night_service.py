@@ -304,6 +304,7 @@ class NightService:
                 held=self._executor.chooser.held_requests(),
                 seeing=view.seeing,
                 clouds=view.clouds,
+                parked=view.parked is True,
             )
         )
 

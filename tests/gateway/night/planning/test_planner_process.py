@@ -6,6 +6,8 @@ import asyncio
 import io
 import os
 import signal
+import subprocess
+import sys
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -99,6 +101,36 @@ def child_of_this_process() -> int:
         except OSError:
             continue
     raise AssertionError("no planner runs")
+
+
+@pytest.mark.parametrize("way", ["closed", "asked"])
+def test_the_child_improves_while_nobody_asks_and_ends_with_its_gateway(way: str) -> None:
+    many = [request(f"r{n}", hours_east=n % 9 - 2.0, frames=9, seconds=200.0) for n in range(80)]
+    words = (sys.executable, "-m", "talaia.gateway.night.planning.planner_child")
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as child:
+        assert child.stdin is not None
+        assert child.stdout is not None
+        write_frame(child.stdin, msgspec.msgpack.encode(setup(*many)))
+        write_frame(child.stdin, msgspec.msgpack.encode(question(1)))
+        assert read_frame(child.stdout)
+        at_first = processor_ticks(child.pid)
+        # It works while nobody asks.
+        while processor_ticks(child.pid) <= at_first + 10:
+            assert child.poll() is None
+            os.sched_yield()
+        if way == "asked":
+            write_frame(child.stdin, msgspec.msgpack.encode(question(2)))
+            answer = msgspec.msgpack.decode(read_frame(child.stdout) or b"", type=PlannerAnswer)
+            assert answer.number == 2
+            assert answer.request
+        child.stdin.close()
+        assert child.wait(PATIENCE_S) == 0
+
+
+def processor_ticks(number: int) -> int:
+    """Give the processor time of a process (hundredths of a second)."""
+    words = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+    return int(words[11]) + int(words[12])
 
 
 async def test_a_planner_that_is_killed_is_begun_anew_with_all_it_has_to_know() -> None:

@@ -45,6 +45,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
         held: requests that are left alone, until (s since the epoch, UTC).
         seeing: FWHM (″).
         clouds: (%).
+        parked: the telescope is.
 
     """
 
@@ -55,6 +56,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
     held: dict[str, float] = {}
     seeing: float | None = None
     clouds: float | None = None
+    parked: bool = False
 
 
 class PlannerAnswer(msgspec.Struct, frozen=True, kw_only=True):
