@@ -128,6 +128,7 @@ class NightSearch:
             found = search_beam(progress, field, second, shape, stopped=stopped)
             orders.append(("search", tuple(step.row for step in found)))
         if stopped():
+            # What was found in a part of the time is worth no comparison.
             return self.plan
         # The first shape's horizon is the measure of all.
         horizon_s = _WHOLE_NIGHT_S if steady else effort.shapes[0].horizon_s
@@ -147,6 +148,7 @@ class NightSearch:
         self, second: int, effort: Effort, *, since: int, stopped: Callable[[], bool]
     ) -> None:
         """Search what follows after ``second``; what prices a decision goes by stay as they are."""
+        # Those of a later second lack what lies before it.
         prices, self._prices = self._prices, self._idle_prices or self._prices
         try:
             self.search(second, effort, steady=True, since=since, stopped=stopped)

@@ -17,11 +17,12 @@ from talaia.planner.errors import UnknownRequest
 from talaia.planner.fairness import INDIFFERENT, FairnessRule
 from talaia.planner.feasibility import NEVER
 from talaia.planner.from_requests import limits_of, visits_of
+from talaia.planner.idle_rounds import IdleRounds
 from talaia.planner.night_problem import RAPID
 from talaia.planner.outlook import WeatherOutlook
 from talaia.planner.overheads import overheads_from
 from talaia.planner.progress import NightProgress
-from talaia.planner.search import IDLE, PROMPT, THOROUGH, Effort, NightSearch
+from talaia.planner.search import PROMPT, THOROUGH, Effort, NightSearch
 from talaia.planner.sky import MARK_S
 from talaia.planner.why_not import clock_words, explain_visits
 
@@ -83,10 +84,7 @@ class PlanningSession:
         self._bound = RestBound(self._progress)
         # Whether something has happened since the last search.
         self._changed = True
-        # Rounds in idle time since then, and what is observed meanwhile: row, start, end.
-        self._rounds = 0
-        self._meanwhile: OrderedVisit | None = None
-        self._decided = 0
+        self._idle = IdleRounds(self._progress, self._search)
 
     def begin_from(self, former: PlanningSession) -> None:
         """Take the order of another session's plan for a beginning, and what proposals lack."""
@@ -176,8 +174,7 @@ class PlanningSession:
         """Say what to do next, and why."""
         second = self._problem.second(time)
         end = self._problem.unix(self._problem.length_s)
-        self._rounds *= not self._changed
-        self._decided, self._meanwhile = second, None
+        self._idle.note_decision(second, changed=self._changed)
         if not self._progress.open:
             return Decision("", time, end, f"the roof is closed: {self._progress.closed_why}")
         # Before any search: seconds count, and nothing else may come first.
@@ -199,7 +196,7 @@ class PlanningSession:
         if first.start - lead > second + _LONGEST_IDLE_S:
             until = self._problem.unix(first.start - lead)
             return Decision("", time, until, f"{name} is next, and may not begin yet")
-        self._meanwhile = first
+        self._idle.note_visit(first)
         reason = self._reason(first, second)
         if len(plan) > 1:
             follower = self._problem.table.visits[plan[1].row].id
@@ -227,7 +224,8 @@ class PlanningSession:
             return None
         row, begin = int(rows[best]), int(start[best])
         name = self._problem.table.visits[row].id
-        self._meanwhile = OrderedVisit(row, begin, begin + int(self._problem.table.block_s[row]))
+        block = int(self._problem.table.block_s[row])
+        self._idle.note_visit(OrderedVisit(row, begin, begin + block))
         unix = self._problem.unix
         return Decision(name, unix(begin), unix(second), "a rapid request")
 
@@ -246,17 +244,7 @@ class PlanningSession:
             Whether another round may find more.
 
         """
-        if self._rounds >= len(IDLE) or not self._progress.open:
-            return False
-        step, since, effort = self._meanwhile, self._decided, IDLE[self._rounds]
-        if step is None:
-            self._search.improve_rest(since, effort, since=since, stopped=stopped)
-        else:
-            with self._progress.assume_observed(step.row):
-                self._search.improve_rest(step.end, effort, since=since, stopped=stopped)
-            self._search.lead_with(step)
-        self._rounds += not stopped()
-        return self._rounds < len(IDLE)
+        return self._idle.search_once(stopped)
 
     def interrupt(self, time: float, rapid: str, current: str) -> bool:
         """Tell whether a request that has just come interrupts the one that is observed."""

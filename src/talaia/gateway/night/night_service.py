@@ -9,6 +9,7 @@ Long, because what the devices say, what the executor asks for and what the hub 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import itertools
 import logging
 from datetime import UTC, datetime
@@ -253,11 +254,9 @@ class NightService:
         while True:
             self.look_once()
             self._wake.clear()
-            try:
+            with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LOOK_S):
                     await self._wake.wait()
-            except TimeoutError:
-                pass
 
     def look_once(self) -> None:
         """Let the executor go on by how things stand now."""

@@ -104,6 +104,7 @@ class PlannerAnswers:
             padded = [*base, *([0] * (len(frames) - len(base)))]
             since = (now - then for now, then in zip(frames, padded, strict=False))
             session.suspend_request(request, tuple(max(0, count) for count in since))
+        # Rain or the morning has ended the block: the next one begins with unparking.
         if question.parked:
             session.park_telescope()
         return session
@@ -148,11 +149,13 @@ class PlannerAnswers:
         }
         for name in sorted(set(self._known) - set(now)):
             if name in completed:
+                # Charged here as well; what the hub says of hours left comes behind it.
                 session.complete_request(name)
             else:
                 session.remove_requests([name])
             del self._known[name]
             self._gone.add(name)
+        # Known ones are passed over: what is new has rows of its own.
         session.set_proposals(setup.proposals)
         session.add_requests(self._groups_now(setup))
         self._note_known(setup)

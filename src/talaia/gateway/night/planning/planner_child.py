@@ -58,6 +58,7 @@ def answer_all(
     answers = PlannerAnswers()
     more = False
     while True:
+        # A round ends as soon as something waits, and begins again after the answer.
         while more and not waits():
             more = answers.improve_plan(waits)
         if (frame := read_frame(source)) is None:
