@@ -68,6 +68,8 @@ def test_no_protocol_offers_anything_else(permissions) -> None:
     seen, called, stopped, driven = OFFERED[permissions]
     seen = PUBLIC | seen
     services = called | {f"{device}/drive/stop" for device in stopped}
+    # The robot's own name for what may be called.
+    services |= {"turn"} if called else set()
     cameras = {address for address in seen if address.endswith(("/eye", "/shown"))}
     signals = seen - cameras
 
@@ -81,7 +83,10 @@ def test_no_protocol_offers_anything_else(permissions) -> None:
 
     rosbridge = make_rosbridge_offer(SITE, grants)
     assert {address.partition(".")[0] for address in rosbridge.addresses} == signals
-    assert {name.removeprefix("/talaia/") for name in rosbridge.services} == services
+    assert {name.removeprefix("/talaia/").strip("/") for name in rosbridge.services} == services
+    for offer in (foxglove, rosbridge):
+        robot = offer.services["/turn"].robot.commands if called else ()
+        assert {f"{command.device}/{command.name}" for command in robot} == called
     assert {topic.device for topic in rosbridge.driven.values()} == stopped
     assert rosbridge.parameters == foxglove.parameters
 

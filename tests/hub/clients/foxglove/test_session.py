@@ -34,12 +34,13 @@ SEEN = {
 SEEN["admin"] = SEEN["operator"]
 CALLED = {
     "guest": set(),
-    "driver": {"/base/turn", "/base/drive/stop"},
+    "driver": {"/base/turn", "/base/drive/stop", "/turn"},
     "operator": {
         f"/{device}/{name}"
         for device in ("base", "power", "camera")
         for name in ("turn", "drive/stop")
-    },
+    }
+    | {"/turn"},
 }
 CALLED["admin"] = CALLED["operator"]
 

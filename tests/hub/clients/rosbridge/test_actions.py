@@ -155,7 +155,7 @@ async def test_roslibpy_sends_follows_and_cancels_goals(counting) -> None:
         await client.say("get_services")
         assert NAME in await client.hear("found")
         await client.say("action_servers")
-        assert await client.hear("servers") == [NAME]
+        assert await client.hear("servers") == [NAME, "/count"]
         await try_goals(counting.gateways["agv"], RoslibpyGoals(client))
 
 

@@ -47,10 +47,11 @@ SEEN = {
 SEEN["admin"] = SEEN["operator"]
 CALLED = {
     "guest": set(),
-    "driver": {"/talaia/base/turn", "/talaia/base/drive/stop"},
+    "driver": {"/talaia/base/turn", "/talaia/base/drive/stop", "/turn"},
     "operator": {
         f"/talaia/{device}/{name}" for device in DEVICES for name in ("turn", "drive/stop")
-    },
+    }
+    | {"/turn"},
 }
 CALLED["admin"] = CALLED["operator"]
 

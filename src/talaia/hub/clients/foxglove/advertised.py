@@ -132,7 +132,9 @@ class AdvertisedThings:
         """Say who publishes, listens to and provides what, and what of ``before`` is gone."""
         offer = self.offer
         # A topic that is published or listened to is there.
-        topics = {*offer.channels, *offer.driven}
+        topics = {*offer.channels, *offer.driven, *offer.listened}
+        listeners = {topic: robot.device for topic, robot in offer.listened.items()} | offer.driven
+        former = {*before.channels, *before.driven, *before.listened}
         return ConnectionGraphUpdate(
             published_topics=[
                 GraphPublishers(name=topic, publisher_ids=[_publisher_of(offered)])
@@ -140,13 +142,13 @@ class AdvertisedThings:
             ],
             subscribed_topics=[
                 GraphSubscribers(name=topic, subscriber_ids=[device])
-                for topic, device in offer.driven.items()
+                for topic, device in listeners.items()
             ],
             advertised_services=[
                 GraphProviders(name=name, provider_ids=[offered.device])
                 for name, offered in offer.services.items()
             ],
-            removed_topics=sorted({*before.channels, *before.driven} - topics),
+            removed_topics=sorted(former - topics),
             removed_services=sorted(before.services.keys() - offer.services.keys()),
         )
 

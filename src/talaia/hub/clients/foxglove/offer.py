@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.clients.account_offer import make_account_offer
+from talaia.hub.clients.foxglove.robot_schemas import ROBOT_ANSWER_SCHEMA, robot_schema
 from talaia.hub.clients.foxglove.schemas import (
     ANSWER_SCHEMA,
     EMPTY_SCHEMA,
@@ -15,6 +16,7 @@ from talaia.hub.clients.foxglove.schemas import (
     arguments_schema,
     signal_schema,
 )
+from talaia.hub.clients.robot_names import RobotName, make_robot_names
 from talaia.model.site import PositionFrame, SignalType
 
 if TYPE_CHECKING:
@@ -80,12 +82,22 @@ class TopicChannel(NamedTuple):
 
 
 class ServiceEntry(NamedTuple):
-    """A service that is a command of a device, or STOP when ``command`` is empty."""
+    """A service that is a command of a device, or STOP when ``command`` is empty.
+
+    Attributes:
+        device: see above; of the robot's own service the first that it may be of.
+        command: see above.
+        request: of its arguments.
+        response: of its answer.
+        robot: the robot's own service or action; the request says which command is meant.
+
+    """
 
     device: str
     command: str
     request: NamedSchema
     response: NamedSchema
+    robot: RobotName | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +110,7 @@ class FoxgloveOffer:
         topics: see above; what may be tapped is found out by `TappedChannels`.
         services: see above.
         driven: by topic: the device that listens to it.
+        listened: topics of the robot on which messages become commands.
         parameters: plain facts of the description.
 
     """
@@ -107,6 +120,7 @@ class FoxgloveOffer:
     topics: dict[str, TopicChannel] = field(default_factory=dict)
     services: dict[str, ServiceEntry] = field(default_factory=dict)
     driven: dict[str, str] = field(default_factory=dict)
+    listened: dict[str, RobotName] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
 
     @property
@@ -126,6 +140,7 @@ def make_foxglove_offer(
     )
     _offer_views(offer, site, account)
     _offer_services(offer, account)
+    _offer_robot_names(offer, site, account)
     # Rights were looked at where they come from.
     for topic, schema in (tapped or {}).items():
         # A signal or camera of the same name keeps it.
@@ -172,3 +187,12 @@ def _offer_services(offer: FoxgloveOffer, account: AccountOffer) -> None:
     for drive in account.drives:
         service = ServiceEntry(drive.device, "", EMPTY_SCHEMA, ANSWER_SCHEMA)
         offer.services[f"/{drive.device}/{STOP}"] = service
+
+
+def _offer_robot_names(offer: FoxgloveOffer, site: Site, account: AccountOffer) -> None:
+    names = make_robot_names(site, account.commands)
+    # The protocol has no actions: a call is answered when the goal has ended.
+    for name, robot in {**names.actions, **names.services}.items():
+        entry = ServiceEntry(robot.device, "", robot_schema(robot), ROBOT_ANSWER_SCHEMA, robot)
+        offer.services[f"/raw{name}" if name in offer.services else name] = entry
+    offer.listened.update(names.topics)

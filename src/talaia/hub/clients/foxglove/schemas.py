@@ -2,6 +2,8 @@
 
 Positions and pictures take the names and fields of Foxglove's well-known schemas, so that its
 panels know them; other signals have a schema of their own with name and unit in it.
+
+Long, because each schema stands beside what fills it.
 """
 
 from __future__ import annotations
@@ -28,11 +30,13 @@ __all__ = [
     "IMAGE_SCHEMA",
     "VIDEO_SCHEMA",
     "NamedSchema",
+    "argument_schema",
     "arguments_schema",
     "encode_answer",
     "encode_frame",
     "encode_picture",
     "encode_sample",
+    "made_schema",
     "signal_schema",
 ]
 
@@ -51,7 +55,8 @@ class NamedSchema(NamedTuple):
     messages: str = "json"
 
 
-def _made(name: str, properties: Mapping[str, object], **more: object) -> NamedSchema:
+def made_schema(name: str, properties: Mapping[str, object], **more: object) -> NamedSchema:
+    """Give the schema of an object with these properties."""
     said = {"title": name, "type": "object", **more, "properties": properties}
     return NamedSchema(name, json.dumps(said, ensure_ascii=False))
 
@@ -75,7 +80,7 @@ _TIME = {
 # Fields of these names are known to all of Foxglove's panels.
 _TEXT: _Json = {"type": "string"}
 # By these names clients know the fields without reading the schema.
-_POSE = _made(
+_POSE = made_schema(
     "foxglove.PoseInFrame",
     {
         "timestamp": _TIME,
@@ -86,7 +91,7 @@ _POSE = _made(
         ),
     },
 )
-_FIX = _made(
+_FIX = made_schema(
     "foxglove.LocationFix",
     {
         "timestamp": _TIME,
@@ -104,10 +109,10 @@ _PICTURE = {
     "data": {"type": "string", "contentEncoding": "base64"},
     "format": _TEXT,
 }
-IMAGE_SCHEMA = _made("foxglove.CompressedImage", _PICTURE)
-VIDEO_SCHEMA = _made("foxglove.CompressedVideo", _PICTURE)
+IMAGE_SCHEMA = made_schema("foxglove.CompressedImage", _PICTURE)
+VIDEO_SCHEMA = made_schema("foxglove.CompressedVideo", _PICTURE)
 # Where a device's own frame is in the local one: what is drawn in it moves along.
-FRAME_SCHEMA = _made(
+FRAME_SCHEMA = made_schema(
     "foxglove.FrameTransform",
     {
         "timestamp": _TIME,
@@ -117,8 +122,8 @@ FRAME_SCHEMA = _made(
         "rotation": _object(x=_number(), y=_number(), z=_number(), w=_number()),
     },
 )
-EMPTY_SCHEMA = _made("talaia.Empty", {})
-ANSWER_SCHEMA = _made(
+EMPTY_SCHEMA = made_schema("talaia.Empty", {})
+ANSWER_SCHEMA = made_schema(
     "talaia.Answer",
     {"phase": {**_TEXT, "description": "succeeded"}, "message": _TEXT},
 )
@@ -138,27 +143,31 @@ def signal_schema(signal: Signal, device: str) -> NamedSchema:
         case SignalType.POSITION:
             return _FIX if signal.frame is PositionFrame.WGS84 else _POSE
         case SignalType.TEXT:
-            return _made("talaia.Text", {"timestamp": _TIME, "value": _TEXT}, description=title)
+            return made_schema(
+                "talaia.Text", {"timestamp": _TIME, "value": _TEXT}, description=title
+            )
         case SignalType.STATE:
             # A word that the description does not name may come: see `_state`.
             states: _Json = {"type": "string", "enum": list(signal.states)}
             value = states if signal.states else _TEXT
-            return _made(
+            return made_schema(
                 "talaia.State",
                 {"timestamp": _TIME, "value": value, "index": {"type": "integer"}},
                 description=title,
             )
         case SignalType.NUMBER:
             value = _number(description=signal.unit) if signal.unit else _number()
-            return _made("talaia.Number", {"timestamp": _TIME, "value": value}, description=title)
+            return made_schema(
+                "talaia.Number", {"timestamp": _TIME, "value": value}, description=title
+            )
 
 
 def arguments_schema(name: str, command: Command) -> NamedSchema:
     """Give the schema of a command's arguments."""
     # By the names that people give arguments, not by the paths they fill.
-    properties = {key: _argument(argument) for key, argument in command.arguments.items()}
+    properties = {key: argument_schema(argument) for key, argument in command.arguments.items()}
     required = [key for key, argument in command.arguments.items() if argument.default is None]
-    return _made(f"talaia.{name.replace('/', '.')}", properties, required=required)
+    return made_schema(f"talaia.{name.replace('/', '.')}", properties, required=required)
 
 
 def encode_sample(signal: Signal, values: Mapping[str, float | str], time_us: int) -> bytes | None:
@@ -229,7 +238,8 @@ def encode_answer(phase: str, message: str) -> bytes:
     return msgspec.json.encode({"phase": phase, "message": message})
 
 
-def _argument(argument: Argument) -> _Json:
+def argument_schema(argument: Argument) -> dict[str, object]:
+    """Give the schema of one argument."""
     said: _Json = {"type": _TYPES[argument.type], "title": argument.name}
     # What is not said in the description is left out.
     facts = {

@@ -6,7 +6,7 @@ Long, because each message of the protocol, both ways, has its few lines here in
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -21,6 +21,8 @@ from talaia.hub.clients.foxglove.published_channels import PublishedChannels
 from talaia.hub.clients.foxglove.schemas import encode_answer
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
+from talaia.hub.clients.published_message import read_fields
+from talaia.hub.clients.robot_names import RobotCall
 from talaia.wire.browser import (
     CommandUpdate,
     PageCommand,
@@ -47,7 +49,7 @@ from talaia.wire.foxglove.server_messages import (
     ServiceCallFailure,
 )
 from talaia.wire.frames import CommandPhase
-from talaia.wire.gateway_messages.field_types import Arguments, Scalar
+from talaia.wire.gateway_messages.field_types import Arguments
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -83,6 +85,14 @@ _LIVE = "this connection is live; put from= and to= into the address to play the
 _MOST_CALLS = 100
 # Phases of a command after which more comes.
 _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
+
+
+class _WaitingCall(NamedTuple):
+    """A call that waits for its end: of a service's number; ``robot``: of the robot's own."""
+
+    service: int
+    call: int
+    robot: bool = False
 
 
 class FoxgloveSession:
@@ -135,9 +145,9 @@ class FoxgloveSession:
         # One offer is told whole before the next.
         self._advertising = asyncio.Lock()
         self._signals = SignalChannels(self._site, wants=self._things.has_subscription)
-        self._published = PublishedChannels(connection, send_status=self._send_status)
-        # Calls that wait: by the command's or STOP's id, the service and the call.
-        self._calls: dict[str, tuple[int, int]] = {}
+        self._published = PublishedChannels(connection, send_status=self._send_status, clock=clock)
+        # By the command's or STOP's id.
+        self._calls: dict[str, _WaitingCall] = {}
         self._wants_graph = False
         # Of the description that is advertised.
         self._edition = ""
@@ -263,30 +273,31 @@ class FoxgloveSession:
             why = f"there is no service {message.service_id}"
         elif len(self._calls) >= _MOST_CALLS:
             why = f"at most {_MOST_CALLS} calls at once"
-        elif not service.command:
+        elif not service.command and service.robot is None:
             press, why = self._connection.press_stop(service.device)
             if not why:
-                self._calls[press] = message.service_id, message.call_id
+                self._calls[press] = _WaitingCall(message.service_id, message.call_id)
         else:
             why = self._request_command(service, message)
         if why:
             await self._send_json(_call_failure(message.service_id, message.call_id, why))
 
     def _request_command(self, service: ServiceEntry, message: said.FoxgloveCall) -> str:
-        args = _read_arguments(message)
-        if isinstance(args, str):
-            return args
+        call = _read_call(service, message)
+        if isinstance(call, str):
+            return call
         number = new_token()
         # Before it is asked: its end may come at once.
-        self._calls[number] = message.service_id, message.call_id
+        waiting = _WaitingCall(message.service_id, message.call_id, service.robot is not None)
+        self._calls[number] = waiting
         # Rights, arguments and units are looked at there and at the gateway.
         problem = self._connection.request(
             PageCommand(
                 site=self._site,
-                device=service.device,
-                command=service.command,
+                device=call.device,
+                command=call.command,
                 id=number,
-                args=args,
+                args=call.args,
             )
         )
         if problem is None:
@@ -308,6 +319,8 @@ class FoxgloveSession:
             case CommandUpdate() if message.id in self._calls:
                 if message.phase not in _GOING_ON:
                     await self._end_call(message)
+            case CommandUpdate():
+                await self._published.follow_command(message)
             case StopUpdate() if message.id in self._calls and message.latched:
                 await self._send_answer(message.id, "STOP is on")
             case RequestError():
@@ -368,13 +381,18 @@ class FoxgloveSession:
             await self._send_answer(message.id, message.message)
         else:
             said_why = f"{message.phase.value}: {message.message}"
-            await self._send_json(_call_failure(*self._calls.pop(message.id), said_why))
+            ended = self._calls.pop(message.id)
+            await self._send_json(_call_failure(ended.service, ended.call, said_why))
 
     async def _send_answer(self, number: str, text: str) -> None:
         # Once: what comes of it later is told to pages.
-        service, call = self._calls.pop(number)
-        answer = encode_answer(CommandPhase.SUCCEEDED.value, text)
-        await self._socket.send_bytes(encode_service_response(service, call, "json", answer))
+        ended = self._calls.pop(number)
+        if ended.robot:
+            answer = msgspec.json.encode({"success": True, "message": text})
+        else:
+            answer = encode_answer(CommandPhase.SUCCEEDED.value, text)
+        response = encode_service_response(ended.service, ended.call, "json", answer)
+        await self._socket.send_bytes(response)
 
     async def _send_parameters(self, names: list[str], number: str | None = None) -> None:
         await self._send_json(_parameter_values(self._things.offer, names, number))
@@ -386,15 +404,18 @@ class FoxgloveSession:
         await self._socket.send_text(encode_server(message))
 
 
-def _read_arguments(message: said.FoxgloveCall) -> dict[str, Scalar] | str:
-    """Read the arguments of a command, or say what is wrong with them."""
+def _read_call(service: ServiceEntry, message: said.FoxgloveCall) -> RobotCall | str:
+    """Give the command that is asked for, or say what is wrong with its arguments."""
     # CDR would need a type that the robot's request has and our commands have not.
     if message.encoding != "json":
         return f"arguments are read as json, not as {message.encoding[:100]!r}"
     try:
-        return msgspec.json.decode(message.data or b"{}", type=Arguments)
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        if service.robot is not None:
+            return service.robot.find_command(read_fields(message.data))
+        args = msgspec.json.decode(message.data or b"{}", type=Arguments)
+    except (ValueError, RecursionError) as error:
         return f"not the arguments of a command: {str(error)[:200]}"
+    return RobotCall(service.device, service.command, args)
 
 
 def _parameter_values(

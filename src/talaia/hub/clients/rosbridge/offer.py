@@ -9,12 +9,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.clients.account_offer import make_account_offer
+from talaia.hub.clients.robot_names import RobotNames, full_type, make_robot_names
 from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import ArgumentType, CommandKind, SignalType
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.clients.account_offer import AccountOffer, DrivenTopic
+    from talaia.hub.clients.robot_names import RobotName
     from talaia.model.site import Command, Signal, Site
 
 __all__ = [
@@ -39,6 +41,16 @@ _FIELD_TYPES = {
     # Lists are one text: `1, 2.5`, or as JSON has them.
     **dict.fromkeys(LIST_TYPES, "string"),
 }
+# In the robot's own requests lists are lists. How wide a number is there is not known here.
+_ROBOT_TYPES = {
+    **_FIELD_TYPES,
+    ArgumentType.NUMBERS: "float64[]",
+    ArgumentType.INTEGERS: "int64[]",
+    ArgumentType.BOOLEANS: "bool[]",
+    ArgumentType.TEXTS: "string[]",
+    ArgumentType.BYTES: "uint8[]",
+}
+_FIXED_TYPES = {bool: "bool", int: "int64", float: "float64", str: "string"}
 
 
 class SignalTopic(NamedTuple):
@@ -61,7 +73,9 @@ class RosService(NamedTuple):
 
     Attributes:
         type: of the service; an action of the same name has `action_type`.
-        fields: arguments in their order, each with its ROS type.
+        fields: arguments in their order, each with its ROS type; of the robot's own, the paths
+            in its request that may be filled.
+        robot: the robot's own service or action; the request says which command is meant.
 
     """
 
@@ -70,6 +84,7 @@ class RosService(NamedTuple):
     type: str
     fields: tuple[tuple[str, str], ...] = ()
     action: bool = False
+    robot: RobotName | None = None
 
     @property
     def node(self) -> str:
@@ -79,6 +94,8 @@ class RosService(NamedTuple):
     @property
     def action_type(self) -> str:
         """Name the type of its action."""
+        if self.robot is not None:
+            return self.type
         return f"talaia/action/{self.device}_{self.command}"
 
 
@@ -91,6 +108,7 @@ class RosbridgeOffer:
         addresses: by the address of a channel: its topic.
         services: see above.
         driven: see above.
+        listened: topics of the robot on which messages become commands.
         parameters: plain facts of the description.
 
     """
@@ -99,13 +117,8 @@ class RosbridgeOffer:
     addresses: dict[str, str] = field(default_factory=dict)
     services: dict[str, RosService] = field(default_factory=dict)
     driven: dict[str, DrivenTopic] = field(default_factory=dict)
+    listened: dict[str, RobotName] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
-
-
-def full_type(name: str) -> str:
-    """Give a type's name as ROS 2 writes it; clients of ROS 1 leave ``/msg/`` out."""
-    package, slash, rest = name.partition("/")
-    return f"{package}/msg/{rest}" if slash and "/" not in rest else name
 
 
 def make_rosbridge_offer(site: Site, grants: Grants) -> RosbridgeOffer:
@@ -118,7 +131,21 @@ def make_rosbridge_offer(site: Site, grants: Grants) -> RosbridgeOffer:
     for drive in account.drives:
         stop = RosService(drive.device, "", _TRIGGER_TYPE)
         offer.services[f"{_PREFIX}/{drive.device}/drive/stop"] = stop
+    _offer_robot_names(offer, make_robot_names(site, account.commands))
     return offer
+
+
+def _offer_robot_names(offer: RosbridgeOffer, names: RobotNames) -> None:
+    for name, found in (*names.services.items(), *names.actions.items()):
+        fields = (
+            *((path, _FIXED_TYPES[type(values[0])]) for path, values in found.fixed().items()),
+            *((path, _ROBOT_TYPES[of.type]) for path, of in found.arguments().items()),
+        )
+        action = found.kind is CommandKind.ACTION
+        offered = RosService(found.device, "", found.type, fields, action, found)
+        # Names of ours stay what they were; of two kinds of one name it is the service.
+        offer.services.setdefault(name, offered)
+    offer.listened.update(names.topics)
 
 
 def _offer_signals(offer: RosbridgeOffer, account: AccountOffer) -> None:

@@ -17,10 +17,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.typesys.store import Typestore
 
     from talaia.wire.frames import TapSchema
 
-__all__ = ["MessageUnreadable", "TypeText", "describe_fields", "describe_type", "message_reader"]
+__all__ = [
+    "MessageUnreadable",
+    "TypeText",
+    "describe_fields",
+    "describe_type",
+    "message_reader",
+    "read_known_message",
+]
 
 # Types in one definition; a robot's largest has some dozens.
 _MOST_TYPES = 500
@@ -72,6 +80,25 @@ def message_reader(schema: TapSchema) -> Callable[[bytes], dict[str, object]]:
     return read_plain
 
 
+def read_known_message(kind: str, data: bytes) -> dict[str, object]:
+    """Read the CDR of a type that comes with ROS, as plain values and lists.
+
+    Raises:
+        MessageUnreadable: the type is not known here, or the bytes are none of it.
+
+    """
+    from rosbags.serde import SerdeError
+
+    store = _brought_store()
+    if kind not in store.fielddefs:
+        raise MessageUnreadable(f"the type {kind[:200]!r} is read as json only")
+    try:
+        read = _plain_fields(store.deserialize_cdr(data, kind))
+    except (SerdeError, struct.error, ValueError, MemoryError, AssertionError) as error:
+        raise MessageUnreadable(f"not a {kind}: {str(error)[:300]}") from error
+    return {name: _listed(value) for name, value in read.items()}
+
+
 def describe_type(name: str, text: TypeText | None = None) -> list[dict[str, object]]:
     """Describe a message type and the types in it, as ``rosapi_msgs/TypeDef`` does.
 
@@ -100,8 +127,25 @@ def describe_type(name: str, text: TypeText | None = None) -> list[dict[str, obj
 
 
 def describe_fields(name: str, fields: list[tuple[str, str]]) -> list[dict[str, object]]:
-    """Describe a type of plain fields, each with its ROS type."""
-    return [_type_definition(name, [(field, kind, -1) for field, kind in fields], [])]
+    """Describe a type by the paths of its fields, each with its ROS type (``float64[]``: a list).
+
+    What lies deeper has types of its own, named after it.
+    """
+    described: dict[str, tuple[str, str, int]] = {}
+    inner: dict[str, list[tuple[str, str]]] = {}
+    for path, kind in fields:
+        head, _, rest = path.partition(".")
+        field, bracket, _ = head.partition("[")
+        length = 0 if bracket or kind.endswith("[]") else -1
+        if rest:
+            inner.setdefault(field, []).append((rest, kind))
+            described[field] = (field, f"{name}_{field}", length)
+        else:
+            described.setdefault(field, (field, kind.removesuffix("[]"), length))
+    found = [_type_definition(name, list(described.values()), [])]
+    for field, below in inner.items():
+        found += describe_fields(f"{name}_{field}", below)
+    return found
 
 
 def _type_definition(
@@ -153,11 +197,24 @@ def _read_definitions(text: TypeText) -> Typesdict:
     return found
 
 
-@cache
 def _brought_types() -> Typesdict:
+    return _brought_store().fielddefs
+
+
+@cache
+def _brought_store() -> Typestore:
     from rosbags.typesys import Stores, get_typestore
 
-    return get_typestore(Stores.LATEST).fielddefs
+    return get_typestore(Stores.LATEST)
+
+
+def _listed(value: object) -> object:
+    if isinstance(value, dict):
+        return {name: _listed(inner) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [_listed(inner) for inner in value]
+    # Of numbers there is an array of numpy's.
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _plain_fields(message: Any) -> dict[str, object]:  # noqa: ANN401 - of a class made by rosbags

@@ -39,10 +39,11 @@ class NoSuchThing(Exception):
 
 
 class RosGraph(NamedTuple):
-    """Topics with their types, and the offer beside them."""
+    """Topics with their types, the offer beside them, and which of them may be tapped."""
 
     topics: dict[str, str]
     offer: RosbridgeOffer
+    tapped: frozenset[str]
 
     def node_of(self, topic: str) -> str:
         """Name the node that publishes a topic."""
@@ -63,9 +64,10 @@ class Rosapi:
     def current_graph(self, offer: RosbridgeOffer) -> RosGraph:
         """Give all topics that may be subscribed to, or published to, now."""
         driven = {topic: driven.type for topic, driven in offer.driven.items()}
+        listened = {topic: robot.type for topic, robot in offer.listened.items()}
         tapped = {entry.topic: entry.type for entry in self._taps.topics(self._site, self._grants)}
         signals = {topic: signal.type for topic, signal in offer.signals.items()}
-        return RosGraph({**driven, **tapped, **signals}, offer)
+        return RosGraph({**driven, **listened, **tapped, **signals}, offer, frozenset(tapped))
 
     async def answer_call(
         self, service: str, args: Mapping[str, object], offer: RosbridgeOffer
@@ -100,7 +102,7 @@ class Rosapi:
     async def _describe_message(self, kind: str, graph: RosGraph) -> list[dict[str, object]]:
         topic = next((topic for topic, of in graph.topics.items() if of == kind), None)
         try:
-            if topic is None or topic in graph.offer.signals or topic in graph.offer.driven:
+            if topic is None or topic not in graph.tapped:
                 return describe_type(kind)
             schema = await self._taps.schema(self._site, topic, self._grants)
             text = TypeText(schema.type, schema.encoding, schema.definition)
@@ -158,11 +160,15 @@ def _answer_lookup(
 
 
 def _answer_nodes(service: str, name: str, graph: RosGraph) -> dict[str, object]:
+    offer = graph.offer
     published = {
-        topic: graph.node_of(topic) for topic in graph.topics if topic not in graph.offer.driven
+        topic: graph.node_of(topic)
+        for topic in graph.topics
+        if topic in graph.tapped or not (topic in offer.driven or topic in offer.listened)
     }
-    driven = {topic: f"{_NODE}/{of.device}" for topic, of in graph.offer.driven.items()}
-    served = {said: of.node for said, of in graph.offer.services.items()}
+    driven = {topic: f"{_NODE}/{robot.device}" for topic, robot in offer.listened.items()}
+    driven |= {topic: f"{_NODE}/{of.device}" for topic, of in offer.driven.items()}
+    served = {said: of.node for said, of in offer.services.items()}
     match service:
         case "nodes":
             nodes = [_NODE, *published.values(), *driven.values(), *served.values()]

@@ -11,15 +11,15 @@ import msgspec
 
 from talaia.first_completed import until_first
 from talaia.hub.auth.tokens import new_token
-from talaia.hub.clients.key_velocity import read_key
-from talaia.hub.clients.published_velocity import read_velocity
+from talaia.hub.clients.published_message import read_fields
+from talaia.hub.clients.robot_names import RobotCall
 from talaia.hub.clients.rosbridge.call_timeouts import CallTimeouts
-from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type, make_rosbridge_offer
+from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, make_rosbridge_offer
 from talaia.hub.clients.rosbridge.output import RosbridgeOutput
+from talaia.hub.clients.rosbridge.published_topics import PublishedTopics
 from talaia.hub.clients.rosbridge.rosapi import ROSAPI, NoSuchThing, Rosapi
 from talaia.hub.clients.rosbridge.topic_delivery import TopicDelivery
 from talaia.hub.clients.rosbridge.wanted_topics import absolute_name
-from talaia.model.site import DriveMessage
 from talaia.wire.browser import (
     CommandUpdate,
     PageCommand,
@@ -51,9 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = ["RosbridgeSession"]
 
-# Calls and goals that wait for their end, and topics that a client publishes.
+# Calls and goals that wait for their end.
 _MOST_CALLS = 100
-_MOST_ADVERTISED = 1000
 _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
 
 
@@ -82,14 +81,11 @@ class RosbridgeSession:
         self._rosapi = Rosapi(self._site, grants, taps=taps, clock=clock)
         self._topics = TopicDelivery(connection, self._output, taps=taps, clock=clock)
         self._fragments = FragmentAssembly(MAX_ROSBRIDGE_FRAME)
-        # By topic: of which type the client said that it publishes it.
-        self._advertised: dict[str, str] = {}
+        self._published = PublishedTopics(connection, self._output, clock=clock)
         # By the command's or STOP's id; and by the client's id of a goal: the command's.
         self._waiting: dict[str, _Waiting] = {}
         self._goals: dict[str | int, str] = {}
         self._timeouts = CallTimeouts(self._expire_call)
-        # What the person was told last of why it does not drive: each message would repeat it.
-        self._told = ""
 
     # ── from the client ──
 
@@ -140,11 +136,11 @@ class RosbridgeSession:
             case said.RosbridgeUnsubscribe():
                 await self._topics.remove_subscription(message)
             case said.RosbridgeAdvertise():
-                await self._note_advertised(message)
+                await self._published.note_advertised(message, self._offer)
             case said.RosbridgeUnadvertise():
-                self._advertised.pop(absolute_name(message.topic), None)
+                self._published.forget_advertised(message)
             case said.RosbridgePublish():
-                await self._publish_velocity(message)
+                await self._published.publish_message(message, self._offer)
             case said.RosbridgeCall():
                 await self._call_service(message)
             case said.RosbridgeGoal():
@@ -158,42 +154,6 @@ class RosbridgeSession:
                 await self._output.tell_status("error", why, message.id)
             case said.RosbridgeFragment():
                 await self._output.tell_status("error", "a fragment in fragments", message.id)
-
-    async def _note_advertised(self, message: said.RosbridgeAdvertise) -> None:
-        topic = absolute_name(message.topic)
-        if topic not in self._offer.driven:
-            await self._refuse_published(f"nothing here listens to {message.topic}", message.id)
-        elif len(self._advertised) < _MOST_ADVERTISED or topic in self._advertised:
-            self._advertised[topic] = full_type(message.type)
-
-    async def _publish_velocity(self, message: said.RosbridgePublish) -> None:
-        topic = absolute_name(message.topic)
-        driven = self._offer.driven.get(topic)
-        if driven is None:
-            await self._refuse_published(f"nothing here listens to {message.topic}", message.id)
-            return
-        kind = self._advertised.get(topic, driven.type)
-        rule = self._connection.description.devices[driven.device].drive
-        if kind == DriveMessage.KEYS.value and rule is not None:
-            velocity = read_key(bytes(message.msg), rule)
-        else:
-            velocity = read_velocity("json", kind, bytes(message.msg))
-        if isinstance(velocity, str):
-            await self._refuse_published(f"{message.topic}: {velocity}", message.id)
-            return
-        why = self._connection.publish_drive(
-            driven.device, linear=velocity.linear, angular=velocity.angular
-        )
-        if why:
-            await self._refuse_published(f"{message.topic}: {why}", message.id)
-        else:
-            self._told = ""
-
-    async def _refuse_published(self, why: str, message_id: str | int | None) -> None:
-        """Say why what is published is refused, once for as long as it stays so."""
-        if why != self._told:
-            self._told = why
-            await self._output.tell_status("error", why, message_id)
 
     async def _call_service(self, message: said.RosbridgeCall) -> None:
         service = absolute_name(message.service)
@@ -231,25 +191,25 @@ class RosbridgeSession:
         """Ask the hub for a command or STOP; say why not, if so."""
         if len(self._waiting) >= _MOST_CALLS:
             return f"at most {_MOST_CALLS} calls at once"
-        if not offered.command:
+        if not offered.command and offered.robot is None:
             press, why = self._connection.press_stop(offered.device)
             if not why:
                 self._waiting[press] = _Waiting(message, offered.device)
             return why
         try:
-            args = _read_arguments(bytes(message.args), offered)
+            call = _read_call(bytes(message.args), offered)
         except ValueError as error:
             return str(error)
         number = new_token()
         # Before it is asked: its end may come at once.
-        self._waiting[number] = _Waiting(message, offered.device)
+        self._waiting[number] = _Waiting(message, call.device)
         problem = self._connection.request(
             PageCommand(
                 site=self._site,
-                device=offered.device,
-                command=offered.command,
+                device=call.device,
+                command=call.command,
                 id=number,
-                args=args,
+                args=call.args,
             )
         )
         if problem is not None:
@@ -292,6 +252,8 @@ class RosbridgeSession:
                     self._update_offer()
             case CommandUpdate() if message.id in self._waiting:
                 await self._follow_command(message)
+            case CommandUpdate():
+                await self._published.follow_command(message)
             case StopUpdate() if message.id in self._waiting and message.latched:
                 waiting = self._waiting.pop(message.id).asked
                 if isinstance(waiting, said.RosbridgeCall):
@@ -356,6 +318,22 @@ def _read_fields(args: bytes) -> dict[str, object]:
     return (
         read if isinstance(read, dict) else {str(at): value for at, value in enumerate(read or ())}
     )
+
+
+def _read_call(args: bytes, offered: RosService) -> RobotCall:
+    """Give the command that a call of a service or a goal of an action asks for.
+
+    Raises:
+        ValueError: there is none.
+
+    """
+    if offered.robot is None:
+        read = _read_arguments(args, offered)
+        return RobotCall(offered.device, offered.command, read)
+    found = offered.robot.find_command(read_fields(args))
+    if isinstance(found, str):
+        raise ValueError(found)  # noqa: TRY004 - nothing of another type was given
+    return found
 
 
 def _read_arguments(args: bytes, offered: RosService) -> dict[str, Scalar]:
