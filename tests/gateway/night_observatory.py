@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.night.arming import NightArming
 from talaia.gateway.night.block_run import BlockParts
@@ -63,6 +63,7 @@ def request(
     start: float = EVENING - 86_400.0,
     guiding: Guiding = Guiding.OPTIONAL,
     target: Target | None = None,
+    **configuration: Any,
 ) -> RequestGroup:
     """Ask for frames of a place that is high in the evening, or of another target."""
     jd = astronomy.julian_day(EVENING)
@@ -78,7 +79,9 @@ def request(
             Request(
                 id=name,
                 target=target or IcrsTarget(name=name, ra=ra * 15.0 % 360.0, dec=42.0),
-                configurations=(Configuration(exposure=seconds, count=frames, guiding=guiding),),
+                configurations=(
+                    Configuration(exposure=seconds, count=frames, guiding=guiding, **configuration),
+                ),
                 windows=(Window(start=start, end=EVENING + 86_400.0),),
             ),
         ),
@@ -107,6 +110,8 @@ class PureObservatory:
         self.shutter, self.telescope = "closed", "parked"
         self.closing = self.barred = self.person = ""
         self.blind = self.mute_planner = False
+        # What the camera says of itself.
+        self.binning, self.gain = 1.0, 0.0
         # Commands that fail, are refused or never end, by what becomes of them.
         self.faults: dict[str, CommandPhase | None] = {}
         # The planner has nothing before so long (s).
@@ -137,6 +142,8 @@ class PureObservatory:
             closed=self.shutter == "closed" if known else None,
             parked=self.telescope == "parked" if known else None,
             person=self.person,
+            binning=self.binning if known else None,
+            gain=self.gain if known else None,
         )
 
     def ask(self, *groups: RequestGroup) -> None:
@@ -216,6 +223,10 @@ class PureObservatory:
                     self.telescope = "idle"
                 case "telescope/park":
                     self.telescope = "parked"
+                case "camera/binning":
+                    self.binning = float(command.args["factor"])
+                case "camera/gain":
+                    self.gain = float(command.args["gain"])
                 case "camera/expose":
                     self.frames.append(str(command.args["target"]))
         self.executor.take_answer(StepAnswer(command.id, phase, "its own words"))

@@ -23,6 +23,7 @@ __all__ = [
     "NightLinkLoss",
     "NightSection",
     "NightSun",
+    "SettingCommand",
     "SlewCommand",
 ]
 
@@ -87,6 +88,24 @@ class FilterCommand(Shape, frozen=True, kw_only=True):
     command: str
     argument: str
     filters: dict[str, float | int | str]
+
+
+class SettingCommand(Shape, frozen=True, kw_only=True):
+    """How a number of the camera is set before frames, where the frame's command does not take it.
+
+    Attributes:
+        command: ``<device>/<command>``.
+        arguments: of the command, each of which takes the number: two where it has one an axis.
+        reading: address of the signal that says what is set, or empty. It is set when that says
+            so, and not asked for where it says so already; without one its command's word counts.
+        within: (s).
+
+    """
+
+    command: str
+    arguments: tuple[str, ...]
+    reading: str = ""
+    within: float = 30.0
 
 
 class NightFocuser(Shape, frozen=True, kw_only=True):
@@ -179,6 +198,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
         light: takes a frame of a target; see `FrameCommand`.
         darks: see `NightDarks`; none: it takes none.
         filter: see `FilterCommand`; none: there is one filter, or it is changed by hand.
+        binning: see `SettingCommand`; none: as the frames' commands take it, or not at all.
+        gain: see `SettingCommand`; none: as the frames' commands take it, or not at all.
         focuser: see `NightFocuser`; none: nobody focuses.
         centring: see `NightCentring`; none: fields are where the slew ends.
         guider: see `NightGuider`; none: nobody guides.
@@ -205,6 +226,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
     light: FrameCommand
     darks: NightDarks | None = None
     filter: FilterCommand | None = None
+    binning: SettingCommand | None = None
+    gain: SettingCommand | None = None
     focuser: NightFocuser | None = None
     centring: NightCentring | None = None
     guider: NightGuider | None = None
@@ -234,4 +257,5 @@ class NightSection(Shape, frozen=True, kw_only=True):
             more.append(self.filter.command)
         if self.focuser is not None:
             more.append(self.focuser.command)
+        more += [rule.command for rule in (self.binning, self.gain) if rule is not None]
         return frozenset([*(step.command for step in self.steps().values()), *more])

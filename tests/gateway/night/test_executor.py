@@ -15,7 +15,8 @@ from night_observatory import (
 )
 
 from talaia.gateway.night.arming import NightArming
-from talaia.gateway.night.block_run import GUIDE_AGAIN_S, SLEWS_BEFORE_FRAME, BlockParts
+from talaia.gateway.night.block_run import SLEWS_BEFORE_FRAME, BlockParts
+from talaia.gateway.night.imaging.guide_steps import GUIDE_AGAIN_S
 from talaia.gateway.night.night_values import NightView, PlanQuestion
 from talaia.gateway.night.target_place import arcseconds_between
 from talaia.model.observing.requests import Guiding, Urgency

@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.night.frames.frame_arguments import frame_arguments
+from talaia.gateway.night.frames.frame_settings import FrameSettings
+from talaia.gateway.night.imaging.guide_steps import GuideSteps, dithered_place
 from talaia.gateway.night.night_values import NightCommand, PartRun
 from talaia.gateway.night.simple_dispatch import frames_left
 from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
 from talaia.gateway.night.target_place import arcseconds_between, hour_angle_of, place_of_date
-from talaia.model.observing.requests import Guiding
 from talaia.model.observing.targets import IcrsTarget, target_name
 
 if TYPE_CHECKING:
@@ -37,8 +38,6 @@ MOST_OFF_ARCSEC = 60.0
 # A slew to what moves ends where it no longer is; a second, short one brings it there. What a
 # mount cannot reach so is exposed as it is, or the block would slew for ever.
 SLEWS_BEFORE_FRAME = 2
-# Guiding that a request can do without is begun again so long after it was, at the earliest (s).
-GUIDE_AGAIN_S = 600.0
 
 
 class BlockParts:
@@ -98,13 +97,10 @@ class BlockRun:
         # Where the telescope was sent last, and how often since a frame was taken.
         self._sent: EquatorialPlace | None = None
         self._slews = 0
-        self._guided = False
-        # When guiding that was lost may be begun again (monotonic, s).
-        self._guide_again_from = 0.0
-        # Which filter is in, as far as this block knows, and on which side it points.
-        self._filter: str | None = None
+        self._guiding = GuideSteps(parts, self._part)
+        self._settings = FrameSettings(night)
+        # On which side of the meridian it points.
         self._east: bool | None = None
-        self._dither_due = False
         self._runner = StepRunner([], next_id)
 
     @property
@@ -114,6 +110,9 @@ class BlockRun:
 
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command or part ended."""
+        if answer.place is not None and self._runner.is_waiting_for(answer.id):
+            # Where the mount has to stand for the field to be in the middle.
+            self._sent = answer.place
         self._runner.take_answer(answer)
 
     def update_block(self, view: NightView) -> list[NightCommand | PartRun]:
@@ -138,20 +137,17 @@ class BlockRun:
         left = frames_left(self.request, tuple(self.frames_done))
         index = next((i for i, count in enumerate(left) if count), None)
         if index is None:
-            return (
-                [self._part("ending guiding", "unguide", required=False)]
-                if self._stop_guiding()
-                else []
-            )
+            return self._guiding.stop_steps()
         configuration = self.request.configurations[index]
         flips = self._flip_due(view, configuration)
         if self._sent is None or flips or self._has_moved(view, configuration):
             return self._point(view, configuration, flips=flips)
-        steps = self._set_filter(configuration)
+        steps = self._settings.steps_for(configuration, self._night.light)
         name = configuration.filter
         if self._parts.focus_due(name, view.time):
             steps.append(self._part("focusing", "focus", required=False))
-        steps += self._set_guiding(configuration, view.now)
+        steps += self._guiding.steps_for(configuration, view.now)
+        steps += self._offset(configuration)
         return [*steps, self._frame(index, configuration)]
 
     def _flip_due(self, view: NightView, configuration: Configuration) -> bool:
@@ -185,89 +181,46 @@ class BlockRun:
         if where is None:
             self.state, self.why = StepsState.FAILED, "nobody knows where its target stands"
             return []
-        night, steps = self._night, []
+        steps: list[NightStep] = []
         hours = hour_angle_of(where, self._place, view.time)
         if flips and hours < 0:
             # Until it has passed: a mount flips only then. The field is centred anew behind it.
             wait = -hours * _SECONDS_IN_HOUR_ANGLE
             steps.append(NightStep(words="waiting for the meridian", wait=wait + 1.0))
-        if self._stop_guiding():
-            steps.append(self._part("ending guiding", "unguide", required=False))
+        steps += self._guiding.stop_steps()
         self._sent, self._east = where, hours < 0 and not flips
         self._slews += 1
-        slew = night.slew
-        # To the pole and over: 180° of each axis.
-        within = 180.0 / night.times.slew_rate + night.times.meridian_flip + 120.0
-        steps.append(
-            NightStep(
-                words="flipping" if flips else "slewing",
-                command=slew.command,
-                args={slew.ra: where[0], slew.dec: where[1]},
-                within=within,
-                tries=night.step_tries,
-                wait=night.times.settle,
-            )
-        )
+        steps.append(self._slew(where, "flipping" if flips else "slewing"))
         if self._parts.solves and isinstance(self.request.target, IcrsTarget):
             steps.append(self._part("centring", "centre", name=configuration.filter))
         return steps
 
-    def _set_filter(self, configuration: Configuration) -> list[NightStep]:
-        rule, name = self._night.filter, configuration.filter
-        if rule is None or not name or name == self._filter:
+    def _slew(self, where: EquatorialPlace, words: str) -> NightStep:
+        night, slew = self._night, self._night.slew
+        return NightStep(
+            words=words,
+            command=slew.command,
+            args={slew.ra: where[0], slew.dec: where[1]},
+            # To the pole and over: 180° of each axis.
+            within=180.0 / night.times.slew_rate + night.times.meridian_flip + 120.0,
+            tries=night.step_tries,
+            wait=night.times.settle,
+        )
+
+    def _offset(self, configuration: Configuration) -> list[NightStep]:
+        """Dither by the mount, where no guider holds a star."""
+        if self._sent is None or not self._guiding.dithers_by_mount(configuration):
             return []
-
-        def chosen() -> None:
-            self._filter = name
-
-        return [
-            NightStep(
-                words=f"changing to filter {name}",
-                command=rule.command,
-                args={rule.argument: rule.filters[name]},
-                within=max(60.0, 3 * self._night.times.filter_change),
-                tries=self._night.step_tries,
-                on_done=chosen,
-            )
-        ]
-
-    def _set_guiding(self, configuration: Configuration, now: float) -> list[NightStep]:
-        if configuration.guiding is Guiding.OFF:
-            return (
-                [self._part("ending guiding", "unguide", required=False)]
-                if self._stop_guiding()
-                else []
-            )
-        must = configuration.guiding is Guiding.ON
-        if not self._parts.guides and not must:
-            return []
-        if self._guided:
-            lost = self._parts.guide_lost()
-            if lost and now >= self._guide_again_from:
-                # The field has drifted meanwhile by less than centring is worth.
-                return [self._guide(f"guiding again, for {lost}", required=must, now=now)]
-            if lost or not (self._dither_due and configuration.dither):
-                return []
-            self._dither_due = False
-            return [self._part("dithering", "dither", required=must, dither=configuration.dither)]
-        return [self._guide("guiding", required=must, now=now)]
-
-    def _guide(self, words: str, *, required: bool, now: float) -> NightStep:
-        self._guided = True
-        # A request that must be guided fails by the tries of the step, and waits for nothing.
-        self._guide_again_from = now if required else now + GUIDE_AGAIN_S
-        return self._part(words, "guide", required=required)
-
-    def _stop_guiding(self) -> bool:
-        guided, self._guided = self._guided, False
-        return guided and self._parts.guides
+        self._guiding.dither_due = False
+        where = dithered_place(self._sent, configuration.dither, sum(self.frames_done))
+        return [self._slew(where, "dithering")]
 
     def _part(
         self, words: str, part: str, *, required: bool = True, name: str = "", dither: float = 0.0
     ) -> NightStep:
         target = self.request.target
         ra, dec = (target.ra, target.dec) if isinstance(target, IcrsTarget) else (0.0, 0.0)
-        run = PartRun("", part, PART_S, name or (self._filter or ""), ra, dec, dither)
+        run = PartRun("", part, PART_S, name or (self._settings.filter or ""), ra, dec, dither)
         # What may be left out is not worth a second try: a focus run takes minutes.
         tries = self._night.step_tries if required else 1
         return NightStep(words=words, part=run, within=PART_S, tries=tries, required=required)
@@ -276,7 +229,7 @@ class BlockRun:
         def read_out() -> None:
             self.frames_done[index] += 1
             self._slews = 0
-            self._dither_due = True
+            self._guiding.dither_due = True
 
         target = target_name(self.request.target) if self.request.target is not None else ""
         args = frame_arguments(

@@ -50,9 +50,15 @@ class NightReadings:
             closed=enclosures.read_enclosure(night.enclosure, now_ns).closed,
             parked=parked,
             person=person,
-            clouds=judge.fresh_value(night.clouds, now_ns) if night.clouds else None,
-            seeing=judge.fresh_value(night.seeing, now_ns) if night.seeing else None,
+            clouds=self._number(night.clouds, now_ns),
+            seeing=self._number(night.seeing, now_ns),
+            binning=self._number(night.binning.reading if night.binning else "", now_ns),
+            gain=self._number(night.gain.reading if night.gain else "", now_ns),
         )
+
+    def _number(self, address: str, now_ns: int) -> float | None:
+        judge = self._interlocks.conditions
+        return judge.fresh_value(address, now_ns) if address else None
 
     def _barred(self, now_ns: int) -> str:
         for command in (self._night.open.command, self._night.unpark.command):

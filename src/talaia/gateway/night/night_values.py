@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from talaia.gateway.night.target_place import EquatorialPlace
     from talaia.model.observing.states import ObservationState, SuspensionCause
     from talaia.wire.frames import CommandPhase, Scalar
 
@@ -38,6 +39,8 @@ class NightView(NamedTuple):
         person: who acts on a device of the night, or did a moment ago; empty: nobody.
         clouds: cloud cover (%).
         seeing: FWHM (″).
+        binning: of the camera, as it says; none: it does not, or nobody asks.
+        gain: of the camera, as it says; none: as for ``binning``.
 
     """
 
@@ -52,6 +55,8 @@ class NightView(NamedTuple):
     person: str = ""
     clouds: float | None = None
     seeing: float | None = None
+    binning: float | None = None
+    gain: float | None = None
 
 
 class NightCommand(NamedTuple):
@@ -95,11 +100,20 @@ class PartRun(NamedTuple):
 
 
 class StepAnswer(NamedTuple):
-    """How a command or a part ended; ``unknown`` where nobody can tell."""
+    """How a command or a part ended; ``unknown`` where nobody can tell.
+
+    Attributes:
+        id: of the command or part.
+        phase: how it ended.
+        message: in words.
+        place: of a field that is centred: where the mount was sent for it; none: as it was.
+
+    """
 
     id: str
     phase: CommandPhase
     message: str = ""
+    place: EquatorialPlace | None = None
 
 
 class PlanQuestion(NamedTuple):

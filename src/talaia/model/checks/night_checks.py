@@ -13,7 +13,7 @@ from talaia.model.site import ArgumentType, SignalType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.night_section import FrameCommand, NightSection
+    from talaia.model.night_section import FrameCommand, NightSection, SettingCommand
     from talaia.model.site import Command, Site
 
 __all__ = ["night_findings"]
@@ -68,6 +68,19 @@ def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
         yield from _arguments_fit(site, where, night.filter.command, {}, others=others)
         if not night.filter.filters:
             yield Finding(f"{where}.filters", "no filter has a name", "name each, with its value")
+    for key in ("binning", "gain"):
+        yield from _setting_fits(site, f"$.night.{key}", getattr(night, key))
+
+
+def _setting_fits(site: Site, where: str, rule: SettingCommand | None) -> Iterator[Finding]:
+    if rule is None:
+        return
+    numbers = {f"arguments[{index}]": name for index, name in enumerate(rule.arguments)}
+    yield from _arguments_fit(site, where, rule.command, numbers)
+    if not rule.arguments:
+        yield Finding(f"{where}.arguments", "nothing takes the number", "name its argument")
+    yield from _signal_fits(site, f"{where}.reading", rule.reading)
+    yield from check_above(f"{where}.within", rule.within, 0)
 
 
 def _frame_fits(site: Site, where: str, frame: FrameCommand) -> Iterator[Finding]:

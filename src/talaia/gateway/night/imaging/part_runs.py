@@ -119,7 +119,7 @@ class PartRuns:
             outcome = PartOutcome(good=False, message=str(error) or type(error).__name__)
         self._report_outcome(run.part, outcome)
         phase = CommandPhase.SUCCEEDED if outcome.good else CommandPhase.FAILED
-        answered(StepAnswer(run.id, phase, outcome.message))
+        answered(StepAnswer(run.id, phase, outcome.message, outcome.place))
 
     async def _perform(self, run: PartRun) -> PartOutcome:
         match run.part:

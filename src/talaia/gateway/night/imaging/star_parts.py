@@ -30,11 +30,13 @@ class PartOutcome(NamedTuple):
     Attributes:
         good: it reached what it was for.
         message: in words: *focus at 12 450, FWHM 2.1″*, or why it failed.
+        place: where the mount was sent (h, °, of date) for the field to be centred; none: it stood.
 
     """
 
     good: bool
     message: str = ""
+    place: tuple[float, float] | None = None
 
 
 class FieldCentre(NamedTuple):

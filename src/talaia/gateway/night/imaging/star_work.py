@@ -67,6 +67,7 @@ class CentringSolver:
         """See `PlateSolver.centre_field`; the telescope tracks the field already."""
         centring = Centring(centre.ra, centre.dec, tolerance=centre.within)
         loop = asyncio.get_running_loop()
+        place: tuple[float, float] | None = None
         while True:
             try:
                 data = await self._devices.take_frame(self._seconds)
@@ -79,14 +80,14 @@ class CentringSolver:
                 return PartOutcome(good=False, message=f"not solved: {solved.problem}")
             step = centring.add_solution(solved.ra, solved.dec)
             if step.done:
-                return PartOutcome(good=True, message=f"centred to {step.error:.1f}″")
+                words = f"centred to {step.error:.1f}″"
+                return PartOutcome(good=True, message=words, place=place)
             if step.problem:
                 return PartOutcome(good=False, message=f"not centred: {step.problem}")
             jd = julian_day(self._clock.wall_ns() / 1e9)
+            place = precess_coordinates(step.ra / 15.0, step.dec, J2000, jd)
             try:
-                await self._devices.slew_to(
-                    *precess_coordinates(step.ra / 15.0, step.dec, J2000, jd)
-                )
+                await self._devices.slew_to(*place)
             except DeviceFailed as error:
                 return PartOutcome(good=False, message=f"not centred: {error}")
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.observing.request_forms import window_problems
 from talaia.hub.live.observing.observing_sites import filters_of, is_observatory
 from talaia.hub.observing.quotas import quota_problems
+from talaia.hub.observing.site_abilities import site_problems
 from talaia.model.observing.requests import GroupOperator
 
 if TYPE_CHECKING:
@@ -58,4 +59,4 @@ def group_problems(group: RequestGroup, site: Site, now: float) -> list[str]:
             f"there is no filter {name!r}; there are {', '.join(filters)}"
             for name in sorted(asked - set(filters))
         ]
-    return found
+    return found + site_problems(group, site)

@@ -1,0 +1,84 @@
+"""What a site's description says that its camera and mount can do for a request. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.model.observing.requests import Guiding, ImageType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from talaia.model.night_section import FrameCommand, NightSection, SettingCommand
+    from talaia.model.observing.requests import Configuration, RequestGroup
+    from talaia.model.site import Argument, Site
+
+__all__ = ["site_problems"]
+
+
+def site_problems(group: RequestGroup, site: Site) -> list[str]:
+    """List, in words, what of a group its site cannot do, each once."""
+    night = site.night
+    if night is None:
+        return []
+    wanted = [part for request in group.requests for part in request.configurations]
+    found = [
+        problem
+        for configuration in wanted
+        for problem in (
+            *_kind_problems(configuration),
+            *_setting_problems(site, night, configuration),
+            *_guiding_problems(night, configuration),
+        )
+    ]
+    return list(dict.fromkeys(found))
+
+
+def _kind_problems(configuration: Configuration) -> Iterator[str]:
+    if configuration.type is not ImageType.LIGHT:
+        yield f"the nights of this site take no {configuration.type} for requests"
+
+
+def _guiding_problems(night: NightSection, configuration: Configuration) -> Iterator[str]:
+    if configuration.guiding is Guiding.ON and night.guider is None:
+        yield "this site has no guider: guiding may be OFF or OPTIONAL"
+
+
+def _setting_problems(
+    site: Site, night: NightSection, configuration: Configuration
+) -> Iterator[str]:
+    frame = night.light
+    # A binning of 1 is what a camera does that cannot choose.
+    if configuration.binning != 1:
+        taken = _taken_by(site, frame, frame.binning, night.binning)
+        yield from _number_problems("binning", float(configuration.binning), taken)
+    if configuration.gain is not None:
+        taken = _taken_by(site, frame, frame.gain, night.gain)
+        yield from _number_problems("gain", configuration.gain, taken)
+
+
+def _taken_by(
+    site: Site, frame: FrameCommand, argument: str, rule: SettingCommand | None
+) -> list[Argument]:
+    """Give the arguments that take a setting: the frame's own, or those of a command for it."""
+    if argument:
+        return _arguments(site, frame.command, [argument])
+    return [] if rule is None else _arguments(site, rule.command, rule.arguments)
+
+
+def _arguments(site: Site, address: str, names: Iterable[str]) -> list[Argument]:
+    device, _, command = address.partition("/")
+    known = site.devices[device].commands[command].arguments
+    return [known[name] for name in names if name in known]
+
+
+def _number_problems(words: str, value: float, taken: list[Argument]) -> Iterator[str]:
+    if not taken:
+        yield f"this site cannot choose {words}"
+    for argument in taken:
+        low, high = argument.minimum, argument.maximum
+        if (low is not None and value < low) or (high is not None and value > high):
+            least = "" if low is None else f" from {low:g}"
+            most = "" if high is None else f" to {high:g}"
+            yield f"{words} {value:g} cannot be: it goes{least}{most}"
+            return

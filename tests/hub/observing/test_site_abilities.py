@@ -1,0 +1,83 @@
+"""What a site cannot do for a request is refused in words before it is handed in."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from talaia.hub.observing.site_abilities import site_problems
+from talaia.model.night_section import NightGuider
+from talaia.model.observing.requests import (
+    Configuration,
+    Guiding,
+    Request,
+    RequestGroup,
+    Window,
+)
+from talaia.model.observing.targets import IcrsTarget
+from talaia.model.site import Site
+from talaia.model.yaml_text.load import load_site
+
+pytestmark = pytest.mark.pure
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+@cache
+def example(name: str) -> Site:
+    return load_site((EXAMPLES / name / "site.yaml").read_text())
+
+
+def site_with(name: str = "observatory", **changes: Any) -> Site:
+    site = example(name)
+    assert site.night is not None
+    return replace(site, night=replace(site.night, **changes))
+
+
+def problems(site: Site, *wanted: Configuration, target: bool = True) -> list[str]:
+    request = Request(
+        id="r1",
+        target=IcrsTarget(ra=10.0, dec=41.0) if target else None,
+        configurations=wanted,
+        windows=(Window(start=0.0, end=1.0),),
+    )
+    return site_problems(RequestGroup(id="g1", proposal="school", requests=(request,)), site)
+
+
+def part(**changes: Any) -> Configuration:
+    return Configuration(exposure=10.0, **changes)
+
+
+@pytest.mark.parametrize("name", ["observatory", "indi"])
+def test_the_examples_choose_binning_and_gain(name: str) -> None:
+    assert problems(example(name), part(), part(binning=2, gain=50.0)) == []
+
+
+@pytest.mark.parametrize("name", ["observatory", "indi"])
+def test_a_site_that_cannot_choose_says_so_once(name: str) -> None:
+    site = site_with(name, binning=None, gain=None)
+    assert problems(site, part()) == []
+    asked = part(binning=2, gain=50.0)
+    assert problems(site, asked, asked) == [
+        "this site cannot choose binning",
+        "this site cannot choose gain",
+    ]
+
+
+def test_a_number_that_the_command_does_not_take_is_refused_with_its_limits() -> None:
+    assert problems(example("observatory"), part(binning=8, gain=400.0)) == [
+        "binning 8 cannot be: it goes from 1 to 4",
+        "gain 400 cannot be: it goes from 0 to 300",
+    ]
+
+
+def test_guiding_that_must_be_needs_a_guider() -> None:
+    asked = part(guiding=Guiding.ON)
+    assert problems(site_with(), asked) == [
+        "this site has no guider: guiding may be OFF or OPTIONAL"
+    ]
+    assert problems(site_with(guider=NightGuider()), asked) == []
+    assert problems(site_with(), part(guiding=Guiding.OPTIONAL)) == []
