@@ -74,7 +74,7 @@ class FrameSettings:
                 reading, value, rel_tol=_NEAR, abs_tol=_NEAR
             )
 
-        def told() -> None:
+        def keep_value() -> None:
             self._set[key] = value
 
         return [
@@ -85,6 +85,6 @@ class FrameSettings:
                 within=rule.within,
                 tries=self._night.step_tries,
                 reached=is_set if rule.reading else None,
-                on_done=told,
+                on_done=keep_value,
             )
         ]
