@@ -36,11 +36,16 @@ class HubSocketProtocol(EndingSocketProtocol):
 
     async def send(self, message: ASGISendEvent) -> None:
         """Send a message, as ASGI has it."""
-        async with self._turn:
-            data = message.get("bytes") if message["type"] == "websocket.send" else None
-            if not isinstance(data, bytes) or len(data) <= LARGEST_PIECE:
+        data = message.get("bytes") if message["type"] == "websocket.send" else None
+        if not isinstance(data, bytes) or len(data) <= LARGEST_PIECE:
+            if self.writable.is_set() and not self._turn.locked():
+                # Nearly all there is: written before anybody else has a turn, so it needs none.
                 await super().send(message)
-            else:
+                return
+            async with self._turn:
+                await super().send(message)
+        else:
+            async with self._turn:
                 await self._send_pieces(memoryview(data))
 
     async def _send_pieces(self, data: memoryview) -> None:
