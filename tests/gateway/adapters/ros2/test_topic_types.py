@@ -129,6 +129,14 @@ devices:
         arguments:
           word: {type: text, field: "array_of_arrays[1].string_values[2]"}
           count: {type: integer, field: "array_of_arrays[1].int32_values[0]"}
+      speak:
+        name: Speak
+        kind: topic
+        target: /own/speech
+        type: test_msgs/msg/WStrings
+        arguments:
+          word: {type: text, field: wstring_value}
+          last: {type: text, field: "array_of_wstrings[2]"}
       unheard: {name: Unheard, kind: topic, target: /nobody, type: test_msgs/msg/Nested}
       misheard: {name: Misheard, kind: topic, target: /own/orders, type: test_msgs/msg/Nested}
       silent:
@@ -422,6 +430,13 @@ async def test_a_message_of_a_type_that_is_not_installed_is_published(bench: Ben
         assert (ended.phase, ended.message) == (CommandPhase.SUCCEEDED, "published")
         await bench.peer.until(lambda number=number: len(bench.peer.heard("order")) > number)
     assert bench.peer.heard("order") == [["begin", -7, False], ["añ✓😀", -7, False]]
+
+
+async def test_wide_texts_are_published_as_the_robot_reads_them(bench: Bench) -> None:
+    ended = await ask(bench, "speak", 0, word="añ✓😀", last="€")
+    assert (ended.phase, ended.message) == (CommandPhase.SUCCEEDED, "published")
+    await bench.peer.until(lambda: bench.peer.heard("speech"))
+    assert bench.peer.heard("speech") == [["añ✓😀", "", "", "€"]]
 
 
 @pytest.mark.parametrize(

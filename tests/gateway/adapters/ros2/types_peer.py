@@ -62,6 +62,12 @@ class Peer:
         self.node.create_subscription(
             MultiNested, "/own/orders", lambda got: say(order=self.words_of(got)), 10
         )
+        self.node.create_subscription(
+            WStrings,
+            "/own/speech",
+            lambda got: say(speech=[got.wstring_value, *got.array_of_wstrings]),
+            10,
+        )
         self.counting = ActionServer(
             self.node,
             Fibonacci,
