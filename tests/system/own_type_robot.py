@@ -27,7 +27,7 @@ from type_description_interfaces.msg import Field, FieldType, IndividualTypeDesc
 from type_description_interfaces.srv import GetTypeDescription
 
 from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, made_class
-from talaia.gateway.adapters.ros2.made_types.made_service_class import MadeMessage, made_service
+from talaia.gateway.adapters.ros2.rclpy_bridge.made_service_class import MadeMessage, made_service
 
 PACKAGE = "oven_own_msgs"
 BAKE, SHELF, ORDER = (f"{PACKAGE}/msg/{name}" for name in ("Bake", "Shelf", "Order"))

@@ -1,4 +1,4 @@
-"""Types that a system's ROS 2 has no package of, read through the process of its own Python.
+"""Types that a system's ROS 2 has no package of, by the processes of its own Python.
 
 The other Python is that of `test_system_ros`, kept from some of its packages.
 """
@@ -10,6 +10,7 @@ import os
 import signal
 import sys
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -20,6 +21,7 @@ from gateway.adapters.ros2.bridged_program import (
     bridge_of,
     bridged,
     bridged_environment,
+    children_of,
 )
 from gateway.conftest import peer_in
 from gateway_bench import addresses_of, command
@@ -28,11 +30,17 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from tapped_hub import newest_list, whole
 
 from talaia.model.discovery.probe_report import TopicFound, found_from
-from talaia.wire.frames import CommandPhase, TapSchema, TapSubscription
+from talaia.wire.frames import (
+    CommandCancel,
+    CommandPhase,
+    CommandRequest,
+    CommandState,
+    TapSchema,
+    TapSubscription,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from pathlib import Path
 
 NESTED = ("/own/nested", "test_msgs/msg/MultiNested")
 SITE = """
@@ -72,6 +80,15 @@ devices:
         target: /add
         type: diagnostic_msgs/srv/AddDiagnostics
         arguments: {space: {type: text, field: load_namespace}}
+      silent: {name: Silent, target: /silent/add, type: diagnostic_msgs/srv/AddDiagnostics}
+      count:
+        name: Count
+        kind: action
+        target: /count
+        type: test_msgs/action/Fibonacci
+        progress: sequence[0]
+        progress_end: 1000
+        arguments: {order: {type: integer, field: order}}
 """
 # Run by the other Python before all else: it finds none of these packages.
 WITHOUT_PACKAGES = """
@@ -161,11 +178,6 @@ async def test_types_that_the_systems_ros_has_no_package_of_are_read_through_it(
         read = store.deserialize_cdr(whole(hub, NESTED[0])[0], NESTED[1])
         texts = read.bounded_sequence_of_bounded_sequences[0].string_values
         assert texts == ["x", "q"]
-        # What would have to make classes in the gateway says so, and reaches nobody.
-        for name, args in (("order", {"word": "x"}), ("add", {"space": "/x"})):
-            done = await command(hub, name, name, **args)
-            assert (done.phase, "only read" in done.message) == (CommandPhase.REFUSED, True), done
-        assert (peer.heard("order"), peer.heard("added")) == ([], [])
         # A new bridge knows them, too; the latched one comes again.
         os.kill(bridge_of(gateway.pid), signal.SIGKILL)
         await hub.until(lambda: hub.values("base/inner") == [-4.0, -4.0], "the latched one again")
@@ -176,6 +188,54 @@ async def test_types_that_the_systems_ros_has_no_package_of_are_read_through_it(
             if paths:
                 break
         assert (topics["/own/words"].problem, "wstring_value" in paths) == ("", True)
+
+
+@pytest.mark.robot
+@pytest.mark.timeout(90)
+async def test_what_the_systems_ros_has_no_package_of_is_published_called_and_done(
+    ros_domain: int, tmp_path: Path
+) -> None:
+    python, site = poorer_python(tmp_path), tmp_path / "site.yaml"
+    site.write_text(SITE)
+    async with (
+        peer_in(ros_domain, HERE / "types_peer.py") as peer,
+        fake_hub(addresses_of) as hub,
+        bridged(hub.url, tmp_path / "data", str(site), python=python) as gateway,
+    ):
+        await peer.do("words", text="here")
+        await hub.until(lambda: hub.values("base/words"), "own types")
+        for number, word in enumerate(("begin", "añ✓😀")):
+            done = await command(hub, "order", f"order{number}", word=word)
+            assert (done.phase, done.message) == (CommandPhase.SUCCEEDED, "published")
+            await peer.until(lambda number=number: len(peer.heard("order")) > number)
+        assert peer.heard("order") == [["begin", 0, False], ["añ✓😀", 0, False]]
+        for number, (space, phase) in enumerate(
+            (("/ns", CommandPhase.SUCCEEDED), ("none", CommandPhase.FAILED))
+        ):
+            done = await command(hub, "add", f"add{number}", space=space)
+            assert (done.phase, done.message) == (phase, f"asked for {space}")
+        # Another process of that Python calls: what hangs there holds up no driving.
+        callers = [each for each in children_of(gateway.pid) if calls_services(each)]
+        assert len(callers) == 1
+        done = await command(hub, "silent", "silent")
+        assert done.phase is CommandPhase.REFUSED
+        assert "does not say which version" in done.message
+        assert peer.heard("added") == ["/ns", "none"]
+        done = await command(hub, "count", "count1", order=3)
+        assert done.phase is CommandPhase.SUCCEEDED, done
+        asked = {"device": "base", "command": "count", "ttl_ms": 5000, "who": "Ada"}
+        await hub.send(CommandRequest(id="long", args={"order": 1000}, **asked))
+        await hub.next(CommandState, lambda state: state.id == "long" and state.progress > 0.004)
+        await hub.send(CommandCancel(id="long", device="base", who="Ada"))
+        await hub.next(
+            CommandState,
+            lambda state: state.id == "long" and state.phase is CommandPhase.CANCELLED,
+        )
+        assert peer.heard("goal") == [3, 1000]
+
+
+def calls_services(pid: int) -> bool:
+    return b"service-caller" in Path(f"/proc/{pid}/cmdline").read_bytes()
 
 
 @pytest.mark.robot

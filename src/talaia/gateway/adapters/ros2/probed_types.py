@@ -11,7 +11,6 @@ from talaia.gateway.adapters.ros2.made_types.made_message_class import (
     CannotMakeTypes,
     made_class,
     problem_here,
-    reading_problem,
 )
 from talaia.gateway.adapters.ros2.made_types.self_test import self_test_problem
 from talaia.gateway.adapters.ros2.message_types import DefinedParts, kind_named, kind_of
@@ -87,7 +86,7 @@ class ProbedTypes:
         try:
             return class_of(type_name, topic)
         except TypeMissing as error:
-            problem = reading_problem() or self_test_problem()
+            problem = problem_here() or self_test_problem()
             if problem:
                 raise TypeMissing(type_name, topic, problem) from error
         try:

@@ -17,7 +17,7 @@ from talaia.gateway.adapters.ros2.decode import decoder_for
 from talaia.gateway.adapters.ros2.made_types.made_message_class import (
     CannotMakeTypes,
     made_class,
-    reading_problem,
+    problem_here,
 )
 from talaia.gateway.adapters.ros2.made_types.self_test import self_test_problem
 from talaia.gateway.adapters.ros2.requests import class_of
@@ -208,7 +208,7 @@ class TopicTypes:
         if self._trying:
             return
         self._trying = True
-        self._problem = reading_problem() or None
+        self._problem = problem_here() or None
         if self._problem is None:
             self._run(self_test_problem, self._on_tried)
 

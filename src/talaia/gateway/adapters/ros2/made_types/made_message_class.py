@@ -1,7 +1,8 @@
 """Message classes of types that are not installed, made by whichever process has rclpy.
 
 Where ROS 2 is this process's own, by `rclpy_bridge.made_message_class`. Where it is a system's, the
-bridge makes the class when the subscription is made, and here stands the type's name and hash.
+bridge makes the class when a subscription or a publisher is made, and here stands the type's name
+and hash.
 """
 
 from __future__ import annotations
@@ -22,7 +23,6 @@ __all__ = [
     "is_made",
     "made_class",
     "problem_here",
-    "reading_problem",
 ]
 
 _MIDDLEWARE = "rmw_fastrtps_cpp"
@@ -32,20 +32,12 @@ class CannotMakeTypes(GatewayError):
     """Classes for types that are not installed cannot be made here."""
 
 
-def reading_problem() -> str:
-    """Say why no topic can be subscribed by its type's name; empty where it can."""
+def problem_here() -> str:
+    """Say why no type can be used by its name; empty where it can."""
     used = rclpy.get_rmw_implementation_identifier()
     if used != _MIDDLEWARE:
         return f"the middleware is {used}, and only {_MIDDLEWARE} takes types by name"
     return ""
-
-
-def problem_here() -> str:
-    """Say why nothing can be called or published without its package; empty where it can."""
-    # Calls need a second process with this one's rclpy, and a publisher takes no bytes by a bridge.
-    if is_bridged():
-        return "through the process of a system's ROS 2 such types are only read"
-    return reading_problem()
 
 
 def made_class(type_name: str, type_hash: str) -> Any:  # noqa: ANN401 - as rosidl's classes

@@ -107,7 +107,12 @@ class PackagelessPublisher:
             self._end_publisher()
             kind = self._types.class_for(self._command.type, self._command.target, spoken)
             if kind is not None:
-                self._publisher = self._node.create_publisher(kind, self._command.target, 10)
+                try:
+                    self._publisher = self._node.create_publisher(kind, self._command.target, 10)
+                # What a bridge cannot make ends no other command.
+                except RuntimeError as error:
+                    _refuse(done, f"{self._command.type} cannot be published: {error}")
+                    return
                 forget_error()
                 self._spoken = spoken
         self._send(raw, done, _LOOKS)

@@ -22,12 +22,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from talaia.gateway.adapters.ros2.made_types.made_message_class import problem_here
 from talaia.gateway.adapters.ros2.made_types.self_test import self_test_problem
 from talaia.gateway.adapters.ros2.requests import fill, outcome_of
+from talaia.gateway.adapters.ros2.system_ros.process import BRIDGE_SCRIPT
+from talaia.gateway.adapters.ros2.system_ros.shared_process import SHARED
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import DefinitionFinder
 from talaia.gateway.adapters.ros2.type_definitions.message_decoder import decoder_of
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import BadDefinition
 from talaia.gateway.adapters.ros2.type_definitions.message_encoder import MessageEncoder
 from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import CommandOutcome
+from talaia.ros_installation import bridge_environment
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -241,11 +244,16 @@ class PackagelessServices:
             log.warning("the process that calls services does not listen")
 
     def _begin_child(self) -> subprocess.Popen[bytes]:
-        child = subprocess.Popen(  # noqa: S603 - our own module, by this Python
-            [sys.executable, "-m", f"{__package__}.service_caller", self._node],
+        command, kept = [sys.executable, "-m", f"{__package__}.service_caller"], dict(os.environ)
+        if SHARED.in_use:
+            # As the bridge is started; not by it, for a call that hangs must not hold up driving.
+            command = [*SHARED.python_command(), str(BRIDGE_SCRIPT), "service-caller"]
+            kept = bridge_environment(os.environ)
+        child = subprocess.Popen(  # noqa: S603 - our own module, by a Python that has rclpy
+            [*command, self._node],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env={**os.environ, "ROS_DOMAIN_ID": str(self._domain)},
+            env={**kept, "ROS_DOMAIN_ID": str(self._domain)},
         )
         self._child = child
         reader = threading.Thread(

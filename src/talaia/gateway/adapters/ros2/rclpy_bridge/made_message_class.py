@@ -3,7 +3,7 @@
 rclpy wants a class for a subscription, and the middleware takes from it nothing but the type's
 name and hash as long as messages are taken as bytes. So the class of ``std_msgs/msg/String`` is
 copied at the C level and gets another name: the functions in it are never called for messages.
-Nothing is ever published with such a class: its objects hold nothing.
+Nothing is ever published with such a class but bytes: its objects hold nothing.
 
 Only ``rmw_fastrtps_cpp``: other middlewares ask for more than a name. Also used by a bridge's own
 Python; nothing of ROS is loaded before a class is made, for a bridged gateway imports this, too.

@@ -3,7 +3,7 @@
 Unlike a subscription, a call goes through objects: the middleware calls a serializer for the
 request while it holds its writer's lock. Ours is Python's, which waits for the interpreter's lock:
 in a process with several threads that can hang both for good. So none is ever made in a gateway's
-own process. The objects hold the bytes of a message, with the header of CDR.
+own process, nor in a bridge's. The objects hold the bytes of a message, with the header of CDR.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import ctypes
 import functools
 from typing import TYPE_CHECKING, Any
 
-from talaia.gateway.adapters.ros2.made_types.made_message_class import CannotMakeTypes
-from talaia.gateway.adapters.ros2.rclpy_bridge.rosidl_structs import (
+from .made_message_class import CannotMakeClass
+from .rosidl_structs import (
     Callbacks,
     Support,
     address_of,
@@ -98,12 +98,12 @@ class MadeMessage:
         self.raw = raw
 
 
-@functools.cache
+@functools.lru_cache(maxsize=None)  # noqa: UP033 - Python 3.8
 def made_service(type_name: str, type_hash: str) -> Any:  # noqa: ANN401 - as rosidl's classes
     """Make the class of ``package/srv/Name``, with its ``Request`` and ``Response``.
 
     Raises:
-        CannotMakeTypes: ROS's libraries are not as they are known.
+        CannotMakeClass: ROS's libraries are not as they are known.
 
     """
     package, middle, name = type_name.split("/")
@@ -132,7 +132,7 @@ def made_service(type_name: str, type_hash: str) -> Any:  # noqa: ANN401 - as ro
         )
         tell_hash(support, type_name, type_hash)
     except (OSError, AttributeError, ValueError) as error:
-        raise CannotMakeTypes(f"no class can be made of {type_name}: {error}") from error
+        raise CannotMakeClass(f"no class can be made of {type_name}: {error}") from error
     meta = type(
         f"Metaclass_{name}", (type,), {"_TYPE_SUPPORT": capsule_of(ctypes.addressof(support))}
     )
@@ -239,7 +239,7 @@ def _most_size(bounds: Any) -> int:  # noqa: ANN401 - a pointer to a char
     return 0
 
 
-@functools.cache
+@functools.lru_cache(maxsize=None)  # noqa: UP033 - Python 3.8
 def _cdr_functions() -> tuple[Any, Any, int, int]:
     """Find how to write bytes with a ``Cdr``, and to read its whole buffer.
 

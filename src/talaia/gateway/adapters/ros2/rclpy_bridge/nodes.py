@@ -95,18 +95,25 @@ class JoinedNode:
         type_name, type_hash = more.pop("type"), more.pop("hash", None)
         kind = class_named(type_name)
         if kind is None and type_hash is not None:
-            # Only subscriptions come with a hash: such a class takes bytes and publishes nothing.
+            # Clients come with none: such a class takes and publishes nothing but bytes.
             kind = made_class(type_name, type_hash)
         if kind is None:
             raise LookupError("its type is not installed")
         self._kinds[entity] = kind
         if what == "publisher":
             # Needs no wait set, and so not its thread.
-            profile = _profile(more["quality"])
-            self._publishers[entity] = self._node.create_publisher(kind, more["topic"], profile)
+            self._make_publisher(entity, kind, **more)
             return
         make = self._make_subscription if what == "subscription" else self._make_client
         self._on_thread(lambda: make(entity, kind, **more))
+
+    def _make_publisher(self, entity: int, kind: Any, topic: str, quality: Any) -> None:  # noqa: ANN401
+        try:
+            made = self._node.create_publisher(kind, topic, _profile(quality))
+        finally:
+            if is_made(kind):
+                forget_error()
+        self._publishers[entity] = made
 
     def _make_subscription(self, entity: int, kind: Any, topic: str, quality: Any) -> None:  # noqa: ANN401
         try:

@@ -1,9 +1,9 @@
 """Calls services whose types are not installed, in a process and a thread of its own.
 
 JSON lines in, JSON lines out; ended by the end of its input, or with SIGKILL when it hangs. See
-`made_service_class` for why no gateway does this in its own process. A request goes out only after
-the node that offers the service has confirmed the hash of its type: by another version's definition
-it would be taken for something else.
+`made_service_class` for why neither a gateway nor a bridge does this in its own process. A request
+goes out only after the node that offers the service has confirmed the hash of its type: by another
+version's definition it would be taken for something else. Run by whichever Python has rclpy.
 """
 
 from __future__ import annotations
@@ -21,16 +21,24 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from type_description_interfaces.srv import GetTypeDescription
 
-import talaia.ros_start  # noqa: F401 - before the first import of rclpy
-from talaia.gateway.adapters.ros2.made_types.made_message_class import CannotMakeTypes, forget_error
-from talaia.gateway.adapters.ros2.made_types.made_service_class import made_service
+from .made_message_class import CannotMakeClass, forget_error
+from .made_service_class import made_service
 
-__all__: list[str] = []
+try:
+    from type_description_interfaces.srv import GetTypeDescription
+except ImportError:
+    # Humble has no such service.
+    GetTypeDescription = None
+
+__all__ = ["main"]
 
 _TURN_S = 0.02
 _IDLE_S = 1.0
+_TELLS_NOTHING = (
+    "the node {owner} does not say which version of {type} it has; install the type's package "
+    "where the gateway runs"
+)
 # For the discovery of a service that a client was just made for.
 _PATIENCE_S = 8.0
 
@@ -87,7 +95,7 @@ class _Caller:
         for call in waiting:
             try:
                 problem = self._try_call(call)
-            except CannotMakeTypes as error:
+            except CannotMakeClass as error:
                 self._refuse_call(call, str(error))
                 continue
             if not problem:
@@ -127,15 +135,14 @@ class _Caller:
 
     def _confirm_version(self, call: _Call, owner: str) -> str:
         """Ask a service's node whether it has this version of its type."""
+        if GetTypeDescription is None:
+            return _TELLS_NOTHING.format(owner=owner, type=call.type_name)
         describer = self._describers.get(owner)
         if describer is None:
             name = f"{owner}/get_type_description"
             describer = self._describers[owner] = self._node.create_client(GetTypeDescription, name)
         if not describer.service_is_ready():
-            return (
-                f"the node {owner} does not say which version of {call.type_name} it has; "
-                "install the type's package where the gateway runs"
-            )
+            return _TELLS_NOTHING.format(owner=owner, type=call.type_name)
         if call.number not in self._asked:
             self._asked.add(call.number)
             request = GetTypeDescription.Request(
@@ -189,13 +196,13 @@ def print_row(**row: object) -> None:
     sys.stdout.flush()
 
 
-def main() -> None:
-    """Serve until the input ends."""
+def main(node_name: str) -> None:
+    """Serve until the input ends, with a node of this name."""
     # Nothing of ours belongs into the robot's log.
     rclpy.init(args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"])
     quiet = Parameter("start_type_description_service", value=False)
     node = Node(
-        sys.argv[1],
+        node_name,
         use_global_arguments=False,
         enable_rosout=False,
         start_parameter_services=False,
@@ -218,7 +225,3 @@ def main() -> None:
     executor.shutdown()
     node.destroy_node()
     rclpy.try_shutdown()
-
-
-if __name__ == "__main__":
-    main()

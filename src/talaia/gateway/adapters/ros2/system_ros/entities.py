@@ -51,6 +51,11 @@ class PackagelessMessage(NamedTuple):
     name: str
     type_hash: str
 
+    @staticmethod
+    def encode(message: bytes) -> bytes:
+        """Take what is written already: nothing else is published of such a type."""
+        return message
+
 
 class JoinedContext:
     """One domain that is joined."""
@@ -153,9 +158,7 @@ class Subscription(Entity):
         """Subscribe."""
         super().__init__(context, kind, quality.depth)
         self.callback: Callable[[bytes], None] = lambda _: None
-        # The bridge makes a class of such a type; of others it takes the installed one.
-        more = {"hash": kind.type_hash} if isinstance(kind, PackagelessMessage) else {}
-        self.make("subscription", topic=topic, quality=quality._asdict(), **more)
+        self.make("subscription", topic=topic, quality=quality._asdict(), **_hash_of(kind))
 
     def take_message(self, _kind: object, _raw: object) -> tuple[bytes, dict[str, int]] | None:
         """Take the oldest that waits."""
@@ -226,20 +229,22 @@ class Publisher:
     def __init__(
         self,
         context: JoinedContext,
-        kind: RemoteMessage,
+        kind: RemoteMessage | PackagelessMessage,
         topic: str,
         quality: Any,  # noqa: ANN401
     ) -> None:
-        """Advertise."""
+        """Advertise; of a type without its package nothing is published but bytes."""
         self._process, self._kind = context.joined(), kind
         self.number = self._process.next_number()
-        # The defaults are asked for now, not at the first velocity.
-        kind.encode(kind())
+        if not isinstance(kind, PackagelessMessage):
+            # The defaults are asked for now, not at the first velocity.
+            kind.encode(kind())
         told = quality if isinstance(quality, int) else quality._asdict()
         words = {"node": context.number, "entity": self.number, "type": kind.name}
+        words |= _hash_of(kind)
         self._process.ask("make", what="publisher", topic=topic, quality=told, **words)
 
-    def publish(self, message: object) -> None:
+    def publish(self, message: Any) -> None:  # noqa: ANN401
         """Publish a message.
 
         Raises:
@@ -256,7 +261,7 @@ class Publisher:
         """Count who listens."""
         return int(self._process.ask("listeners", entity=self.number))
 
-    def guard(self, zero: object) -> None:
+    def guard(self, zero: Any) -> None:  # noqa: ANN401
         """Have the bridge publish this where no velocity comes any more."""
         self._process.ask("guard", entity=self.number, zero=self._kind.encode(zero).hex())
 
@@ -284,3 +289,8 @@ class Guard:
         with self._context.changed:
             self.triggered = True
             self._context.changed.notify_all()
+
+
+def _hash_of(kind: object) -> dict[str, str]:
+    """Say which class the bridge has to make; of types that it has it takes the installed one."""
+    return {"hash": kind.type_hash} if isinstance(kind, PackagelessMessage) else {}
