@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Argument, Command
     from talaia.wire.frames import Scalar
 
-__all__ = ["fit_request", "path_steps"]
+__all__ = ["fit_field", "fit_request", "path_steps"]
 
 _STEP = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|\[\d{1,6}\]")
 # Of a header: the robot's own time is what counts, and ROS 1 numbers messages by itself.
@@ -64,6 +64,24 @@ def fit_request(command: Command, request: Mapping[str, object]) -> dict[str, Sc
         args[name] = read
     fields = fields_of(command, args)
     return fields if isinstance(fields, str) else args
+
+
+def fit_field(command: Command, field: str, value: object) -> dict[str, Scalar] | str:
+    """Give the arguments by which a command of one field fills it so, or why it cannot.
+
+    The field's name is taken whole: that of a parameter may have dots in it.
+    """
+    for name, argument in command.arguments.items():
+        read = _read_value(argument, value)
+        if read is None:
+            return f"{field}: expected {_EXPECTED[argument.type]}, found {_shown(value)}"
+        args: dict[str, Scalar] = {name: read}
+        fields = fields_of(command, args)
+        return fields if isinstance(fields, str) else args
+    fixed = command.fixed[field]
+    if not _is_same(value, fixed):
+        return f"{field} can only be {_shown(fixed)} here, not {_shown(value)}"
+    return {}
 
 
 def _fields_tree(command: Command) -> _Tree:

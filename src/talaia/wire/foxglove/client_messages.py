@@ -13,6 +13,7 @@ __all__ = [
     "FoxgloveFetchAsset",
     "FoxgloveGetParameters",
     "FoxgloveMessage",
+    "FoxgloveParameterWish",
     "FoxglovePlayback",
     "FoxglovePublish",
     "FoxgloveSetParameters",
@@ -89,10 +90,18 @@ class FoxgloveGetParameters(_ClientSaid, frozen=True, kw_only=True, tag="getPara
     id: _Word | None = None
 
 
-class FoxgloveSetParameters(_ClientSaid, frozen=True, kw_only=True, tag="setParameters"):
-    """Set parameters; what they are to be is not looked at here."""
+class FoxgloveParameterWish(Struct, frozen=True, kw_only=True):
+    """What a parameter is to be; without a value it is to be none."""
 
-    parameters: Annotated[list[Raw], Meta(max_length=10_000)] = []
+    name: _Word
+    # Of any type: whether it fits is seen by who sets it.
+    value: Raw = Raw(b"null")
+
+
+class FoxgloveSetParameters(_ClientSaid, frozen=True, kw_only=True, tag="setParameters"):
+    """Set parameters."""
+
+    parameters: Annotated[list[FoxgloveParameterWish], Meta(max_length=10_000)] = []
     id: _Word | None = None
 
 

@@ -26,7 +26,7 @@ __all__ = [
     "UnadvertiseServices",
 ]
 
-Parameter = str | float | bool | list[float | str]
+Parameter = float | int | bool | str | list[float | int | bool | str]
 
 
 class _ServerSaid(

@@ -17,6 +17,7 @@ from talaia.hub.clients.foxglove.schemas import (
     signal_schema,
 )
 from talaia.hub.clients.robot_names import RobotName, make_robot_names
+from talaia.hub.clients.robot_parameters import RobotParameters, make_robot_parameters
 from talaia.model.site import PositionFrame, SignalType
 
 if TYPE_CHECKING:
@@ -112,6 +113,7 @@ class FoxgloveOffer:
         driven: by topic: the device that listens to it.
         listened: topics of the robot on which messages become commands.
         parameters: plain facts of the description.
+        robot_parameters: of the robot's nodes.
 
     """
 
@@ -122,6 +124,7 @@ class FoxgloveOffer:
     driven: dict[str, str] = field(default_factory=dict)
     listened: dict[str, RobotName] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
+    robot_parameters: RobotParameters = field(default_factory=lambda: RobotParameters({}))
 
     @property
     def channels(self) -> Mapping[str, SignalChannel | CameraChannel | TopicChannel]:
@@ -137,6 +140,7 @@ def make_foxglove_offer(
     offer = FoxgloveOffer(
         driven={topic: driven.device for topic, driven in account.driven_topics("").items()},
         parameters=account.facts,
+        robot_parameters=make_robot_parameters(site, account),
     )
     _offer_views(offer, site, account)
     _offer_services(offer, account)

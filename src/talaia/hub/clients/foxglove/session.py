@@ -17,6 +17,7 @@ from talaia.hub.clients.foxglove.advertised import AdvertisedThings
 from talaia.hub.clients.foxglove.asset_requests import AssetRequests
 from talaia.hub.clients.foxglove.camera_channels import CameraChannels
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_foxglove_offer
+from talaia.hub.clients.foxglove.parameter_requests import ParameterRequests
 from talaia.hub.clients.foxglove.published_channels import PublishedChannels
 from talaia.hub.clients.foxglove.schemas import encode_answer
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
@@ -42,8 +43,6 @@ from talaia.wire.foxglove.codec import (
     encode_time,
 )
 from talaia.wire.foxglove.server_messages import (
-    FoxgloveParameter,
-    ParameterValues,
     ServerInfo,
     ServerStatus,
     ServiceCallFailure,
@@ -146,6 +145,9 @@ class FoxgloveSession:
         self._advertising = asyncio.Lock()
         self._signals = SignalChannels(self._site, wants=self._things.has_subscription)
         self._published = PublishedChannels(connection, send_status=self._send_status, clock=clock)
+        self._parameters = ParameterRequests(
+            connection, send=self._send_json, warn=self._send_status, clock=clock
+        )
         # By the command's or STOP's id.
         self._calls: dict[str, _WaitingCall] = {}
         self._wants_graph = False
@@ -172,6 +174,7 @@ class FoxgloveSession:
                 self._tapped.serve_topics(),
                 self._assets.serve_requests(),
                 self._send_time(),
+                self._parameters.serve_updates(),
             ):
                 if isinstance(result, Exception):
                     raise result
@@ -209,15 +212,13 @@ class FoxgloveSession:
             case said.FoxgloveCall():
                 await self._call_service(message)
             case said.FoxgloveGetParameters():
-                await self._send_parameters(message.parameter_names, message.id)
+                await self._parameters.send_values(message.parameter_names, message.id)
             case said.FoxgloveSetParameters():
-                await self._send_status(_WARNING, "parameters cannot be set here")
-                await self._send_parameters([], message.id)
+                await self._parameters.set_values(message)
             case said.FoxgloveSubscribeParameters():
-                # They are of the description: whoever subscribes has the newest with this.
-                await self._send_parameters(message.parameter_names)
+                await self._parameters.subscribe(message.parameter_names)
             case said.FoxgloveUnsubscribeParameters():
-                pass
+                self._parameters.unsubscribe(message.parameter_names)
             case said.FoxgloveSubscribeGraph():
                 self._wants_graph = True
                 await self._send_json(self._things.connection_graph(FoxgloveOffer()))
@@ -320,7 +321,8 @@ class FoxgloveSession:
                 if message.phase not in _GOING_ON:
                     await self._end_call(message)
             case CommandUpdate():
-                await self._published.follow_command(message)
+                if not await self._parameters.follow_command(message):
+                    await self._published.follow_command(message)
             case StopUpdate() if message.id in self._calls and message.latched:
                 await self._send_answer(message.id, "STOP is on")
             case RequestError():
@@ -353,6 +355,7 @@ class FoxgloveSession:
         # By the addresses of before.
         self._forget_topics(change.gone)
         self._signals.update_offer(offer)
+        self._parameters.update_offer(offer)
         self._channel_of = {offered.topic: name for name, offered in offer.topics.items()}
         for message in change.messages:
             await self._send_json(message)
@@ -394,9 +397,6 @@ class FoxgloveSession:
         response = encode_service_response(ended.service, ended.call, "json", answer)
         await self._socket.send_bytes(response)
 
-    async def _send_parameters(self, names: list[str], number: str | None = None) -> None:
-        await self._send_json(_parameter_values(self._things.offer, names, number))
-
     async def _send_status(self, level: int, text: str) -> None:
         await self._send_json(ServerStatus(level=level, message=text))
 
@@ -416,23 +416,6 @@ def _read_call(service: ServiceEntry, message: said.FoxgloveCall) -> RobotCall |
     except (ValueError, RecursionError) as error:
         return f"not the arguments of a command: {str(error)[:200]}"
     return RobotCall(service.device, service.command, args)
-
-
-def _parameter_values(
-    offer: FoxgloveOffer, names: list[str], number: str | None
-) -> ParameterValues:
-    """Give the parameters of these names, or all."""
-    # A whole number and one with a point look the same in JSON, so the type is said.
-    return ParameterValues(
-        parameters=[
-            FoxgloveParameter(
-                name=name, type="float64" if isinstance(value, float) else None, value=value
-            )
-            for name, value in offer.parameters.items()
-            if not names or name in names
-        ],
-        id=number,
-    )
 
 
 def _call_failure(service: int, call: int, why: str) -> ServiceCallFailure:

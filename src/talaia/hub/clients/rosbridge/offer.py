@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.clients.account_offer import make_account_offer
 from talaia.hub.clients.robot_names import RobotNames, full_type, make_robot_names
+from talaia.hub.clients.robot_parameters import RobotParameters, make_robot_parameters
 from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import ArgumentType, CommandKind, SignalType
 
@@ -110,6 +111,7 @@ class RosbridgeOffer:
         driven: see above.
         listened: topics of the robot on which messages become commands.
         parameters: plain facts of the description.
+        robot_parameters: of the robot's nodes.
 
     """
 
@@ -119,12 +121,17 @@ class RosbridgeOffer:
     driven: dict[str, DrivenTopic] = field(default_factory=dict)
     listened: dict[str, RobotName] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
+    robot_parameters: RobotParameters = field(default_factory=lambda: RobotParameters({}))
 
 
 def make_rosbridge_offer(site: Site, grants: Grants) -> RosbridgeOffer:
     """Offer an account what it may see and do at a site now."""
     account = make_account_offer(site, grants)
-    offer = RosbridgeOffer(driven=account.driven_topics(_PREFIX), parameters=account.facts)
+    offer = RosbridgeOffer(
+        driven=account.driven_topics(_PREFIX),
+        parameters=account.facts,
+        robot_parameters=make_robot_parameters(site, account),
+    )
     _offer_signals(offer, account)
     for device, name, command in account.commands:
         offer.services[f"{_PREFIX}/{device}/{name}"] = _offer_command(device, name, command)

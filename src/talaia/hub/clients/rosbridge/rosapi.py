@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.clock import SECOND
+from talaia.hub.clients.robot_parameters import read_parameters
 from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type
 from talaia.hub.clients.rosbridge.ros_types import (
     MessageUnreadable,
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.auth.permissions import Grants
+    from talaia.hub.live.sites import LiveSite
     from talaia.hub.live.taps.tap_fanout import TapFanout
 
 __all__ = ["ROSAPI", "NoSuchThing", "RosGraph", "Rosapi"]
@@ -54,9 +56,10 @@ class RosGraph(NamedTuple):
 class Rosapi:
     """Answers one account at one site."""
 
-    def __init__(self, site: str, grants: Grants, *, taps: TapFanout, clock: Clock) -> None:
+    def __init__(self, live: LiveSite, grants: Grants, *, taps: TapFanout, clock: Clock) -> None:
         """List raw topics by ``taps``, as far as ``grants`` go."""
-        self._site = site
+        self._live = live
+        self._site = live.name
         self._grants = grants
         self._taps = taps
         self._clock = clock
@@ -94,10 +97,17 @@ class Rosapi:
                 return {"typedefs": _service_details(service, name, offer)}
             case "topics_and_raw_types":
                 return await self._raw_types(graph)
-            case "set_param" | "delete_param":
-                raise NoSuchThing("parameters cannot be changed here")
+            case "delete_param":
+                raise NoSuchThing("parameters cannot be deleted here")
+            case "get_param_names":
+                return {"names": [*offer.parameters, *offer.robot_parameters.listed(":")]}
+            case "has_param":
+                robots = offer.robot_parameters.find(name)
+                return {"exists": name in offer.parameters or robots is not None}
+            case "get_param":
+                return self._read_parameter(name, args, offer)
             case _:
-                return _answer_lookup(service, name, args, graph)
+                return _answer_lookup(service, name, graph)
 
     async def _describe_message(self, kind: str, graph: RosGraph) -> list[dict[str, object]]:
         topic = next((topic for topic, of in graph.topics.items() if of == kind), None)
@@ -119,6 +129,22 @@ class Rosapi:
             "typedefs_full_text": [*texts, *[""] * (len(topics) - len(texts))],
         }
 
+    def _read_parameter(
+        self, name: str, args: Mapping[str, object], offer: RosbridgeOffer
+    ) -> dict[str, object]:
+        value: object = offer.parameters.get(name)
+        found = offer.robot_parameters.find(name)
+        if value is None and found is not None:
+            now_ns = self._clock.monotonic_ns()
+            value = read_parameters(self._live, {name: found}, now_ns).get(name)
+        why = ""
+        if value is None:
+            value = args.get("default_value", args.get("default", ""))
+            why = "its value is not known now" if found else f"there is no parameter {name}"
+        # Values are JSON in a text. The rest is ROS 2's; who knows it not gets the default.
+        said = msgspec.json.encode(value).decode()
+        return {"value": said, "successful": not why, "reason": why}
+
     async def _text_of(self, topic: str) -> str:
         try:
             return (await self._taps.schema(self._site, topic, self._grants)).definition
@@ -127,9 +153,7 @@ class Rosapi:
             return ""
 
 
-def _answer_lookup(
-    service: str, name: str, args: Mapping[str, object], graph: RosGraph
-) -> dict[str, object]:
+def _answer_lookup(service: str, name: str, graph: RosGraph) -> dict[str, object]:
     """Answer what is only looked up."""
     topics, offer = graph.topics, graph.offer
     services = offer.services
@@ -156,7 +180,7 @@ def _answer_lookup(
         case "nodes" | "node_details" | "publishers" | "subscribers":
             return _answer_nodes(service, name, graph)
         case _:
-            return _answer_parameters(service, name, args, offer)
+            raise NoSuchThing(f"there is no service {ROSAPI + service[:200]!r}")
 
 
 def _answer_nodes(service: str, name: str, graph: RosGraph) -> dict[str, object]:
@@ -183,28 +207,6 @@ def _answer_nodes(service: str, name: str, graph: RosGraph) -> dict[str, object]
                 "publishing": [topic for topic, node in published.items() if node == name],
                 "services": [said for said, node in served.items() if node == name],
             }
-
-
-def _answer_parameters(
-    service: str, name: str, args: Mapping[str, object], offer: RosbridgeOffer
-) -> dict[str, object]:
-    parameters = offer.parameters
-    match service:
-        case "get_param_names":
-            return {"names": list(parameters)}
-        case "has_param":
-            return {"exists": name in parameters}
-        case "get_param":
-            value = parameters.get(name, args.get("default_value", args.get("default", "")))
-            found = name in parameters
-            # Values are JSON in a text. The rest is ROS 2's; who knows it not gets the default.
-            return {
-                "value": msgspec.json.encode(value).decode(),
-                "successful": found,
-                "reason": "" if found else f"there is no parameter {name}",
-            }
-        case _:
-            raise NoSuchThing(f"there is no service {ROSAPI + service[:200]!r}")
 
 
 def _service_details(service: str, kind: str, offer: RosbridgeOffer) -> list[dict[str, object]]:

@@ -53,14 +53,16 @@ __all__ = ["RosbridgeSession"]
 
 # Calls and goals that wait for their end.
 _MOST_CALLS = 100
+_SET_PARAM = f"{ROSAPI}set_param"
 _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
 
 
 class _Waiting(NamedTuple):
-    """A call or goal that waits for its end."""
+    """A call or goal that waits for its end; ``sets``: it sets a parameter by rosapi."""
 
     asked: said.RosbridgeCall | said.RosbridgeGoal
     device: str
+    sets: bool = False
 
 
 class RosbridgeSession:
@@ -78,7 +80,7 @@ class RosbridgeSession:
         # Of the description that is offered.
         self._edition = ""
         grants = connection.who.grants
-        self._rosapi = Rosapi(self._site, grants, taps=taps, clock=clock)
+        self._rosapi = Rosapi(connection.live, grants, taps=taps, clock=clock)
         self._topics = TopicDelivery(connection, self._output, taps=taps, clock=clock)
         self._fragments = FragmentAssembly(MAX_ROSBRIDGE_FRAME)
         self._published = PublishedTopics(connection, self._output, clock=clock)
@@ -157,6 +159,10 @@ class RosbridgeSession:
 
     async def _call_service(self, message: said.RosbridgeCall) -> None:
         service = absolute_name(message.service)
+        if service == _SET_PARAM:
+            if why := self._set_parameter(message):
+                await self._output.send_response(message, why, good=False)
+            return
         if service.startswith(ROSAPI):
             try:
                 args = _read_fields(bytes(message.args))
@@ -200,9 +206,31 @@ class RosbridgeSession:
             call = _read_call(bytes(message.args), offered)
         except ValueError as error:
             return str(error)
-        number = new_token()
+        return self._ask_call(call, _Waiting(message, call.device))
+
+    def _set_parameter(self, message: said.RosbridgeCall) -> str:
+        """Ask for the command that sets a parameter; say why not, if so."""
+        if len(self._waiting) >= _MOST_CALLS:
+            return f"at most {_MOST_CALLS} calls at once"
+        try:
+            name, value = _read_setting(bytes(message.args))
+        except ValueError as error:
+            return str(error)
+        if name in self._offer.parameters:
+            return f"{name} is of the description and cannot be set"
+        parameter = self._offer.robot_parameters.find(name)
+        if parameter is None:
+            return f"there is no parameter {name}"
+        found = parameter.find_command(value)
+        if isinstance(found, str):
+            return f"{name}: {found}"
+        return self._ask_call(found, _Waiting(message, found.device, sets=True))
+
+    def _ask_call(self, call: RobotCall, waiting: _Waiting) -> str:
+        """Ask the hub for a command; say why not, if so."""
+        message, number = waiting.asked, new_token()
         # Before it is asked: its end may come at once.
-        self._waiting[number] = _Waiting(message, call.device)
+        self._waiting[number] = waiting
         problem = self._connection.request(
             PageCommand(
                 site=self._site,
@@ -283,7 +311,8 @@ class RosbridgeSession:
         self._topics.update_offer(self._offer)
 
     async def _follow_command(self, message: CommandUpdate) -> None:
-        asked = self._waiting[message.id].asked
+        waiting = self._waiting[message.id]
+        asked = waiting.asked
         if message.phase in _GOING_ON:
             if isinstance(asked, said.RosbridgeGoal) and asked.feedback:
                 progress = {"progress": message.progress, "message": message.message}
@@ -298,7 +327,10 @@ class RosbridgeSession:
                 self._goals.pop(asked.id, None)
             await self._output.end_goal(asked, text, message.phase)
         elif message.phase is CommandPhase.SUCCEEDED:
-            await self._output.send_response(asked, {"success": True, "message": text}, good=True)
+            said_well = {"success": True, "message": text}
+            if waiting.sets:
+                said_well = {"successful": True, "reason": text}
+            await self._output.send_response(asked, said_well, good=True)
         else:
             await self._output.send_response(asked, f"{message.phase.value}: {text}", good=False)
 
@@ -318,6 +350,24 @@ def _read_fields(args: bytes) -> dict[str, object]:
     return (
         read if isinstance(read, dict) else {str(at): value for at, value in enumerate(read or ())}
     )
+
+
+def _read_setting(args: bytes) -> tuple[str, object]:
+    """Read which parameter is to be what: the value is JSON in a text.
+
+    Raises:
+        ValueError: it is none of it.
+
+    """
+    fields = _read_fields(args)
+    name, value = [*fields.values(), None, None][:2]
+    name, value = fields.get("name", name), fields.get("value", value)
+    if not isinstance(name, str) or not isinstance(value, str):
+        raise ValueError("expected the name of a parameter, and its value as JSON in a text")  # noqa: TRY004 - of what a client said
+    try:
+        return name[:500], msgspec.json.decode(value)
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        raise ValueError(f"not JSON: {value[:100]!r}") from error
 
 
 def _read_call(args: bytes, offered: RosService) -> RobotCall:
