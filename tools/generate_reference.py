@@ -55,7 +55,7 @@ ROLE_TABLES: dict[type, str] = {
 }
 NIGHT_SHAPES: tuple[type[msgspec.Struct], ...] = (
     *(night.NightSection, night.SlewCommand, night.FrameCommand, night.FilterCommand),
-    night.SettingCommand,
+    *(night.SettingCommand, night.NightFlats),
     *(night.NightDarks, night.NightSun, night.Instrument),
 )
 NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"

@@ -43,6 +43,7 @@ SITE_FILE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 # 2026-11-23 20:00 UTC: night at the example's place.
 EVENING = 1_795_464_000.0
 P = CommandPhase
+EXPOSING = ("camera/expose", "camera/dark", "camera/bias", "camera/flat")
 MOVING = ("dome/open", "telescope/unpark", "telescope/goto", "camera/expose")
 SAFE = ("telescope/park", "dome/close", "camera/abort", "camera/cooler", "camera/cool")
 
@@ -110,6 +111,8 @@ class PureObservatory:
         self.shutter, self.telescope = "closed", "parked"
         self.closing = self.barred = self.person = ""
         self.blind = self.mute_planner = False
+        # Light of the sky on a flat (counts a second above the pedestal); none: nobody measures.
+        self.skylight: Callable[[], float] | None = lambda: 2000.0
         # What the camera says of itself.
         self.binning, self.gain = 1.0, 0.0
         # Commands that fail, are refused or never end, by what becomes of them.
@@ -200,13 +203,13 @@ class PureObservatory:
 
     def _begin(self, command: NightCommand) -> None:
         seconds = self.durations.get(command.command, 1.0)
-        if command.command in ("camera/expose", "camera/dark"):
+        if command.command in EXPOSING:
             seconds = float(command.args["seconds"]) + 2.0
         if (self.barred or self.closing) and command.command in MOVING:
             self.executor.take_answer(StepAnswer(command.id, P.REFUSED, "Rain"))
             return
         if command.command == "camera/abort":
-            self._pending = [one for one in self._pending if one[1].command != "camera/expose"]
+            self._pending = [one for one in self._pending if one[1].command not in EXPOSING]
         self._pending.append((self.now + seconds, command))
 
     def _end(self, command: NightCommand) -> None:
@@ -229,7 +232,11 @@ class PureObservatory:
                     self.gain = float(command.args["gain"])
                 case "camera/expose":
                     self.frames.append(str(command.args["target"]))
-        self.executor.take_answer(StepAnswer(command.id, phase, "its own words"))
+        level = None
+        if command.command == "camera/flat" and self.skylight is not None and self.night.flats:
+            light = self.skylight() * float(command.args["seconds"])
+            level = min(65_535.0, self.night.flats.pedestal + light)
+        self.executor.take_answer(StepAnswer(command.id, phase, "its own words", level=level))
 
     def asked(self, command: str) -> list[float]:
         return [at for at, name, _ in self.ledger if name == command]

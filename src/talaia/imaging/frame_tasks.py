@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from talaia.imaging.errors import UnreadableFrame
 from talaia.imaging.fits_pixels import Frame, read_frame
 from talaia.imaging.frame_quality import measure_quality
@@ -11,7 +13,14 @@ from talaia.imaging.plate_solver import PlateHint, solve_plate
 from talaia.imaging.star_catalog import stars_near
 from talaia.imaging.star_detection import detect_stars
 
-__all__ = ["FocusMeasure", "SolvedFrame", "frame_scale", "measure_focus", "solve_frame"]
+__all__ = [
+    "FocusMeasure",
+    "SolvedFrame",
+    "frame_scale",
+    "measure_focus",
+    "measure_level",
+    "solve_frame",
+]
 
 # Fewer stars than this are taken for none: one may be a hot pixel.
 _LEAST_STARS = 3
@@ -47,6 +56,17 @@ class SolvedFrame(NamedTuple):
     dec: float = float("nan")
     problem: str = ""
     cards: tuple[tuple[str, str | float, str], ...] = ()
+
+
+def measure_level(data: bytes) -> float | None:
+    """Give the median of the middle of a FITS file's picture (counts); none: it cannot be read."""
+    try:
+        pixels = read_frame(data).pixels
+    except UnreadableFrame:
+        return None
+    height, width = pixels.shape
+    middle = pixels[height // 4 : height - height // 4, width // 4 : width - width // 4]
+    return float(np.median(middle))
 
 
 def measure_focus(data: bytes) -> FocusMeasure:

@@ -11,19 +11,23 @@ from enum import StrEnum
 from talaia.model.base import Shape
 from talaia.model.interlocks.enclosure import Sighting  # noqa: TC001 - msgspec reads it
 from talaia.model.interlocks.interlock import Step  # noqa: TC001 - msgspec reads it
+from talaia.model.night_frames import (  # noqa: TC001 - msgspec reads them
+    FilterCommand,
+    FrameCommand,
+    NightDarks,
+    NightFlats,
+    SettingCommand,
+)
 from talaia.model.observing.plan import Instrument
+from talaia.model.observing.requests import ImageType
 
 __all__ = [
-    "FilterCommand",
-    "FrameCommand",
     "NightCentring",
-    "NightDarks",
     "NightFocuser",
     "NightGuider",
     "NightLinkLoss",
     "NightSection",
     "NightSun",
-    "SettingCommand",
     "SlewCommand",
 ]
 
@@ -52,60 +56,6 @@ class SlewCommand(Shape, frozen=True, kw_only=True):
     command: str
     ra: str = "ra"
     dec: str = "dec"
-
-
-class FrameCommand(Shape, frozen=True, kw_only=True):
-    """How a frame of one kind is asked of the camera; empty: there is no such argument.
-
-    Attributes:
-        command: ``<device>/<command>``; it ends when the frame has been read out.
-        args: arguments that are always the same, by name: what kind of frame it is.
-        seconds: its argument for the exposure (s).
-        target: its argument for the target's name.
-        binning: its argument for the binning in both axes.
-        gain: its argument for the gain.
-
-    """
-
-    command: str
-    args: dict[str, float | int | bool | str] = {}
-    seconds: str = "seconds"
-    target: str = ""
-    binning: str = ""
-    gain: str = ""
-
-
-class FilterCommand(Shape, frozen=True, kw_only=True):
-    """How a filter is chosen.
-
-    Attributes:
-        command: ``<device>/<command>``.
-        argument: of the command.
-        filters: the argument's value for each filter, by the name that requests call it.
-
-    """
-
-    command: str
-    argument: str
-    filters: dict[str, float | int | str]
-
-
-class SettingCommand(Shape, frozen=True, kw_only=True):
-    """How a number of the camera is set before frames, where the frame's command does not take it.
-
-    Attributes:
-        command: ``<device>/<command>``.
-        arguments: of the command, each of which takes the number: two where it has one an axis.
-        reading: address of the signal that says what is set, or empty. It is set when that says
-            so, and not asked for where it says so already; without one its command's word counts.
-        within: (s).
-
-    """
-
-    command: str
-    arguments: tuple[str, ...]
-    reading: str = ""
-    within: float = 30.0
 
 
 class NightFocuser(Shape, frozen=True, kw_only=True):
@@ -162,27 +112,15 @@ class NightSun(Shape, frozen=True, kw_only=True):
         opening: the roof opens at or below this.
         observing: targets are observed at or below this; a request may ask for less.
         closing: above this the telescope parks and the roof closes, whatever is under way.
+        calibrating: frames that need no sky are taken for requests, under a closed roof, at or
+            below this.
 
     """
 
     opening: float = -9.0
     observing: float = -12.0
     closing: float = -8.0
-
-
-class NightDarks(Shape, frozen=True, kw_only=True):
-    """Dark frames that are taken while the roof is closed and nothing else can be done.
-
-    Attributes:
-        command: see `FrameCommand`; one that needs no open roof.
-        exposures: so long each (s); a bias is one of no length.
-        count: of each in a night.
-
-    """
-
-    command: FrameCommand
-    exposures: tuple[float, ...] = (60.0, 300.0)
-    count: int = 5
+    calibrating: float = 0.0
 
 
 class NightSection(Shape, frozen=True, kw_only=True):
@@ -196,7 +134,9 @@ class NightSection(Shape, frozen=True, kw_only=True):
         unpark: gets the telescope ready, after the roof is open.
         slew: sends it to a target; see `SlewCommand`.
         light: takes a frame of a target; see `FrameCommand`.
-        darks: see `NightDarks`; none: it takes none.
+        darks: see `NightDarks`; none: it takes none, and requests of them are refused.
+        bias: takes a frame of no length for a request; none: such requests are refused.
+        flats: see `NightFlats`; none: requests of them are refused.
         filter: see `FilterCommand`; none: there is one filter, or it is changed by hand.
         binning: see `SettingCommand`; none: as the frames' commands take it, or not at all.
         gain: see `SettingCommand`; none: as the frames' commands take it, or not at all.
@@ -225,6 +165,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
     slew: SlewCommand
     light: FrameCommand
     darks: NightDarks | None = None
+    bias: FrameCommand | None = None
+    flats: NightFlats | None = None
     filter: FilterCommand | None = None
     binning: SettingCommand | None = None
     gain: SettingCommand | None = None
@@ -248,11 +190,27 @@ class NightSection(Shape, frozen=True, kw_only=True):
         named |= {f"start[{index}]": step for index, step in enumerate(self.start)}
         return named | {f"end[{index}]": step for index, step in enumerate(self.end)}
 
+    def frame_for(self, kind: ImageType) -> FrameCommand | None:
+        """Give what takes a frame of a kind; none: nothing does."""
+        match kind:
+            case ImageType.LIGHT:
+                return self.light
+            case ImageType.DARK:
+                return self.darks.command if self.darks is not None else None
+            case ImageType.BIAS:
+                return self.bias
+            case ImageType.SKY_FLAT:
+                return self.flats.command if self.flats is not None else None
+
     def commands(self) -> frozenset[str]:
         """Name every command that the night gives beside those of its enclosure."""
         more = [self.slew.command, self.light.command]
         if self.darks is not None:
             more.append(self.darks.command.command)
+        if self.bias is not None:
+            more.append(self.bias.command)
+        if self.flats is not None:
+            more.append(self.flats.command.command)
         if self.filter is not None:
             more.append(self.filter.command)
         if self.focuser is not None:

@@ -28,7 +28,7 @@ from talaia.planner.night_problem import (
 from talaia.planner.sky import Floats, NightSky, TelescopePlace, compute_sky, find_night
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Sequence, Set
 
     from talaia.model.observing.plan import Instrument
 
@@ -114,6 +114,7 @@ def _visit(
     limits = request.constraints
     ra, dec, track = _place_target(problem.sky, request.target)
     kinds = {configuration.type for configuration in request.configurations}
+    waits_for = _without_plan(kinds)
     return Visit(
         id=request.id,
         urgency=_URGENCIES[group.urgency],
@@ -121,7 +122,8 @@ def _visit(
         ra=ra,
         dec=dec,
         track=track,
-        needs_sky=not kinds <= _INDOORS,
+        needs_sky=not waits_for,
+        waits_for=waits_for,
         priority=group.priority,
         shutter_s=sum(part.exposure * part.count for part in request.configurations),
         runs=_frame_runs(problem, request),
@@ -141,6 +143,15 @@ def _visit(
         phase=limits.phase,
         after=after,
     )
+
+
+def _without_plan(kinds: Set[ImageType]) -> str:
+    """Say when frames are taken that are in no plan; empty: they are planned."""
+    if kinds == {ImageType.LIGHT}:
+        return ""
+    if kinds == {ImageType.SKY_FLAT}:
+        return "in a twilight"
+    return "under a closed roof" if kinds <= _INDOORS else "never, for it mixes frames of all kinds"
 
 
 def _frame_runs(problem: NightProblem, request: Request) -> tuple[FrameRun, ...]:

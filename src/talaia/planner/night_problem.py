@@ -66,7 +66,8 @@ class Visit:
         ra: right ascension (°, ICRS); of what moves: in the middle of the night.
         dec: declination (°, ICRS).
         track: directions at the sky's marks (3 × n) of what does not stand among the stars.
-        needs_sky: false for frames with a closed shutter.
+        needs_sky: false for what the night takes without a plan; see ``waits_for``.
+        waits_for: what that is taken in, in words (*in a twilight*); empty: it is planned.
         priority: worth of a minute of open shutter.
         shutter_s: open shutter in all (s).
         runs: frames that are still to be taken, by configuration.
@@ -94,6 +95,7 @@ class Visit:
     dec: float = 0.0
     track: Floats | None = None
     needs_sky: bool = True
+    waits_for: str = ""
     priority: float = 10.0
     shutter_s: float = 0.0
     runs: tuple[FrameRun, ...] = ()

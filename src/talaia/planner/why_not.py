@@ -81,7 +81,7 @@ def _answer(
     sentence = veto.words
     if veto.until is not None:
         sentence += f" until {clock_words(problem.unix(veto.until))}"
-    elif veto.cause not in (VetoCause.OUTRANKED, VetoCause.STATE):
+    elif veto.cause not in (VetoCause.OUTRANKED, VetoCause.STATE, VetoCause.ROOF):
         sentence += ", and not again in this night"
     if planned is not None:
         sentence += f"; planned {clock_words(problem.unix(planned))}"
@@ -107,6 +107,8 @@ def _standing_veto(progress: NightProgress, second: int, row: int, visit: Visit)
     if progress.done[row]:
         words = "it is complete" if progress.complete[row] else "it is no longer asked for"
         return _Veto(VetoCause.STATE, None, words)
+    if visit.waits_for:
+        return _Veto(VetoCause.ROOF, None, f"it is taken by itself, {visit.waits_for}")
     if visit.failures_reached:
         return _Veto(VetoCause.FAILURES, None, "it failed too often")
     left = limit.seconds_left - float(progress.used_s[visit.proposal])

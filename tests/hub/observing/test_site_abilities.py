@@ -14,6 +14,7 @@ from talaia.model.night_section import NightGuider
 from talaia.model.observing.requests import (
     Configuration,
     Guiding,
+    ImageType,
     Request,
     RequestGroup,
     Window,
@@ -81,3 +82,29 @@ def test_guiding_that_must_be_needs_a_guider() -> None:
     ]
     assert problems(site_with(guider=NightGuider()), asked) == []
     assert problems(site_with(), part(guiding=Guiding.OPTIONAL)) == []
+
+
+def test_calibrations_are_taken_where_the_description_says_how() -> None:
+    site = example("observatory")
+    for kind in ImageType:
+        seconds = 0.0 if kind is ImageType.BIAS else 10.0
+        assert problems(site, Configuration(type=kind, exposure=seconds)) == []
+    # The INDI example has none of them.
+    for kind in ("DARK", "BIAS", "SKY_FLAT"):
+        assert problems(example("indi"), part(type=ImageType(kind))) == [
+            f"the nights of this site take no {kind} frames for requests"
+        ]
+
+
+def test_an_exposure_that_the_camera_does_not_take_is_refused() -> None:
+    assert problems(example("observatory"), Configuration(exposure=4000.0)) == [
+        "an exposure of 4000 cannot be: it goes from 0.04 to 3600"
+    ]
+
+
+def test_frames_of_the_sky_and_of_a_closed_roof_are_no_one_request() -> None:
+    site = example("observatory")
+    dark, bias = part(type=ImageType.DARK), Configuration(type=ImageType.BIAS, exposure=0.0)
+    assert problems(site, dark, bias) == []
+    assert "not of several of them" in problems(site, dark, part())[0]
+    assert "not of several of them" in problems(site, dark, part(type=ImageType.SKY_FLAT))[0]

@@ -12,14 +12,8 @@ from msgspec.structs import replace
 from talaia.model.checks.site_checks import check_site
 from talaia.model.interlocks.enclosure import Sighting
 from talaia.model.interlocks.interlock import Step
-from talaia.model.night_section import (
-    FilterCommand,
-    FrameCommand,
-    NightDarks,
-    NightSection,
-    NightSun,
-    SlewCommand,
-)
+from talaia.model.night_frames import FilterCommand, FrameCommand, NightDarks
+from talaia.model.night_section import NightSection, NightSun, SlewCommand
 from talaia.model.observing.plan import Instrument
 from talaia.model.yaml_text.load import load_site
 

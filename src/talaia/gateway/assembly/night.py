@@ -64,7 +64,7 @@ class NightPart(GatewayPart):
             reckoner=FrameReckoner(),
             guider=Phd2Guider(guider.host, guider.port) if guider is not None else None,
         )
-        if focus is not None or centring is not None:
+        if focus is not None or centring is not None or night.flats is not None:
             self._add_picture_parts(night, ask, parts)
         return parts
 
@@ -77,11 +77,13 @@ class NightPart(GatewayPart):
                 FocusRules,
                 FocusRunner,
             )
+            from talaia.imaging.frame_tasks import measure_level
         except ImportError as error:
             raise SettingsError(
-                f"the night focuses or centres, and pictures cannot be measured here ({error}); "
-                "install talaia[observatory]"
+                "the night focuses, centres or takes flats, and pictures cannot be measured here"
+                f" ({error}); install talaia[observatory]"
             ) from error
+        parts.add_level_meter(measure_level)
         clock, judge = self._base.clock, self._actuation.interlocks.conditions
 
         def read(address: str) -> float | None:

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.night.frames.frame_arguments import frame_arguments
 from talaia.gateway.night.frames.frame_settings import FrameSettings
+from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
 from talaia.gateway.night.imaging.guide_steps import GuideSteps, dithered_place
-from talaia.gateway.night.night_values import NightCommand, PartRun
+from talaia.gateway.night.night_values import PartRun
 from talaia.gateway.night.simple_dispatch import frames_left
-from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
+from talaia.gateway.night.step_runner import NightStep, StepsState
 from talaia.gateway.night.target_place import arcseconds_between, hour_angle_of, place_of_date
 from talaia.model.observing.targets import IcrsTarget, target_name
 
@@ -65,17 +66,8 @@ class BlockParts:
         self.guide_lost = guide_lost if guide_lost is not None else str
 
 
-class BlockRun:
-    """See the module.
-
-    Attributes:
-        request: what is observed.
-        state: how it stands.
-        why: why it failed or was refused.
-        frames_done: of each configuration, read out.
-        began: when it began (monotonic, s).
-
-    """
+class BlockRun(StepwiseBlock):
+    """See the module."""
 
     def __init__(
         self,
@@ -89,11 +81,8 @@ class BlockRun:
         now: float,
     ) -> None:
         """Begin a try; of ``frames_done`` no frame is taken again."""
-        self.request, self.began = request, now
-        self.state, self.why = StepsState.RUNNING, ""
-        count = len(request.configurations)
-        self.frames_done = [*frames_done[:count], *([0] * (count - len(frames_done)))]
-        self._night, self._place, self._parts, self._next_id = night, place, parts, next_id
+        super().__init__(request, frames_done, next_id=next_id, now=now)
+        self._night, self._place, self._parts = night, place, parts
         # Where the telescope was sent last, and how often since a frame was taken.
         self._sent: EquatorialPlace | None = None
         self._slews = 0
@@ -101,37 +90,13 @@ class BlockRun:
         self._settings = FrameSettings(night)
         # On which side of the meridian it points.
         self._east: bool | None = None
-        self._runner = StepRunner([], next_id)
-
-    @property
-    def words(self) -> str:
-        """What is done now, for people."""
-        return self._runner.words
 
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command or part ended."""
         if answer.place is not None and self._runner.is_waiting_for(answer.id):
             # Where the mount has to stand for the field to be in the middle.
             self._sent = answer.place
-        self._runner.take_answer(answer)
-
-    def update_block(self, view: NightView) -> list[NightCommand | PartRun]:
-        """Go on; give what is to be asked now."""
-        if self.state is not StepsState.RUNNING:
-            return []
-        asked = self._runner.update_steps(view)
-        # One turn may end a step without asking for anything: then the next one is made at once.
-        while not asked and self._runner.state is StepsState.DONE:
-            steps = self._next_steps(view)
-            if not steps:
-                if self.state is StepsState.RUNNING:
-                    self.state = StepsState.DONE
-                return []
-            self._runner = StepRunner(steps, self._next_id)
-            asked = self._runner.update_steps(view)
-        if self._runner.state in {StepsState.FAILED, StepsState.REFUSED}:
-            self.state, self.why = self._runner.state, self._runner.why
-        return asked
+        super().take_answer(answer)
 
     def _next_steps(self, view: NightView) -> list[NightStep]:
         left = frames_left(self.request, tuple(self.frames_done))
@@ -244,6 +209,7 @@ class BlockRun:
             words=f"exposing {number} of {configuration.count}",
             command=self._night.light.command,
             args=args,
+            is_frame=True,
             within=configuration.exposure + self._night.times.readout + FRAME_MARGIN_S,
             tries=self._night.step_tries,
             on_done=read_out,

@@ -15,23 +15,28 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from talaia.gateway.night.arming import NightArming
-from talaia.gateway.night.frames.dark_frames import DarkFrames
+from talaia.gateway.night.frames.closed_time import ClosedTime
 from talaia.gateway.night.night_summary import NightReport
 from talaia.gateway.night.night_values import NightAction, NightEvent
 from talaia.gateway.night.observing_run import ObservingRun
 from talaia.gateway.night.request_chooser import RequestChooser
-from talaia.gateway.night.roof_steps import abort_commands, closing_steps, opening_steps, steps_of
+from talaia.gateway.night.roof_steps import (
+    abort_commands,
+    closing_steps,
+    leave_reason,
+    opening_steps,
+)
 from talaia.gateway.night.step_runner import StepRunner, StepsState
 from talaia.gateway.night.unended_commands import GUARD_S, UnendedCommands
 from talaia.model.observing.states import SuspensionCause
 from talaia.wire.frames import NightPhase, NightState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
-    from talaia.gateway.night.block_run import BlockParts, BlockRun
+    from talaia.gateway.night.block_run import BlockParts
+    from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
     from talaia.gateway.night.night_values import NightView, StepAnswer
-    from talaia.gateway.night.step_runner import NightStep
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
 
@@ -92,11 +97,11 @@ class NightExecutor:
         self._observing = ObservingRun(
             night=night, enclosure=enclosure, place=place, parts=parts, chooser=self.chooser
         )
-        self._darks = DarkFrames(night)
+        self._indoors = ClosedTime(
+            night, self.chooser, self._observing, begun=bool(self.arming.armed_by)
+        )
         self._closed_since: float | None = None
         self._undoing = UnendedCommands({night.open.command, night.unpark.command})
-        # `night.start` was asked for and `night.end` not yet: an earlier run may have.
-        self._begun = bool(self.arming.armed_by)
         self._actions: list[NightAction] = []
         self._report = NightReport(night)
 
@@ -129,11 +134,11 @@ class NightExecutor:
             self._steps.take_answer(answer)
         self._undoing.take_answer(answer)
         self._observing.take_answer(answer)
-        self._darks.take_answer(answer)
+        self._indoors.take_answer(answer)
 
     def night_state(self) -> NightState:
         """Give how it stands, as the hub is told."""
-        step = self._steps.words if self._steps is not None else self._darks.words
+        step = self._steps.words if self._steps is not None else self._indoors.words
         state = NightState(phase=self.phase, why=self.why[:2000], step=step)
         return _with_block(state, self._since or 0.0, self.arming, self._observing.block)
 
@@ -161,6 +166,7 @@ class NightExecutor:
             why = "the time that it was armed for is over"
             self._actions.append(NightEvent("night_disarmed", why))
             self.disarm_night(why, view)
+        self._indoors.pass_time(view)
         match self.phase:
             case _P.DISARMED | _P.FAULT:
                 return
@@ -174,35 +180,19 @@ class NightExecutor:
 
     def _must_close(self, view: NightView) -> bool:
         """Leave an open roof where anything forbids it; tell whether that is so."""
-        if why := view.closing or view.barred:
-            self._suspend(view, SuspensionCause.WEATHER, why)
-            self._move(view, _P.CLOSED, why)
-            self._closed_since = view.now
-        elif view.sun > self._night.sun.closing:
-            self._suspend(view, SuspensionCause.WEATHER, "the Sun rises")
-            self._park(view, _P.WAITING, "the Sun rises")
-        elif self.phase is _P.OBSERVING and view.opened is not True:
-            self._roof_lost(view)
-        elif self.phase is _P.OBSERVING and view.parked is None:
-            why = "nobody knows how the telescope stands"
-            self._suspend(view, SuspensionCause.FAULT, why)
-            self._park(view, _P.CLOSED, why)
-        else:
+        leave = leave_reason(view, self._night.sun.closing, observing=self.phase is _P.OBSERVING)
+        if leave is None:
             return False
+        self._suspend(view, leave.cause, leave.why)
+        if leave.disarms:
+            self.arming = NightArming()
+            self._actions.append(NightEvent("night_disarmed", leave.why, good=False))
+        if leave.after is None:
+            self._move(view, _P.CLOSED, leave.why)
+            self._closed_since = view.now
+        else:
+            self._park(view, leave.after, leave.why)
         return True
-
-    def _roof_lost(self, view: NightView) -> None:
-        """The roof is not open any more, and nothing of the weather has closed it."""
-        if view.opened is None and view.closed is None:
-            why = "the roof's sensors say nothing"
-            self._suspend(view, SuspensionCause.FAULT, why)
-            self._park(view, _P.CLOSED, why)
-            return
-        why = f"{view.person or 'somebody'} has closed the roof"
-        self._suspend(view, SuspensionCause.PERSON, why)
-        self.arming = NightArming()
-        self._actions.append(NightEvent("night_disarmed", why, good=False))
-        self._park(view, _P.DISARMED, why)
 
     # ── closed ──
 
@@ -211,31 +201,40 @@ class NightExecutor:
             self._come_to_rest(view)
             return
         self._closed_since = None
-        if view.sun > self._night.sun.closing and self._begun:
-            # It closed long before dawn, when there was nothing more to observe.
-            self._end_night(view)
         if view.sun > self._night.sun.opening:
-            self._darks.end_frame()
-            self._move(view, _P.WAITING, f"the Sun stands at {view.sun:.0f}°")
+            self._pass_twilight(view, f"the Sun stands at {view.sun:.0f}°")
         elif why := view.closing or view.barred:
-            self._take_darks(view, _P.CLOSED, why)
+            self._calibrate(view, _P.CLOSED, why)
         elif view.person:
-            self._darks.end_frame()
+            self._leave_calibrations(view, f"{view.person} is at work")
             self._move(view, _P.WAITING, f"{view.person} is at work")
-        elif view.sun > self._night.sun.observing or not self._may_observe(view):
-            self._take_darks(view, _P.WAITING, "nothing may be observed now")
+        elif not self._may_observe(view):
+            self._calibrate(view, _P.WAITING, "nothing may be observed now")
         else:
             # Re-planned first: there is something to open for.
-            if self._darks.words:
-                self._darks.end_frame()
+            if self._indoors.words:
+                self._indoors.end_dark()
                 self._actions += abort_commands(self._roof, view, self._next_id)
-            self._begun = True
+            self._suspend(view, SuspensionCause.WEATHER, "the roof opens: the sky comes first")
+            self._indoors.begun = True
             self._move(view, _P.OPENING, "")
             self._steps = StepRunner(opening_steps(self._night), self._next_id)
 
+    def _pass_twilight(self, view: NightView, why: str) -> None:
+        """Let the day pass; while it is not quite day, requests that need no sky are served."""
+        sun = self._night.sun
+        if view.sun <= sun.calibrating and not view.person and self._indoors.has_requests(view):
+            self._indoors.end_dark()
+            self._calibrate(view, _P.WAITING, why)
+            return
+        self._leave_calibrations(view, why)
+        if self._indoors.is_over(view):
+            self._actions += self._indoors.end_night(view, self._next_id)
+        self._move(view, _P.WAITING, why)
+
     def _come_to_rest(self, view: NightView) -> None:
         """The roof is not certainly closed: its guard closes it, and the night after a while."""
-        self._darks.end_frame()
+        self._leave_calibrations(view, "the roof is not closed")
         barred = view.closing or view.barred
         if view.person and not barred and view.sun <= self._night.sun.closing:
             self._move(view, _P.WAITING, f"{view.person} is at work")
@@ -247,18 +246,26 @@ class NightExecutor:
         if not view.closing or view.now - self._closed_since > patience:
             self._park(view, self.phase, self.why or "the roof is not closed")
 
-    def _take_darks(self, view: NightView, phase: NightPhase, why: str) -> None:
-        """Fill the time with darks; without any left it is spent in ``phase``."""
-        if self._darks.words or not self.chooser.thinks:
-            if not self._begun and self._night.darks is not None:
-                # Darks of a warm chip are worth nothing.
-                self._begun = True
-                steps = steps_of(self._night.start, "getting ready")
-                self._actions += _first_asks(steps, view, self._next_id)
-            self._actions += self._darks.update_darks(view, self._next_id)
-        self._move(view, _P.CALIBRATING if self._darks.words else phase, why)
+    def _leave_calibrations(self, view: NightView, why: str) -> None:
+        """End what is taken under the closed roof; what was read out is kept."""
+        self._indoors.end_dark()
+        self._suspend(view, SuspensionCause.PERSON if view.person else SuspensionCause.WEATHER, why)
+
+    def _calibrate(self, view: NightView, phase: NightPhase, why: str) -> None:
+        """Fill the time with frames that need no sky; without any it is spent in ``phase``."""
+        if view.person:
+            self._leave_calibrations(view, f"{view.person} is at work")
+        else:
+            self._actions += self._indoors.update_frames(view, self._next_id)
+        if self._observing.fault:
+            self._fault(view, self._observing.fault)
+        else:
+            self._move(view, _P.CALIBRATING if self._indoors.is_busy else phase, why)
 
     def _may_observe(self, view: NightView) -> bool:
+        """Tell whether there is something to open for: a target, or a sky for flats."""
+        if view.sun > self._night.sun.observing:
+            return self.chooser.flats_now(view) is not None
         asked, actions = self.chooser.choose_request(view)
         self._actions += actions
         return asked is not None
@@ -335,15 +342,8 @@ class NightExecutor:
                 self.why = why
         self._closed_since = None
         if self._after_parking in {_P.DISARMED, _P.FAULT} or view.sun > self._night.sun.closing:
-            self._end_night(view)
+            self._actions += self._indoors.end_night(view, self._next_id)
         self._move(view, self._after_parking, self.why)
-
-    def _end_night(self, view: NightView) -> None:
-        """Let warm what cools."""
-        self._begun = False
-        steps = steps_of(self._night.end, "ending the night")
-        self._actions += _first_asks(steps, view, self._next_id)
-        self._darks = DarkFrames(self._night)
 
     def _fault(self, view: NightView, why: str) -> None:
         """A device failed: it parks, closes, and calls somebody; nothing goes on by itself."""
@@ -359,7 +359,7 @@ class NightExecutor:
 
 
 def _with_block(
-    state: NightState, since: float, arming: NightArming, block: BlockRun | None
+    state: NightState, since: float, arming: NightArming, block: StepwiseBlock | None
 ) -> NightState:
     """Give a state with since when, who has armed it, and what is observed where something is."""
     state = replace(state, since=since, armed_by=arming.armed_by, armed_until=arming.until)
@@ -372,10 +372,3 @@ def _with_block(
         frames_done=sum(block.frames_done),
         frames=sum(part.count for part in block.request.configurations),
     )
-
-
-def _first_asks(
-    steps: Sequence[NightStep], view: NightView, next_id: Callable[[], str]
-) -> list[NightAction]:
-    """Ask for each of the steps at once; how they end is not waited for."""
-    return [ask for step in steps for ask in StepRunner([step], next_id).update_steps(view)]

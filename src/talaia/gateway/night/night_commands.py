@@ -44,7 +44,7 @@ class NightCommands:
         task.add_done_callback(self._tasks.discard)
 
     async def _perform(self, command: NightCommand, who: str) -> None:
-        file = self._files.expect_file(command.command)
+        file = self._files.expect_file(command)
         answer = await self.perform_command(command, who)
         self._answered(answer if file is None else await self._files.follow_frame(answer, file))
 

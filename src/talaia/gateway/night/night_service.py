@@ -135,10 +135,11 @@ class NightService:
         self.planner, self.calls = planner(self._take_plan), NightCalls()
         arming = self._store.read_arming()
         self._written_arming = arming
-        self._files = FrameFiles(arrivals, site, night)
+        self._files = FrameFiles(arrivals, site)
         self._commands = NightCommands(actuation.commands, self._take_answer, self._files)
         self._holds = NightHolds(site, night, actuation.commands, clock)
         self._parts = star_parts(self._commands.make_asker(f"night-{boot}-part", self._holds))
+        self._files.measure = self._parts.measure_level
         self._executor = NightExecutor(
             night=night,
             enclosure=site.enclosures[night.enclosure],
@@ -356,8 +357,7 @@ class NightService:
             self._send(RequestRevision(revision=requests.revision))
 
     async def _keep_arming(self) -> str:
-        arming = self._executor.arming
-        self._written_arming = arming
+        arming = self._written_arming = self._executor.arming
         return await self._write(lambda: self._store.write_arming(arming), "who armed the night")
 
     async def _write_arming(self) -> None:

@@ -67,6 +67,8 @@ class NightCommand(NamedTuple):
         command: ``<device>/<command>``.
         args: by name.
         within: its end is waited for so long (s).
+        is_frame: it takes a frame of a request, whose file is waited for and named.
+        wants_level: that file is measured, too; see `StepAnswer`.
 
     """
 
@@ -74,6 +76,8 @@ class NightCommand(NamedTuple):
     command: str
     args: Mapping[str, Scalar]
     within: float
+    is_frame: bool = False
+    wants_level: bool = False
 
 
 class PartRun(NamedTuple):
@@ -107,6 +111,7 @@ class StepAnswer(NamedTuple):
         phase: how it ended.
         message: in words.
         place: of a field that is centred: where the mount was sent for it; none: as it was.
+        level: of a flat: its median (counts); none: nobody has measured it.
 
     """
 
@@ -114,6 +119,7 @@ class StepAnswer(NamedTuple):
     phase: CommandPhase
     message: str = ""
     place: EquatorialPlace | None = None
+    level: float | None = None
 
 
 class PlanQuestion(NamedTuple):

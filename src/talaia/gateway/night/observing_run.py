@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.night.block_run import BlockParts, BlockRun
+from talaia.gateway.night.frames.calibration_choice import is_of_flats, needs_no_sky
+from talaia.gateway.night.frames.closed_block import ClosedBlock
+from talaia.gateway.night.frames.flat_block import FlatBlock
 from talaia.gateway.night.night_values import NightAction, ObservationChange
 from talaia.gateway.night.request_chooser import LOOK_S
 from talaia.gateway.night.roof_steps import abort_commands
@@ -15,16 +18,20 @@ from talaia.model.observing.states import ObservationState, SuspensionCause
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
     from talaia.gateway.night.night_values import NightView, StepAnswer
     from talaia.gateway.night.request_chooser import RequestChooser
     from talaia.gateway.night.simple_dispatch import AskedRequest
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
+    from talaia.model.observing.requests import Request
 
 __all__ = ["ObservingRun"]
 
 # What failed is left alone for so long (s).
 HOLD_S = 300.0
+# Longer than any twilight in which flats are taken (s).
+TWILIGHT_S = 3 * 3600.0
 _O = ObservationState
 
 
@@ -49,7 +56,7 @@ class ObservingRun:
         """Begin with nothing under way."""
         self._night, self._roof, self._place, self._parts = night, enclosure, place, parts
         self._chooser = chooser
-        self.block: BlockRun | None = None
+        self.block: StepwiseBlock | None = None
         self.fault = ""
         self._asked: AskedRequest | None = None
         # Targets that failed one after the other, with why.
@@ -82,10 +89,22 @@ class ObservingRun:
             if asked is None:
                 return actions
             actions.append(self._begin_block(asked, view, next_id))
-        if self.block is not None:
-            actions += self.block.update_block(view)
-            actions += self._judge_block(view, self.block)
-        return actions
+        return actions + self._go_on(view)
+
+    def update_indoors(self, view: NightView, next_id: Callable[[], str]) -> list[NightAction]:
+        """Take what requests want of darks and biases; the roof is closed."""
+        actions: list[NightAction] = []
+        if self.block is None:
+            asked = self._chooser.calibration(view, flats=False)
+            if asked is None:
+                return actions
+            actions.append(self._begin_block(asked, view, next_id))
+        return actions + self._go_on(view)
+
+    def _go_on(self, view: NightView) -> list[NightAction]:
+        if self.block is None:
+            return []
+        return [*self.block.update_block(view), *self._judge_block(view, self.block)]
 
     def suspend_block(
         self, view: NightView, next_id: Callable[[], str], *, cause: SuspensionCause, why: str
@@ -104,25 +123,45 @@ class ObservingRun:
         self, asked: AskedRequest, view: NightView, next_id: Callable[[], str]
     ) -> NightAction:
         self._asked = asked
-        self.block = BlockRun(
-            request=asked.request,
-            frames_done=self._chooser.frames_done(asked.request.id),
-            night=self._night,
+        self.block = self._make_block(asked.request, view, next_id)
+        return _change(self.block, view, _O.IN_PROGRESS)
+
+    def _make_block(
+        self, request: Request, view: NightView, next_id: Callable[[], str]
+    ) -> StepwiseBlock:
+        done, night = self._chooser.frames_done(request.id), self._night
+        if needs_no_sky(request):
+            return ClosedBlock(request, done, night=night, next_id=next_id, now=view.now)
+        if night.flats is not None and is_of_flats(request):
+            return FlatBlock(
+                request,
+                done,
+                night=night,
+                flats=night.flats,
+                place=self._place,
+                next_id=next_id,
+                now=view.now,
+            )
+        return BlockRun(
+            request=request,
+            frames_done=done,
+            night=night,
             place=self._place,
             parts=self._parts,
             next_id=next_id,
             now=view.now,
         )
-        return _change(self.block, view, _O.IN_PROGRESS)
 
-    def _rapid_instead(self, view: NightView, block: BlockRun) -> tuple[str, list[NightAction]]:
+    def _rapid_instead(
+        self, view: NightView, block: StepwiseBlock
+    ) -> tuple[str, list[NightAction]]:
         """Say what is to be observed at once instead, and what to ask; empty: nothing."""
         if self._asked is None or self._asked.urgency is Urgency.RAPID_RESPONSE:
             return "", []
         rapid, actions = self._chooser.rapid_request(view, block.request.id)
         return f"{rapid.request.id} is urgent" if rapid is not None else "", actions
 
-    def _judge_block(self, view: NightView, block: BlockRun) -> list[NightAction]:
+    def _judge_block(self, view: NightView, block: StepwiseBlock) -> list[NightAction]:
         name, why = block.request.id, block.why
         more = self._chooser.keep_frames(name, tuple(block.frames_done))
         if block.state is StepsState.RUNNING:
@@ -133,6 +172,10 @@ class ObservingRun:
             self._failed.clear()
             self._chooser.end_request(name)
             return [_change(block, view, _O.COMPLETED)]
+        if block.spoiled:
+            # By the sky itself: no fault, and not in this twilight again.
+            self._chooser.hold_request(name, view.time + TWILIGHT_S)
+            return [_change(block, view, _O.SUSPENDED, cause=SuspensionCause.WEATHER, why=why)]
         if block.state is StepsState.REFUSED:
             # Whoever acts or whatever locks: what is left is planned again.
             self._chooser.hold_request(name, view.time + LOOK_S)
@@ -146,7 +189,7 @@ class ObservingRun:
 
 
 def _change(
-    block: BlockRun,
+    block: StepwiseBlock,
     view: NightView,
     state: ObservationState,
     *,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+from talaia.gateway.night.frames.calibration_choice import best_calibration
 from talaia.gateway.night.night_values import NightAction, NightEvent, PlanQuestion
 from talaia.gateway.night.simple_dispatch import (
     NightLimits,
@@ -50,7 +51,7 @@ class RequestChooser:
     def __init__(self, night: NightSection, place: Place) -> None:
         """Begin with nothing asked."""
         filters = frozenset(night.filter.filters if night.filter is not None else ())
-        times = night.times
+        times, self._night = night.times, night
         self._limits = NightLimits(place, times, night.sun.observing, filters)
         self._asked: dict[str, AskedRequest] = {}
         # Frames read out, in all tries; what has ended; what is not tried before (UTC, s).
@@ -159,8 +160,29 @@ class RequestChooser:
             return simple.request.id if simple is not None else "", actions
         return "", self._ask_planner(view, current)
 
+    def calibration(self, view: NightView, *, flats: bool) -> AskedRequest | None:
+        """Give what is to be taken now of flats, or of what needs no sky; no planner is asked."""
+        return best_calibration(
+            self._asked.values(),
+            view,
+            self._night,
+            flats=flats,
+            done=self._done,
+            ended=frozenset(self._ended),
+            held=self._held,
+        )
+
+    def flats_now(self, view: NightView) -> AskedRequest | None:
+        """Give a request of flats, while the sky is too bright for targets and not for flats."""
+        sun = self._night.sun
+        if not sun.observing < view.sun <= sun.closing:
+            return None
+        return self.calibration(view, flats=True)
+
     def choose_request(self, view: NightView) -> tuple[AskedRequest | None, list[NightAction]]:
         """Give what is to be observed now, if anything is known yet, and what to ask."""
+        if flats := self.flats_now(view):
+            return flats, []
         if self._choice is not None:
             return self._judge_choice(view, self._choice)
         if self._question is not None:

@@ -2,22 +2,69 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.night.step_runner import NightStep, StepRunner
+from talaia.model.observing.states import SuspensionCause
+from talaia.wire.frames import NightPhase
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from talaia.gateway.night.night_values import NightAction, NightView
     from talaia.model.interlocks.enclosure import Enclosure
     from talaia.model.interlocks.interlock import Step
     from talaia.model.night_section import NightSection
 
-__all__ = ["abort_commands", "closing_steps", "opening_steps", "steps_of"]
+__all__ = [
+    "LeaveReason",
+    "abort_commands",
+    "closing_steps",
+    "first_asks",
+    "leave_reason",
+    "opening_steps",
+    "steps_of",
+]
 
 # Where the description does not say how long a command may take (s).
 STEP_S = 120.0
+_P, _C = NightPhase, SuspensionCause
+
+
+class LeaveReason(NamedTuple):
+    """Why an open roof is left.
+
+    Attributes:
+        cause: of the suspension of what is observed.
+        why: in words.
+        after: the phase after parking and closing; none: the roof's guard closes by itself.
+        disarms: the night is over: a person has ended it.
+
+    """
+
+    cause: SuspensionCause
+    why: str
+    after: NightPhase | None
+    disarms: bool = False
+
+
+def leave_reason(view: NightView, closing_sun: float, *, observing: bool) -> LeaveReason | None:
+    """Give what forbids an open roof; while it is opening its sensors do not count yet."""
+    if why := view.closing or view.barred:
+        return LeaveReason(_C.WEATHER, why, None)
+    if view.sun > closing_sun:
+        return LeaveReason(_C.WEATHER, "the Sun rises", _P.WAITING)
+    if not observing:
+        return None
+    if view.opened is None and view.closed is None:
+        return LeaveReason(_C.FAULT, "the roof's sensors say nothing", _P.CLOSED)
+    if view.opened is not True:
+        # Nothing of the weather has closed it.
+        why = f"{view.person or 'somebody'} has closed the roof"
+        return LeaveReason(_C.PERSON, why, _P.DISARMED, disarms=True)
+    if view.parked is None:
+        return LeaveReason(_C.FAULT, "nobody knows how the telescope stands", _P.CLOSED)
+    return None
 
 
 def opening_steps(night: NightSection) -> list[NightStep]:
@@ -99,10 +146,14 @@ def abort_commands(
     rule: Enclosure, view: NightView, next_id: Callable[[], str]
 ) -> list[NightAction]:
     """Give what ends an exposure at once; nobody waits for it."""
-    actions: list[NightAction] = []
-    for step in steps_of(rule.abort, "ending the exposure"):
-        actions += StepRunner([step], next_id).update_steps(view)
-    return actions
+    return first_asks(steps_of(rule.abort, "ending the exposure"), view, next_id)
+
+
+def first_asks(
+    steps: Sequence[NightStep], view: NightView, next_id: Callable[[], str]
+) -> list[NightAction]:
+    """Ask for each of the steps at once; how they end is not waited for."""
+    return [ask for step in steps for ask in StepRunner([step], next_id).update_steps(view)]
 
 
 def steps_of(steps: tuple[Step, ...], words: str) -> list[NightStep]:

@@ -31,13 +31,14 @@ __all__ = [
     "block_seconds",
     "frames_left",
     "pending_requests",
+    "standing_veto",
+    "urgency_rank",
     "veto_reason",
 ]
 
 # So many of the best are looked at each time.
 MOST_LOOKED_AT = 300
 _NO_PLACE = "places of bodies need the extra `observatory` at the gateway (pyerfa)"
-_INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
 _RANK = {Urgency.NORMAL: 0, Urgency.TIME_CRITICAL: 1, Urgency.RAPID_RESPONSE: 2}
 
 
@@ -86,6 +87,38 @@ def block_seconds(request: Request, done: tuple[int, ...], instrument: Instrumen
     return frames + instrument.filter_change * sum(1 for _, n in configurations if n)
 
 
+def urgency_rank(asked: AskedRequest) -> int:
+    """Give how urgent a request is beside others; more is more."""
+    return _RANK[asked.urgency]
+
+
+def standing_veto(
+    asked: AskedRequest,
+    time: float,
+    seconds: float,
+    *,
+    done: tuple[int, ...] = (),
+    ended: frozenset[str] = frozenset(),
+    held_until: float = 0.0,
+    slack: float = 0.0,
+) -> str:
+    """Say why a request of so many seconds may not begin at a time, whatever the sky is like.
+
+    The other arguments are those of `veto_reason`.
+    """
+    request = asked.request
+    if request.id in ended or not any(frames_left(request, done)):
+        return "nothing of it is left"
+    if waits := [name for name in asked.after if name not in ended]:
+        return f"{waits[0]} of its sequence comes before it"
+    if time < held_until:
+        return "it has just failed or been interrupted"
+    early, late = time + 60 * slack, time + seconds - 60 * slack
+    if not any(window.start <= early and late <= window.end for window in request.windows):
+        return "it is not in its window, or does not fit into what is left of it"
+    return ""
+
+
 def veto_reason(
     asked: AskedRequest,
     view: NightView,
@@ -109,19 +142,21 @@ def veto_reason(
 
     """
     request = asked.request
-    if request.id in ended or not any(frames_left(request, done)):
-        return "nothing of it is left"
-    if waits := [name for name in asked.after if name not in ended]:
-        return f"{waits[0]} of its sequence comes before it"
-    if view.time < held_until:
-        return "it has just failed or been interrupted"
-    ends = view.time + block_seconds(request, done, limits.instrument)
-    early, late = view.time + 60 * slack, ends - 60 * slack
-    if not any(window.start <= early and late <= window.end for window in request.windows):
-        return "it is not in its window, or does not fit into what is left of it"
+    seconds = block_seconds(request, done, limits.instrument)
+    if why := standing_veto(
+        asked,
+        view.time,
+        seconds,
+        done=done,
+        ended=ended,
+        held_until=held_until,
+        slack=slack,
+    ):
+        return why
+    ends = view.time + seconds
     for configuration in request.configurations:
-        if configuration.type in _INDOORS or configuration.type is ImageType.SKY_FLAT:
-            return f"the night takes no {configuration.type} for requests"
+        if configuration.type is not ImageType.LIGHT:
+            return f"{configuration.type} frames are not taken of a target under the night's sky"
         if configuration.filter and configuration.filter not in limits.filters:
             return f"there is no filter {configuration.filter!r}"
     return _sky_veto(request, view, limits, ends=ends, slack=slack)

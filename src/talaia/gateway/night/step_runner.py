@@ -40,6 +40,8 @@ class NightStep:
         words: what is done, for people.
         command: ``<device>/<command>``; empty: nothing is asked, only waited for.
         args: of the command.
+        is_frame: the command takes a frame of a request.
+        wants_level: that frame is measured; see `NightCommand`.
         part: runs instead of a command; its id is filled in.
         within: one try takes at most so long (s).
         tries: so often in all.
@@ -56,6 +58,8 @@ class NightStep:
     words: str
     command: str = ""
     args: Mapping[str, Scalar] = field(default_factory=dict)
+    is_frame: bool = False
+    wants_level: bool = False
     part: PartRun | None = None
     within: float = 60.0
     tries: int = 1
@@ -142,7 +146,16 @@ class StepRunner:
         if step.part is not None:
             return [step.part._replace(id=self._asked)]
         if step.command:
-            return [NightCommand(self._asked, step.command, step.args, step.within)]
+            return [
+                NightCommand(
+                    self._asked,
+                    step.command,
+                    step.args,
+                    step.within,
+                    is_frame=step.is_frame,
+                    wants_level=step.wants_level,
+                )
+            ]
         # Nothing is asked: what is waited for is its time, or a sensor.
         if step.reached is None:
             self._rests_until = view.now + step.wait

@@ -9,11 +9,14 @@ from talaia.model.observing.requests import Guiding, ImageType
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from talaia.model.night_section import FrameCommand, NightSection, SettingCommand
-    from talaia.model.observing.requests import Configuration, RequestGroup
+    from talaia.model.night_frames import FrameCommand, SettingCommand
+    from talaia.model.night_section import NightSection
+    from talaia.model.observing.requests import Configuration, Request, RequestGroup
     from talaia.model.site import Argument, Site
 
 __all__ = ["site_problems"]
+
+_INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
 
 
 def site_problems(group: RequestGroup, site: Site) -> list[str]:
@@ -22,11 +25,12 @@ def site_problems(group: RequestGroup, site: Site) -> list[str]:
     if night is None:
         return []
     wanted = [part for request in group.requests for part in request.configurations]
-    found = [
+    found = [problem for request in group.requests for problem in _mixture_problems(request)]
+    found += [
         problem
         for configuration in wanted
         for problem in (
-            *_kind_problems(configuration),
+            *_kind_problems(site, night, configuration),
             *_setting_problems(site, night, configuration),
             *_guiding_problems(night, configuration),
         )
@@ -34,9 +38,25 @@ def site_problems(group: RequestGroup, site: Site) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _kind_problems(configuration: Configuration) -> Iterator[str]:
-    if configuration.type is not ImageType.LIGHT:
-        yield f"the nights of this site take no {configuration.type} for requests"
+def _mixture_problems(request: Request) -> Iterator[str]:
+    kinds = {part.type for part in request.configurations}
+    # Each kind is taken at a time of its own.
+    if len(kinds) > 1 and not kinds <= _INDOORS:
+        yield (
+            "one request has frames of a target (LIGHT), of the twilight (SKY_FLAT) or of a closed"
+            " roof (DARK, BIAS), not of several of them"
+        )
+
+
+def _kind_problems(site: Site, night: NightSection, configuration: Configuration) -> Iterator[str]:
+    frame = night.frame_for(configuration.type)
+    if frame is None:
+        yield f"the nights of this site take no {configuration.type} frames for requests"
+    elif configuration.type is not ImageType.SKY_FLAT:
+        # A flat's is where it begins: its level decides.
+        taken = _arguments(site, frame.command, [frame.seconds])
+        if taken:
+            yield from _number_problems("an exposure of", configuration.exposure, taken)
 
 
 def _guiding_problems(night: NightSection, configuration: Configuration) -> Iterator[str]:
@@ -47,7 +67,7 @@ def _guiding_problems(night: NightSection, configuration: Configuration) -> Iter
 def _setting_problems(
     site: Site, night: NightSection, configuration: Configuration
 ) -> Iterator[str]:
-    frame = night.light
+    frame = night.frame_for(configuration.type) or night.light
     # A binning of 1 is what a camera does that cannot choose.
     if configuration.binning != 1:
         taken = _taken_by(site, frame, frame.binning, night.binning)

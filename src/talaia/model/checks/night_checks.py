@@ -13,7 +13,8 @@ from talaia.model.site import ArgumentType, SignalType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.night_section import FrameCommand, NightSection, SettingCommand
+    from talaia.model.night_frames import FrameCommand, NightFlats, SettingCommand
+    from talaia.model.night_section import NightSection
     from talaia.model.site import Command, Site
 
 __all__ = ["night_findings"]
@@ -62,6 +63,9 @@ def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
         yield from at_least("$.night.darks.count", night.darks.count, 1)
         for index, exposure in enumerate(night.darks.exposures):
             yield from at_least(f"$.night.darks.exposures[{index}]", exposure, 0)
+    if night.bias is not None:
+        yield from _frame_fits(site, "$.night.bias", night.bias)
+    yield from _flats_fit(site, night.flats)
     if night.filter is not None:
         where = "$.night.filter"
         others = {"argument": night.filter.argument}
@@ -70,6 +74,26 @@ def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
             yield Finding(f"{where}.filters", "no filter has a name", "name each, with its value")
     for key in ("binning", "gain"):
         yield from _setting_fits(site, f"$.night.{key}", getattr(night, key))
+
+
+def _flats_fit(site: Site, flats: NightFlats | None) -> Iterator[Finding]:
+    if flats is None:
+        return
+    where = "$.night.flats"
+    yield from _frame_fits(site, f"{where}.command", flats.command)
+    # Written so that NaN is found as well.
+    if not 0 <= flats.pedestal < flats.least < flats.level < flats.most:
+        problem = (
+            "expected 0 <= pedestal < least < level < most, found"
+            f" {flats.pedestal:g}, {flats.least:g}, {flats.level:g}, {flats.most:g}"
+        )
+        yield Finding(where, problem)
+    if not 0 < flats.shortest <= flats.longest:
+        problem = f"expected 0 < shortest <= longest, found {flats.shortest:g}, {flats.longest:g}"
+        yield Finding(where, problem)
+    if not 0 < flats.altitude < 90:
+        yield Finding(f"{where}.altitude", f"expected 0 to 90 °, found {flats.altitude:g}")
+    yield from at_least(f"{where}.tries", flats.tries, 1)
 
 
 def _setting_fits(site: Site, where: str, rule: SettingCommand | None) -> Iterator[Finding]:
@@ -174,6 +198,9 @@ def _sun_fits(night: NightSection) -> Iterator[Finding]:
             f" {sun.observing:g}, {sun.opening:g}, {sun.closing:g}"
         )
         yield Finding("$.night.sun", problem)
+    if not sun.opening <= sun.calibrating <= 90:
+        problem = f"expected opening to 90 °, found {sun.calibrating:g}"
+        yield Finding("$.night.sun.calibrating", problem)
 
 
 def _times_fit(night: NightSection) -> Iterator[Finding]:

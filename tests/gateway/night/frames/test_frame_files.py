@@ -12,7 +12,7 @@ from talaia.clock import HandClock
 from talaia.gateway.fits.frame_arrivals import FrameArrivals
 from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.night.frames.frame_files import FrameFiles
-from talaia.gateway.night.night_values import StepAnswer
+from talaia.gateway.night.night_values import NightCommand, StepAnswer
 from talaia.model.site import Site
 from talaia.simulated_time import SimulatedLoop
 from talaia.wire.frames import CommandPhase
@@ -23,14 +23,13 @@ DONE = StepAnswer("night-1", CommandPhase.SUCCEEDED)
 def followed(site: Site, outbox: Path | None) -> tuple[StepAnswer, list[str], HandClock]:
     """Follow one frame, whose file comes into an outbox or does not."""
     clock = HandClock()
-    night = site.night
-    assert night is not None
 
     async def follow() -> tuple[StepAnswer, list[str]]:
         arrivals = FrameArrivals()
-        files = FrameFiles(arrivals, site, night)
-        assert files.expect_file("camera/dark") is None
-        waiting = files.expect_file("camera/expose")
+        files = FrameFiles(arrivals, site)
+        # A dark of the description's own is no request's.
+        assert files.expect_file(NightCommand("n-1", "camera/dark", {}, 60.0)) is None
+        waiting = files.expect_file(NightCommand("n-2", "camera/expose", {}, 60.0, is_frame=True))
         assert waiting is not None
         if outbox is not None:
             made = outbox / "made"
@@ -66,3 +65,31 @@ def test_a_camera_that_is_not_described_to_give_files_is_not_waited_for_long() -
     answer, _, clock = followed(site, None)
     assert answer == DONE
     assert clock.monotonic_ns() / 1e9 < 4
+
+
+def test_a_flat_is_measured_from_its_file_and_a_light_is_not(tmp_path: Path) -> None:
+    measured: list[bytes] = []
+
+    async def measure(data: bytes) -> float:
+        measured.append(data)
+        return 21_000.0
+
+    async def follow(*, flat: bool) -> StepAnswer:
+        arrivals = FrameArrivals()
+        files = FrameFiles(arrivals, example_site())
+        files.measure = measure
+        asked = NightCommand("n-1", "camera/flat", {}, 60.0, is_frame=True, wants_level=flat)
+        waiting = files.expect_file(asked)
+        assert waiting is not None
+        made = tmp_path / "made"
+        made.write_bytes(b"an even sky")
+        box = ArchiveOutbox(
+            tmp_path / "box", 10**6, lambda: None, arrivals.notice_file, kept=arrivals.note_kept
+        )
+        await asyncio.to_thread(box.add_file, made, "fits", "camera", 1)
+        return await files.follow_frame(DONE, waiting)
+
+    with asyncio.Runner(loop_factory=lambda: SimulatedLoop(HandClock())) as runner:
+        assert runner.run(follow(flat=False)).level is None
+        assert runner.run(follow(flat=True)).level == 21_000.0
+    assert measured == [b"an even sky"]

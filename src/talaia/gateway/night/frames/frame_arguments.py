@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from talaia.model.night_section import FrameCommand
+    from talaia.model.night_frames import FrameCommand
     from talaia.wire.frames import Scalar
 
 __all__ = ["frame_arguments"]

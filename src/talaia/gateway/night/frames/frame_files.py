@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.night.night_values import StepAnswer
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from talaia.gateway.fits.frame_arrivals import FrameArrivals
-    from talaia.model.night_section import NightSection
+    from talaia.gateway.night.night_values import NightCommand
     from talaia.model.site import Site
 
-__all__ = ["FrameFiles"]
+__all__ = ["FrameFile", "FrameFiles"]
 
 # A file comes about when the camera says that it is read out; a slow disk has so long (s).
 FILE_S = 30.0
@@ -21,38 +23,74 @@ FILE_S = 30.0
 MAYBE_S = 3.0
 
 
-class FrameFiles:
-    """Follows each frame of the night's camera onto the disk. Event loop only.
+class FrameFile(NamedTuple):
+    """What a frame's file is waited for by.
 
-    A frame counts when its file is there: one that a full disk did not take is taken again.
+    Attributes:
+        camera: which makes it.
+        name: its SHA-256, once it is in the outbox.
+        data: the file itself; none: nobody measures it.
+
     """
 
-    def __init__(self, arrivals: FrameArrivals | None, site: Site, night: NightSection) -> None:
+    camera: str
+    name: asyncio.Future[str]
+    data: asyncio.Future[bytes] | None
+
+
+class FrameFiles:
+    """Follows each frame of a request onto the disk. Event loop only.
+
+    A frame counts when its file is there: one that a full disk did not take is taken again.
+
+    Attributes:
+        measure: gives a flat's median (counts), or none where it cannot be measured; none: nobody
+            measures.
+
+    """
+
+    measure: Callable[[bytes], Awaitable[float | None]] | None = None
+
+    def __init__(self, arrivals: FrameArrivals | None, site: Site) -> None:
         """Hear of files by ``arrivals``; none: nobody keeps pictures here."""
-        self._arrivals, self._light = arrivals, night.light.command
-        self._camera = self._light.partition("/")[0]
-        self._must = site.devices[self._camera].frames is not None
+        self._arrivals = arrivals
+        self._must = {name for name, device in site.devices.items() if device.frames is not None}
         # Those of the frames since the last change that the hub was told.
         self._names: list[str] = []
 
-    def expect_file(self, command: str) -> asyncio.Future[str] | None:
+    def expect_file(self, command: NightCommand) -> FrameFile | None:
         """Listen for the file of a command; before it is asked for. None: it makes none."""
-        if self._arrivals is None or command != self._light:
+        if self._arrivals is None or not command.is_frame:
             return None
-        return self._arrivals.expect_name(self._camera)
+        camera = command.command.partition("/")[0]
+        measured = command.wants_level and self.measure is not None
+        return FrameFile(
+            camera,
+            self._arrivals.expect_name(camera),
+            self._arrivals.expect_frame(camera) if measured else None,
+        )
 
-    async def follow_frame(self, answer: StepAnswer, file: asyncio.Future[str]) -> StepAnswer:
-        """Wait for a frame's file; gives how the frame ended then."""
-        if answer.phase is not CommandPhase.SUCCEEDED:
-            return answer
+    async def follow_frame(self, answer: StepAnswer, file: FrameFile) -> StepAnswer:
+        """Wait for a frame's file; gives how the frame ended then, with the level of a flat."""
+        must = file.camera in self._must
         try:
-            async with asyncio.timeout(FILE_S if self._must else MAYBE_S):
-                self._names.append(await file)
+            if answer.phase is not CommandPhase.SUCCEEDED:
+                return answer
+            async with asyncio.timeout(FILE_S if must else MAYBE_S):
+                name = await file.name
+                self._names.append(name)
+                data = await file.data if file.data is not None else None
         except TimeoutError:
-            if self._must:
+            if must:
                 why = f"the exposure ended, but no file of it came within {FILE_S:g} s"
                 return StepAnswer(answer.id, CommandPhase.FAILED, why)
-        return answer
+            return answer
+        finally:
+            if file.data is not None and self._arrivals is not None:
+                self._arrivals.forget_frame(file.camera)
+        if data is None or self.measure is None:
+            return answer
+        return answer._replace(level=await self.measure(data))
 
     def take_names(self) -> list[str]:
         """Give the files since this was asked last."""

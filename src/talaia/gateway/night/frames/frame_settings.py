@@ -9,7 +9,8 @@ from talaia.gateway.night.step_runner import NightStep
 
 if TYPE_CHECKING:
     from talaia.gateway.night.night_values import NightView
-    from talaia.model.night_section import FrameCommand, NightSection, SettingCommand
+    from talaia.model.night_frames import FrameCommand, SettingCommand
+    from talaia.model.night_section import NightSection
     from talaia.model.observing.requests import Configuration
 
 __all__ = ["FrameSettings"]

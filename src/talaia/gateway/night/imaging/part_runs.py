@@ -29,6 +29,7 @@ _ABSENT = AbsentPart()
 # Of a part's bound, so that its own words come before the executor's.
 _OF_BOUND = 0.95
 _END_GUIDING_S = 30.0
+_MEASURE_S = 60.0
 
 
 class PartRuns:
@@ -53,6 +54,7 @@ class PartRuns:
         self._solver: PlateSolver = _ABSENT
         self._guider: AutoGuider = guider if guider is not None else _ABSENT
         self._temperature: Callable[[], float | None] = lambda: None
+        self._meter: Callable[[bytes], float | None] | None = None
         self._task: asyncio.Task[None] | None = None
         self._ending: asyncio.Task[None] | None = None
         self._guides = False
@@ -66,6 +68,23 @@ class PartRuns:
     def add_solver(self, solver: PlateSolver) -> None:
         """Centre by this."""
         self._solver = solver
+
+    def add_level_meter(self, meter: Callable[[bytes], float | None]) -> None:
+        """Measure flats by this, which gives a file's median (counts); in the reckoner."""
+        self._meter = meter
+
+    async def measure_level(self, data: bytes) -> float | None:
+        """Give a flat's median (counts); none where its file tells none in time."""
+        if self._meter is None:
+            return None
+        loop = asyncio.get_running_loop()
+        try:
+            async with asyncio.timeout(_MEASURE_S):
+                return await loop.run_in_executor(self.reckoner, self._meter, data)
+        except (TimeoutError, OSError, RuntimeError, ValueError, ArithmeticError) as error:
+            self.reckoner.end_process()
+            self._report_outcome("flat", PartOutcome(good=False, message=f"not measured: {error}"))
+            return None
 
     def block_parts(self) -> BlockParts:
         """Tell which parts blocks have."""
