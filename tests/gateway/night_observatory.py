@@ -6,6 +6,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from msgspec.structs import replace
+
 from talaia.gateway.night.arming import NightArming
 from talaia.gateway.night.block_run import BlockParts
 from talaia.gateway.night.executor import NightExecutor
@@ -36,6 +38,7 @@ from talaia.wire.frames import CommandPhase, Scalar
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from talaia.model.night_frames import NightFlats
     from talaia.model.observing.targets import Target
     from talaia.model.site import Site
 
@@ -93,15 +96,19 @@ class PureObservatory:
     """Acts on commands after a while; a ledger says what was asked, and how things stood."""
 
     def __init__(
-        self, *, arming: NightArming | None = None, parts: BlockParts | None = None
+        self,
+        *,
+        arming: NightArming | None = None,
+        parts: BlockParts | None = None,
+        flats: NightFlats | None = None,
     ) -> None:
         """Begin in the evening, closed and parked."""
         site = example_site()
         assert site.night is not None
         assert site.place is not None
-        self.night = site.night
+        self.night = replace(site.night, flats=flats) if flats is not None else site.night
         self.executor = NightExecutor(
-            night=site.night,
+            night=self.night,
             enclosure=site.enclosures["dome"],
             place=site.place,
             parts=parts if parts is not None else BlockParts(),

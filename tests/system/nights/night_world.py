@@ -33,6 +33,7 @@ from talaia.gateway.night.planning.planner_question import (
 )
 from talaia.gateway.night.target_place import sun_altitude
 from talaia.gateway.safety.supervision import Heartbeats, Supervision
+from talaia.imaging.frame_tasks import measure_level
 from talaia.model.observing.requests import Proposal, RequestGroup
 from talaia.model.site import Site
 from talaia.simulated_time import SimulatedLoop
@@ -64,6 +65,13 @@ class Inline(Executor):
         except Exception as error:  # noqa: BLE001 - as a pool's thread keeps it
             future.set_exception(error)
         return future
+
+
+class ReckonerHere(FrameReckoner):
+    """Reckons from pictures in this process: time stands meanwhile."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        return Inline().submit(fn, *args, **kwargs)
 
 
 class PlannerHere:
@@ -151,12 +159,12 @@ class Gateway:
         heartbeats = Heartbeats(site, self.actuation.interlocks, robot, output)
         judged = self.actuation.interlocks
         self._supervision = Supervision(clock, lambda: judged.judged_ns, (), heartbeats)
+        parts = PartRuns(clock=clock, events=output, reckoner=ReckonerHere(), guider=world.guider)
+        parts.add_level_meter(measure_level)
         self.service = NightService(
             site=site, night=night, place=place, clock=clock, boot=boot, folder=data / "night",
             actuation=self.actuation, send=hub.take, events=output, on_disk=self._on_disk,
-            star_parts=lambda _ask: PartRuns(
-                clock=clock, events=output, reckoner=FrameReckoner(), guider=world.guider
-            ),
+            star_parts=lambda _ask: parts,
             planner=PlannerHere, arrivals=arrivals,
         )  # fmt: skip
         outbox = ArchiveOutbox(

@@ -263,13 +263,15 @@ class NightService:
         """Let the executor go on by how things stand now."""
         view = self._view()
         changes: list[ObservationChange] = []
-        for action in self._executor.update_night(view):
+        actions = self._executor.update_night(view)
+        # Before anything is asked in its name: a hold of the night does not keep the night away.
+        self._holds.update_holds(self._executor.phase, self._executor.arming.armed_by)
+        for action in actions:
             self._carry_out(action, changes)
         if changes:
             self._tasks.spawn_task(self._keep_observations(tuple(changes)))
         if self._executor.arming != self._written_arming:
             self._tasks.spawn_task(self._write_arming())
-        self._holds.update_holds(self._executor.phase, self._executor.arming.armed_by)
         if self._executor.night_state() != self._told:
             self._send_state()
 

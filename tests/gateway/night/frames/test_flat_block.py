@@ -20,11 +20,12 @@ pytestmark = pytest.mark.pure
 S, P = ObservationState, NightPhase
 # In the morning, when the Sun comes nearer (s after the evening).
 MORNING = 36_000.0
+FLATS = NightFlats(command=FrameCommand(command="camera/flat"), pedestal=100.0)
 
 
 def twilight(*, morning: bool = False, frames: int = 4, **changes: Any) -> PureObservatory:
     """Give an armed observatory with a request of flats; the Sun stands where flats are taken."""
-    world = PureObservatory()
+    world = PureObservatory(flats=FLATS)
     world.now, world.sun = MORNING if morning else 0.0, -10.0
     world.ask(
         request(
@@ -41,9 +42,7 @@ def twilight(*, morning: bool = False, frames: int = 4, **changes: Any) -> PureO
 
 
 def exposures(world: PureObservatory) -> list[float]:
-    named = (
-        zip(world.ledger, world.args, strict=True) if len(world.ledger) == len(world.args) else ()
-    )
+    named = zip(world.ledger, world.args, strict=True)
     return [float(args["seconds"]) for (_, name, _), args in named if name == "camera/flat"]
 
 
@@ -53,8 +52,6 @@ def ended(world: PureObservatory) -> bool:
 
 def test_flats_are_exposed_until_their_level_is_right_and_those_alone_count() -> None:
     world = twilight(filter="R")
-    flats = world.night.flats
-    assert flats is not None
     # The sky darkens while they are taken.
     world.skylight = lambda: 900.0 * 0.998**world.now
     world.until(lambda: ended(world), 1800.0)
@@ -128,14 +125,12 @@ def test_a_sky_that_only_gets_worse_ends_the_flats_in_words_and_counts_no_failur
 
 def test_flats_that_never_come_out_right_fail_after_their_tries() -> None:
     world = twilight()
-    flats = world.night.flats
-    assert flats is not None
     # Light that jumps about: clouds, a lamp.
     world.skylight = lambda: 400.0 if len(world.asked("camera/flat")) % 2 else 60_000.0
     world.until(lambda: ended(world), 3600.0)
     assert world.changes[-1].state is S.FAILED
-    assert world.changes[-1].why.startswith(f"{flats.tries} flats and none of a right level")
-    assert len(world.asked("camera/flat")) == flats.tries
+    assert world.changes[-1].why.startswith(f"{FLATS.tries} flats and none of a right level")
+    assert len(world.asked("camera/flat")) == FLATS.tries
 
 
 def test_flats_that_nobody_measures_are_not_taken_for_right() -> None:
@@ -160,8 +155,7 @@ def test_the_telescope_looks_away_from_the_sun() -> None:
 
 @given(st.floats(0.5, 60_000.0), st.floats(0.5, 60.0))
 def test_a_steady_sky_is_met_within_a_few_frames(light: float, exposure: float) -> None:
-    flats = NightFlats(command=FrameCommand(command="camera/flat"), pedestal=100.0)
     for _ in range(8):
-        level = min(65_535.0, flats.pedestal + light * exposure)
-        exposure = next_exposure(flats, exposure, level)
-    assert flats.pedestal + light * exposure == pytest.approx(flats.level, rel=0.2)
+        level = min(65_535.0, FLATS.pedestal + light * exposure)
+        exposure = next_exposure(FLATS, exposure, level)
+    assert FLATS.pedestal + light * exposure == pytest.approx(FLATS.level, rel=0.2)

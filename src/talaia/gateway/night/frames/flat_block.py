@@ -6,6 +6,7 @@ not right counts for nothing, and the next is exposed so that its level is.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from talaia.gateway.night.frames.frame_arguments import frame_arguments
@@ -31,8 +32,10 @@ __all__ = ["FlatBlock", "next_exposure"]
 
 # Between frames, so that no star falls twice on the same pixels (″).
 OFFSET_ARCSEC = 120.0
-# While the sky is too bright or too dark, and is becoming better (s).
-WAIT_S = 20.0
+# While the sky is too bright or too dark, and is becoming better: it changes by about 15 % a
+# minute, and is looked at within ten minutes at the latest (s).
+SHORTEST_WAIT_S, LONGEST_WAIT_S = 20.0, 600.0
+CHANGE_EACH_MINUTE = 1.15
 # From frame to frame an exposure changes by this at the most: a saturated one says only *too much*.
 MOST_CHANGE = 8.0
 # Of the most that counts: from here on the chip may be full.
@@ -90,17 +93,20 @@ class FlatBlock(StepwiseBlock):
             return []
         configuration, flats = self.request.configurations[index], self._flats
         wanted = self._exposures.get(index, configuration.exposure or flats.shortest)
-        brightens = sun_altitude(self._place, view.time + 60.0) > view_sun(self._place, view)
+        now, then = (sun_altitude(self._place, view.time + after) for after in (0.0, 60.0))
         # A quarter beyond its bounds a frame is still of use.
         if index in self._exposures and not (
             flats.shortest / 1.25 <= wanted <= flats.longest * 1.25
         ):
-            return self._wait_for_light(index, too_bright=wanted < flats.shortest, up=brightens)
+            return self._wait_for_light(index, wanted, up=then > now)
         exposure = min(max(wanted, flats.shortest), flats.longest)
         steps = self._settings.steps_for(configuration, flats.command)
         return [*steps, self._slew(view), self._frame(index, configuration, exposure)]
 
-    def _wait_for_light(self, index: int, *, too_bright: bool, up: bool) -> list[NightStep]:
+    def _wait_for_light(self, index: int, wanted: float, *, up: bool) -> list[NightStep]:
+        """Wait until the sky is about right, or give up where it only gets worse."""
+        too_bright = wanted < self._flats.shortest
+        bound = self._flats.shortest if too_bright else self._flats.longest
         words = "too bright" if too_bright else "too dark"
         if too_bright is up:
             self.spoiled = f"the sky is {words} for more flats"
@@ -110,10 +116,11 @@ class FlatBlock(StepwiseBlock):
 
         def look_again() -> None:
             # As if it had become right: the next frame tells.
-            flats = self._flats
-            self._exposures[index] = flats.shortest if too_bright else flats.longest
+            self._exposures[index] = bound
 
-        return [NightStep(words=f"waiting: {words} for flats", wait=WAIT_S, on_done=look_again)]
+        minutes = abs(math.log(wanted / bound)) / math.log(CHANGE_EACH_MINUTE)
+        wait = min(LONGEST_WAIT_S, max(SHORTEST_WAIT_S, 60.0 * minutes))
+        return [NightStep(words=f"waiting: {words} for flats", wait=wait, on_done=look_again)]
 
     def _slew(self, view: NightView) -> NightStep:
         night, slew = self._night, self._night.slew
@@ -166,6 +173,9 @@ class FlatBlock(StepwiseBlock):
             self.frames_done[index] += 1
             self._wrong[index] = 0
             return
+        if exposure in {flats.shortest, flats.longest}:
+            # It could not be exposed better: the light of the sky is waited for, or given up.
+            return
         self._wrong[index] = self._wrong.get(index, 0) + 1
         if self._wrong[index] >= flats.tries:
             self.state = StepsState.FAILED
@@ -173,11 +183,6 @@ class FlatBlock(StepwiseBlock):
                 f"{flats.tries} flats and none of a right level: the last had {level:.0f} counts"
                 f" after {exposure:.3g} s"
             )
-
-
-def view_sun(place: Place, view: NightView) -> float:
-    """Give the Sun's altitude at a view's time (°), by the same reckoning as a minute later."""
-    return sun_altitude(place, view.time)
 
 
 def flat_field_place(place: Place, time: float, altitude: float) -> EquatorialPlace:
