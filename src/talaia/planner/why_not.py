@@ -39,15 +39,18 @@ def explain_visits(
     """Explain each of the rows; ``planned`` has the start of those in the plan (s of the night)."""
     problem = progress.problem
     visits = [problem.table.visits[row] for row in rows]
+    # The sky is not looked at for nobody: it is the dear part of an answer.
     if not rows:
         return ()
     masks = constraint_masks(problem, visits)
     mark = min(max(0, second // MARK_S), len(problem.sky.unix) - 1)
     index = np.array(rows, np.int64)
     start, rate, overhead = rank_now(progress, second, index)
+    # Against what each row is weighed: all that could be begun now.
     free = progress.released(progress.candidates(second))
     all_start, all_rate, all_overhead = rank_now(progress, second, free)
     at_once = all_start - second - all_overhead < 2 * MARK_S
+    # The one that would be begun now, which is the reason of all that are only outranked.
     leader, best = -1, 0.0
     if at_once.any():
         top = int(np.argmax(np.where(at_once, all_rate, -1.0)))
@@ -59,6 +62,8 @@ def explain_visits(
             marks = {name: mask[place] for name, mask in masks}
             veto = _sky_veto(progress, mark, visit, marks)
         waits = int(start[place]) - second - int(overhead[place])
+        # Allowed at this moment but with a start later on: only its length can be the reason. Two
+        # marks of slack, since a start lies on the grid of the sky.
         if veto is None and waits >= 2 * MARK_S:
             veto = _fit_veto(int(start[place]), int(progress.problem.table.block_s[row]))
         when = planned.get(row)
@@ -82,6 +87,8 @@ def _answer(
     if veto.until is not None:
         sentence += f" until {clock_words(problem.unix(veto.until))}"
     elif veto.cause not in (VetoCause.OUTRANKED, VetoCause.STATE, VetoCause.ROOF):
+        # For these a night without an end of the veto says something; the others may end at any
+        # moment.
         sentence += ", and not again in this night"
     if planned is not None:
         sentence += f"; planned {clock_words(problem.unix(planned))}"
@@ -148,6 +155,7 @@ def _sky_veto(
     for name, mask in marks.items():
         if mask[mark]:
             continue
+        # The mask is true where it may be observed, so its next true mark ends the veto.
         again = np.flatnonzero(mask[mark:])
         until = (mark + int(again[0])) * MARK_S if again.size else None
         match _MARK_CAUSES[name]:
@@ -180,6 +188,7 @@ def _fit_veto(start: int, block_s: int) -> _Veto:
 
 
 def _outranked(progress: NightProgress, leader: int, factor: float) -> _Veto:
+    # Equal within rounding: to name a leader would be a claim that the figures do not make.
     if leader < 0 or factor <= 1.0 + 1e-6:
         return _Veto(VetoCause.OUTRANKED, None, "allowed, and among the first now")
     name = progress.problem.table.visits[leader].id

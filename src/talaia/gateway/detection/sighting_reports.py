@@ -111,9 +111,11 @@ class DetectionReporter:
         self._files = files
         self._times = times
         self._takes = False
+        # In the order in which they go out; a dict, since it is asked whether one is in it.
         self._due: dict[_Key, None] = {}
         self._wake = asyncio.Event()
         self._complained = False
+        # All that the hub may not have yet, by what tells it apart.
         self._kept = {_key_of(sighting): _Kept(sighting) for sighting in _read_left(folder)}
 
     def report_sighting(self, stream: str, told: SightingNews) -> None:
@@ -130,6 +132,7 @@ class DetectionReporter:
         )
         if kept is None:
             kept = self._kept[key] = _Kept(seen)
+        # Newer than what may be on its way, so it is not yet carried.
         kept.seen, kept.sent_s = seen, None
         self._write(key, LINK_FROM_GATEWAY.encode(seen))
         while len(self._kept) > MOST_KEPT:
@@ -175,6 +178,7 @@ class DetectionReporter:
         if kept is None:
             return
         seen = kept.seen
+        # Pictures are most of the bytes: this link has carried this one already.
         if seen.thumbnail == kept.thumbnail_sent:
             seen = msgspec.structs.replace(seen, thumbnail=b"")
         kept.sent_s, kept.thumbnail_sent = now_s, kept.seen.thumbnail
@@ -207,6 +211,7 @@ class DetectionReporter:
 
         def write() -> None:
             self._folder.mkdir(parents=True, exist_ok=True)
+            # Renamed over the old one: a gateway that is killed leaves one of both whole.
             beside = path.with_suffix(".new")
             beside.write_bytes(data)
             beside.replace(path)
@@ -218,6 +223,7 @@ class DetectionReporter:
             try:
                 work()
                 self._complained = False
+            # Forgotten a moment before it was to be touched.
             except FileNotFoundError:
                 pass
             except OSError as error:
@@ -241,6 +247,7 @@ def _read_left(folder: Path) -> list[SightingReport]:
             touched_us = path.stat().st_mtime_ns // 1000
         except (OSError, TalaiaError) as error:
             log.warning("%s is not read: %s", path, error)
+            # Else it would be warned of at each start.
             path.unlink(missing_ok=True)
             continue
         if isinstance(seen, SightingReport):

@@ -75,6 +75,7 @@ def pending_requests(groups: Iterable[RequestGroup]) -> Iterator[AskedRequest]:
 
 def frames_left(request: Request, done: tuple[int, ...]) -> list[int]:
     """Give how many frames of each configuration are still to be taken."""
+    # Nothing was done yet, or the request has got a configuration since.
     counts = [*done, *([0] * len(request.configurations))]
     return [max(0, c.count - counts[i]) for i, c in enumerate(request.configurations)]
 
@@ -143,6 +144,7 @@ def veto_reason(
     """
     request = asked.request
     seconds = block_seconds(request, done, limits.instrument)
+    # What costs no look at the sky comes first.
     if why := standing_veto(
         asked,
         view.time,
@@ -180,6 +182,8 @@ def _sky_veto(
         if not inside:
             return f"its phase is {phase:.2f}"
     for time in (view.time, ends):
+        # Between two moments a target is lowest at one of them, except around its lower
+        # culmination, where hardly anything is allowed.
         where = place_of_date(request.target, time, limits.place)
         if where is None:
             return _NO_PLACE if request.target is not None else "it has no target"
@@ -191,6 +195,7 @@ def _sky_veto(
 def _place_veto(
     rule: Constraints, where: EquatorialPlace, limits: NightLimits, *, time: float, slack: float
 ) -> str:
+    # NaN, of a place that cannot be reckoned, is a veto: the comparison is written so.
     altitude = altitude_of(where, limits.place, time)
     lowest = max(rule.min_altitude, limits.instrument.horizon)
     if not altitude >= lowest - slack:
@@ -226,6 +231,7 @@ def best_request(
 
     def rank(one: AskedRequest) -> tuple[float, ...]:
         seconds = block_seconds(one.request, done.get(one.request.id, ()), limits.instrument)
+        # The shortest first: more of them are done before something closes the roof.
         return -_RANK[one.urgency], -one.priority, seconds
 
     # Bounded: this runs where robots are driven and roofs are guarded.

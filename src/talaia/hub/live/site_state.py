@@ -89,6 +89,7 @@ class SitePresence:
 
     def measure_skew(self, told_us: int, wall_ns: int) -> None:
         """Note how far the gateway's wall clock is ahead; 0: it does not say."""
+        # The clock of a gateway that does not say may be right or wrong: the last word stays.
         if told_us:
             self.skew_ms = round(told_us / 1000 - wall_ns / 1e6, 1)
 
@@ -206,5 +207,6 @@ class RetainedState:
 
 
 def _keep_only(by_name: dict[str, _Known], names: Collection[str]) -> None:
+    # A set of its own, so that the dict may shrink meanwhile.
     for name in by_name.keys() - set(names):
         del by_name[name]

@@ -209,6 +209,7 @@ class Enclosure(Shape, frozen=True, kw_only=True):
     flap: EnclosurePart | None = None
     position: str = ""
     capabilities: EnclosureCapabilities | None = None
+    # Switches of a roof change one after the other, some seconds apart.
     disagree_after: float = 10.0
 
     def parts(self) -> dict[str, EnclosurePart]:

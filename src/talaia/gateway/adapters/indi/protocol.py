@@ -193,15 +193,21 @@ class IndiParser:
     def __init__(self, max_blob: int = MAX_BLOB) -> None:
         """Start before the first byte; pictures over ``max_blob`` bytes are passed over."""
         self._max_blob = max_blob
+        # A character may be cut in two by the socket; drivers that write Latin-1 are read all the
+        # same, with a mark for each byte that is no UTF-8.
         self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
+        # What the bytes of this call have completed.
         self._events: list[Event] = []
+        # How deep expat stands: 1 is the root that we gave, 2 a vector, 3 a member of it.
         self._depth = 0
         self._pending = 0
         self._top: tuple[str, dict[str, str]] | None = None
         self._members: list[Element] = []
         self._member: tuple[str, dict[str, str]] | None = None
         self._text: list[str] = []
+        # Of the text of the member so far: it comes in pieces, so their sum is what is bounded.
         self._length = 0
+        # The picture that is coming in; its bytes go on as parts and are not kept.
         self._blob: _Base64 | None = None
         self._parser = _make_parser(self)
         self._parser.Parse("<indi>")
@@ -274,6 +280,7 @@ class IndiParser:
             if event is not None:
                 self._events.append(event)
             self._top = None
+        # The root is ours and is never closed by us, so this is a stray end tag of the server.
         elif self._depth == 0:
             raise IndiError(f"the INDI server closes {name[:40]!r}, which it did not open")
 
@@ -285,6 +292,7 @@ class IndiParser:
             _read_name(self._top[1], "name"),
             _read_name(attributes, "name"),
             attributes.get("format", "").strip()[:40],
+            # NaN, where the attribute is missing or no number, fails both comparisons.
             int(size) if 0 <= size < 2**53 else 0,
         )
         self._blob = _Base64(self._max_blob)
@@ -322,6 +330,7 @@ class _Base64:
         if self._problem:
             return b""
         text = self._rest + _WHITE.sub("", text)
+        # Four characters are three bytes: what is left over waits for the next piece.
         whole = len(text) - len(text) % 4
         self._rest = text[whole:]
         try:
@@ -330,6 +339,7 @@ class _Base64:
             self._problem = f"its base64 is damaged: {error}"
             return b""
         self._room -= len(data)
+        # The rest of it is still read to its end, so that what follows is understood.
         if self._room < 0:
             self._problem = "it is larger than this gateway takes"
             return b""
@@ -388,6 +398,8 @@ def _make_event(tag: str, attributes: dict[str, str], members: tuple[Element, ..
     name = _read_name(attributes, "name")
     if match is None or not device or not name:
         return None
+    # Words that the protocol does not have count as not said: a driver with one odd word is still
+    # of use, and what nobody allowed stays read-only.
     state, perm, rule = (attributes.get(key, "") for key in ("state", "perm", "rule"))
     timeout = parse_number(attributes.get("timeout", "0"))
     return Vector(

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["IndiDevice", "IndiDeviceTree", "StoredVector"]
 
+# A server that makes up names without end must not fill the memory of a gateway that guards a
+# roof.
 MAX_DEVICES = 500
 MAX_VECTORS = 2_000
 MAX_SAID = 50
@@ -155,6 +157,8 @@ class IndiDeviceTree:
     def _apply_vector(self, event: Vector, now_ns: int) -> StoredVector | None:
         device = self.devices.get(event.device)
         if device is None:
+            # Values of what was never defined: a definition is on its way, or the server is
+            # confused.
             if not event.new:
                 return None
             if len(self.devices) >= MAX_DEVICES:
@@ -173,10 +177,12 @@ class IndiDeviceTree:
             known = held.elements.get(element.name)
             if known is not None:
                 held.elements[element.name] = _update_element(known, element)
+        # A set may leave these out, which means that they are as before.
         if event.state is not None:
             held.state = event.state
         if event.timeout > 0:
             held.timeout = event.timeout
+        # Only a set makes a value newer; see the module about the two ages.
         held.arrived_ns = now_ns
         held.sets += 1
         held.timestamp = event.timestamp
@@ -197,6 +203,7 @@ class IndiDeviceTree:
             raise IndiError(
                 f"the INDI device {device.name[:40]!r} has more than {MAX_VECTORS} properties"
             )
+        # New, or defined as another kind than before: nothing of the old one holds.
         held = StoredVector(
             event.kind,
             event.device,
@@ -223,12 +230,15 @@ class IndiDeviceTree:
             if event.message:
                 _log_message(device, event.message, now_ns)
             device.vectors.pop(event.name, None)
+            # A driver that ends deletes its properties one by one; after the last there is no
+            # device.
             if not device.vectors:
                 del self.devices[event.device]
 
 
 def _update_element(known: Element, element: Element) -> Element:
     """Take the new value; limits only where the set carries them."""
+    # Both zero is the protocol's "no limit" and also what a set without limits looks like.
     if element.minimum or element.maximum:
         return known._replace(value=element.value, minimum=element.minimum, maximum=element.maximum)
     return known._replace(value=element.value)

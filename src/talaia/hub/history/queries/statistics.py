@@ -96,6 +96,7 @@ def read_statistics(
         for address in addresses
     ]
     with engine.begin() as connection:
+        # Gaps are of the site (its link), not of a channel: once for all that were asked.
         gap_us = covered_us(gaps_of(connection, site, from_us, to_us), from_us, to_us)
         return [
             _of_nothing(address, gap_us)
@@ -115,6 +116,7 @@ def read_statistics(
 def covered_us(gaps: Sequence[HistoryGap], from_us: int, to_us: int) -> int:
     """Give how much of a window gaps cover; what several of them cover counts once."""
     covered, at = 0, from_us
+    # Two gateways' gaps, or one that was written twice, may overlap.
     for gap in sorted(gaps):
         covered += max(0, min(gap.to_us, to_us) - max(gap.from_us, at))
         at = max(at, gap.to_us)
@@ -134,8 +136,11 @@ def _of_window(
     most: int,
     gap_us: int,
 ) -> Statistics:
+    # What is not in a block yet, since blocks are written when they are full or old.
     tail = in_order(held).between_times(window.from_us, window.to_us)
     blocks = overlapping_blocks(connection, window, most)
+    # Few samples: exact, from the samples. Many: from rollups where these cover whole cells, and
+    # from blocks at both ends.
     if blocks is not None:
         samples, _ = read_samples(connection, blocks, window=window, most_texts=most)
         samples = in_order(concatenate_samples([samples, tail])).between_times(
@@ -151,6 +156,7 @@ def _of_window(
     if not cells.samples.size:
         return _of_nothing(address, gap_us)
     numbers = int(cells.numbers[0])
+    # NaN where there were only texts.
     low, high = float(cells.low[0]), float(cells.high[0])
     return Statistics(
         address,
@@ -194,6 +200,7 @@ def _read_cells(connection: Connection, window: StoredWindow) -> Cells:
     whole, cut = [], []
     for number, row in outside_rollups(connection, window, pieces):
         piece = pieces[number]
+        # A block that lies in the piece has its own sums; only one that is cut must be read.
         if piece.from_us <= row.first_us and row.last_us < piece.past_us:
             whole.append(row[2:])
         else:
@@ -209,6 +216,8 @@ def _read_cells(connection: Connection, window: StoredWindow) -> Cells:
 
 def _end_samples(connection: Connection, window: StoredWindow, tail: BlockSamples) -> BlockSamples:
     """Give samples of a window of which the first and the last are the window's."""
+    # Blocks that came over a bad link overlap, so the first sample need not be in the first block
+    # by number, nor the last in the last.
     edge = (
         select(_block.c.id)
         .where(*window.overlap_conditions(), _block.c.first_us >= window.from_us)

@@ -81,6 +81,7 @@ class ObservationStore:
         """Keep reports in the order of their numbers, all or none."""
         stored = StoredReports([], [], [], [])
         async with self._database.write() as connection:
+            # One message may hold several reports of one observation, and a later state must win.
             for report in sorted(reports, key=lambda one: one.number):
                 await self._store_report(connection, site, report, stored)
         return stored
@@ -136,14 +137,18 @@ class ObservationStore:
                 )
             )
         ).first()
+        # Repeated since its acknowledgement was lost, or overtaken by a newer one.
         if before is not None and before.number >= report.number:
             return
         asked = await _find_request(connection, site, report.request)
+        # Kept all the same: what a telescope did stays on record even if its request was deleted
+        # since.
         if asked is None:
             stored.oddities.append(
                 f"observation {report.id} is of a request {report.request!r} that nobody made"
             )
         was = ObservationState(before.state) if before is not None else None
+        # Kept, too: the gateway was there and we were not; people are told that it cannot be.
         if not can_follow(was, report.state):
             stored.oddities.append(
                 f"observation {report.id} went from {was} to {report.state}, which cannot follow"
@@ -163,6 +168,8 @@ class ObservationStore:
         stored: StoredReports,
     ) -> None:
         site = asked.site
+        # In the same transaction as the report, so that a request is never complete without the
+        # observation that completed it.
         effect = observation_effect(
             RequestState(asked.state),
             asked.failures,
@@ -224,6 +231,7 @@ async def _write_observation(
     asked: Row[tuple[object, ...]] | None,
 ) -> None:
     time_us = round(report.time * _SECOND)
+    # Each report names only the files since the one before it.
     known = _FILES.decode(before.files) if before is not None else []
     # A report that was repeated in another one's place names some of them again.
     files = list(dict.fromkeys([*known, *report.files]))[:_MOST_FILES]
@@ -248,6 +256,7 @@ async def _write_observation(
         insert(observations).values(
             site=site,
             observation=report.id,
+            # 0: of no request that is known here.
             request_id=asked.id if asked is not None else 0,
             proposal=asked.proposal if asked is not None else "",
             user_id=asked.user_id if asked is not None else 0,

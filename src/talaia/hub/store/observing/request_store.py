@@ -74,8 +74,12 @@ class RequestStore:
         now_us = self._now_us()
         async with self._database.write() as connection:
             await _check_admission(connection, kept, admit)
+            # Time was counted in this same transaction, so two groups handed in at once cannot
+            # both have the last hour of a proposal.
             number = await insert_row(connection, kept, now_us)
             await insert_requests(connection, number, kept, who=kept.group.requester, now_us=now_us)
+            # A draft is nothing to the gateway; only what may be observed makes it ask for a new
+            # set.
             if any(request.state is RequestState.PENDING for request in kept.group.requests):
                 await raise_revision(connection, kept.site)
             if also is not None:
@@ -105,12 +109,15 @@ class RequestStore:
             states = select(observing_requests.c.state).where(
                 observing_requests.c.group_id == number
             )
+            # Looked at after the update, which holds the row: handing in at the same time waits or
+            # has won.
             if done.rowcount != 1 or set((await connection.execute(states)).scalars()) != {
                 RequestState.DRAFT.value
             }:
                 await connection.rollback()
                 return False
             ids = select(observing_requests.c.id).where(observing_requests.c.group_id == number)
+            # Requests of a draft get new numbers; nobody else knows the old ones yet.
             old = list((await connection.execute(ids)).scalars())
             await connection.execute(delete(request_log).where(request_log.c.request_id.in_(old)))
             await connection.execute(
@@ -144,6 +151,7 @@ class RequestStore:
         self, site: str, asked: RequestFilter, limit: int
     ) -> tuple[list[RequestSummary], bool]:
         """List requests, the newest first; tell whether there are more."""
+        # Who may see no proposal sees no request, whatever else was asked for.
         if not asked.proposals:
             return [], False
         request, group = observing_requests.c, request_groups.c
@@ -168,6 +176,7 @@ class RequestStore:
             .join(request_groups, group.id == request.group_id)
             .where(request.site == site, *asked.sql_conditions())
             .order_by(request.id.desc())
+            # One more than is shown tells whether there are more, without a count of all.
             .limit(limit + 1)
         )
         async with self._database.read() as connection:
@@ -241,6 +250,7 @@ class RequestStore:
                     f"nothing of this group can become {step.after.value}: it is {stand}"
                 )
             for request in meant:
+                # Asked for twice (a double click, a repeated request): it is so already.
                 if step.after is request.state:
                     continue
                 change = change_request(request.state, step.after, step.why)
@@ -315,6 +325,7 @@ class RequestStore:
         async with self._database.read() as connection:
             revision = await read_revision(connection, site)
             last = 0
+            # In pages, yet in one transaction: the revision and the set belong to one moment.
             while page := await read_groups(
                 connection,
                 [request_groups.c.id.in_(pending), request_groups.c.id > last],

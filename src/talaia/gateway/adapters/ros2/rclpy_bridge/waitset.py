@@ -23,7 +23,9 @@ __all__ = ["PACE_S", "WaitThread"]
 
 log = logging.getLogger(__name__)
 PACE_S = 0.010
+# The graph is looked at so often: a new publisher of a latched topic is found within it.
 IDLE_NS = 250_000_000
+# While the reader above is full: asked again soon, and not in a loop.
 HELD_NS = 50_000_000
 
 
@@ -63,9 +65,12 @@ class WaitThread:
         self._after = after
         self._idle = idle
         self._failed = failed
+        # Appended by any thread and emptied by ours; a deque needs no lock for these two.
         self._jobs: deque[Callable[[], None]] = deque()
+        # By the pointer of the handle, as the wait set names what is ready.
         self._subscriptions: dict[int, tuple[Any, Any, Callable[[bytes, Any], None]]] = {}
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
+        # Read at every turn; set once, by whoever ends the thread.
         self._ended = False
         self.pace_s = PACE_S
         self._thread = threading.Thread(target=self._run, name="talaia-ros2", daemon=True)
@@ -120,6 +125,7 @@ class WaitThread:
         try:
             self._turns()
         except BaseException as error:  # noqa: BLE001 - whatever it is, the robot is lost to us
+            # An error of a thread that was asked to end is no loss of the robot.
             if not self._ended:
                 self._failed(error)
 
@@ -128,6 +134,7 @@ class WaitThread:
         wait_set, size = None, (-1, -1)
         held = False
         while not self._ended:
+            # First, for a job may add or destroy what would else be waited for.
             while self._jobs:
                 self._jobs.popleft()()
             now = time.monotonic_ns()
@@ -135,6 +142,7 @@ class WaitThread:
                 next_idle = now + IDLE_NS
                 self._idle()
             wanted = (len(self._subscriptions), len(self._clients))
+            # A wait set is made for a number of entities; filling it anew at each turn is cheap.
             if wait_set is None or wanted != size:
                 wait_set, size = self._make(wait_set, wanted), wanted
             self._wait(wait_set, HELD_NS if held else max(0, next_idle - now))
@@ -167,6 +175,7 @@ class WaitThread:
     def _take_messages(self, wait_set: Any) -> bool:  # noqa: ANN401
         taken = False
         for pointer in wait_set.get_ready_entities("subscription"):
+            # Till it is empty: ready is told once for a queue that holds many.
             handle, kind, take = self._subscriptions[pointer]
             while True:
                 got = handle.take_message(kind, True)  # noqa: FBT003 - raw; C++ takes no keyword
