@@ -68,6 +68,7 @@ def read_lco(text: str, defaults: ImportDefaults) -> ImportedGroups:
     # A lone surrogate cannot be encoded; nesting without end is refused by the decoder.
     except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
         return ImportedGroups([], [FileProblem("$", f"this is no JSON: {error}"[:300])])
+    # The portal answers in pages; people save that answer as it is.
     if isinstance(said, dict) and isinstance(said.get("results"), list):
         said = said["results"]
     groups: list[RequestGroup] = []
@@ -76,6 +77,7 @@ def read_lco(text: str, defaults: ImportDefaults) -> ImportedGroups:
         where = f"$[{at}]" if isinstance(said, list) else "$"
         try:
             groups.append(_read_group(where, one, defaults))
+        # The others are read on, so that all problems are told at once.
         except Misread as error:
             problems.append(FileProblem(error.where, error.message))
     return ImportedGroups(groups, problems)
@@ -115,6 +117,7 @@ def _read_requests(where: str, said: object, defaults: ImportDefaults) -> Iterat
     """Read a request; one with a cadence is as many as its visits."""
     request = _object(where, said)
     configurations = _list(f"{where}.configurations", request.get("configurations"))
+    # LCO has a target in each configuration; here a request has one.
     first = _object(f"{where}.configurations[0]", configurations[0])
     target = _read_target(f"{where}.configurations[0].target", first.get("target"))
     constraints = _read_constraints(
@@ -130,6 +133,7 @@ def _read_requests(where: str, said: object, defaults: ImportDefaults) -> Iterat
             )
         if configuration.get("constraints") != first.get("constraints"):
             raise Misread(f"{inside}.constraints", "expected the same in all of a request")
+        # One of theirs may have several settings of exposures; each is one of ours.
         taken += _read_configurations(inside, configuration)
     for windows in _read_windows(where, request, defaults):
         yield make_request(
@@ -170,6 +174,7 @@ def _read_constraints(where: str, said: object, before: Constraints) -> Constrai
         "max_seeing": "max_seeing",
     }
     limits = _object(where, said)
+    # What LCO leaves out stays as the person chose it for the import.
     changed = {
         ours: read_number(f"{where}.{theirs}", limits[theirs])
         for theirs, ours in named.items()
@@ -184,6 +189,7 @@ def _read_configurations(where: str, said: _Said) -> Iterator[Configuration]:
         raise Misread(f"{where}.type", f"expected {', '.join(_TYPES)}, found {kind[:40]!r}")
     guiding = _object(f"{where}.guiding_config", said.get("guiding_config") or {})
     guided = Guiding.OFF
+    # LCO guides where it can unless told that it must.
     if str(guiding.get("mode", "OFF")) != "OFF":
         guided = Guiding.OPTIONAL if guiding.get("optional", True) else Guiding.ON
     parts = _list(f"{where}.instrument_configs", said.get("instrument_configs"))
@@ -192,6 +198,8 @@ def _read_configurations(where: str, said: _Said) -> Iterator[Configuration]:
         part = _object(inside, one)
         optics = _object(f"{inside}.optical_elements", part.get("optical_elements") or {})
         extra = _object(f"{inside}.extra_params", part.get("extra_params") or {})
+        # Bounds (positive, not too many) are checked with the whole request, as for one of the
+        # form.
         count = read_number(f"{inside}.exposure_count", part.get("exposure_count", 1))
         binning = read_number(f"{inside}.extra_params.bin_x", extra.get("bin_x") or 1)
         yield Configuration(
@@ -234,6 +242,7 @@ def _read_cadence(where: str, cadence: Mapping[str, Any]) -> Iterator[list[Windo
     end = read_moment(f"{where}.end", str(cadence.get("end")))
     period = read_number(f"{where}.period", cadence.get("period")) * _HOUR
     jitter = read_number(f"{where}.jitter", cadence.get("jitter")) * _HOUR
+    # Before the loop: a period of a millisecond would make windows till memory ends.
     if period <= 0 or jitter <= 0 or end <= start or (end - start) / period > _MOST:
         raise Misread(where, f"expected 1 to {_MOST} visits of some length")
     visits = 0

@@ -66,11 +66,13 @@ class Ros2Commands:
         # Finds the types of messages that are published without their package; and who does so.
         self._types = types
         self._bare_publishers: dict[str, PackagelessPublisher] = {}
+        # What a command is made into, by its address: each address stands in one of these.
         self._scope, self._node, self._thread, self._missing = scope, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
         self._actions: dict[str, Ros2Action] = {}
         self._transitions: dict[str, LifecycleTransition] = {}
+        # Why a command could not be made at all, as it is said to whoever gives it.
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
         for device_id, device in scope.devices.items():
@@ -87,6 +89,8 @@ class Ros2Commands:
         try:
             kind = class_of(_SET if sets else command.type, command.target)
         except TypeMissing as error:
+            # Slower ways without the package only where the package is not there: an installed
+            # type is read by ROS itself.
             if command.kind is CommandKind.SERVICE and self._packageless.knows_type(command.type):
                 self._without_package.add(address)
                 return
@@ -109,6 +113,8 @@ class Ros2Commands:
             action.hear_feedback(kind.Impl.FeedbackMessage)
         else:
             target = f"{command.target}/set_parameters" if sets else command.target
+            # Made before it is needed: discovery takes a moment, in which the first call would
+            # find nobody.
             client = _Client(self._node.create_client(kind, target), kind, {})
             self._clients[address] = client
             read = as_set if sets else outcome_of
@@ -151,6 +157,7 @@ class Ros2Commands:
             for command_id, command in device.commands.items()
         }
         for address, command in list(self._commands.items()):
+            # Compared whole: the least change (a field, a type) may mean another message.
             if wanted.get(address) != command:
                 self._close(address)
                 del self._commands[address]
@@ -177,6 +184,7 @@ class Ros2Commands:
         if client is not None:
             self._thread.remove_client(client.entity.handle)
             self._node.destroy_client(client.entity)
+            # Nothing is known of what the robot did with them; "failed" might be a lie.
             for done in client.pending.values():
                 done(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
 
@@ -189,6 +197,7 @@ class Ros2Commands:
             if (transition := self._transitions.get(address)) is not None:
                 transition.cut(CommandOutcome(CommandPhase.UNKNOWN, _GONE))
             if (client := self._clients.get(address)) is not None:
+                # Emptied before anybody is told: who is told may begin the next call.
                 waiting = list(client.pending.values())
                 client.pending.clear()
                 for done in waiting:
@@ -197,6 +206,8 @@ class Ros2Commands:
     def offered(self, device: str) -> bool:
         """Tell whether anybody offers one of a device's services or actions now."""
         names = [f"{device}/{command}" for command in self._scope.devices[device].commands]
+        # For these there is no client here that could be asked; the graph knows their services all
+        # the same.
         own = self._without_package.intersection(names)
         if own:
             services = {name for name, _ in self._node.get_service_names_and_types()}
@@ -243,6 +254,7 @@ class Ros2Commands:
         on_thread(lambda: self._act(address, fields, done, goal))
         if action is None or goal is None:
             return None
+        # On the same thread as the beginning, so it cannot overtake it.
         return lambda: on_thread(lambda: action.cancel(goal))
 
     def _act(
@@ -278,6 +290,7 @@ class Ros2Commands:
         publisher, kind = self._publishers[address]
         message = kind()
         fill(message, fields)
+        # Said now: a publication that nobody hears would count as done, and nothing would move.
         if publisher.get_subscription_count() == 0:
             target = self._commands[address].target
             return CommandOutcome(CommandPhase.REFUSED, f"nobody on the robot listens to {target}")
@@ -298,6 +311,7 @@ class Ros2Commands:
             target = self._commands[address].target
             done(CommandOutcome(CommandPhase.REFUSED, f"the robot does not offer {target} now"))
             return
+        # The oldest: dicts keep the order of what was put in.
         if len(client.pending) >= MAX_PENDING:
             client.pending.pop(next(iter(client.pending)))
         client.pending[client.entity.handle.send_request(request)] = done
@@ -307,6 +321,7 @@ def _response_reader(
     client: _Client, read: Callable[[Any], CommandOutcome]
 ) -> Callable[[int, Any], None]:
     def on_response(number: int, response: object) -> None:
+        # None: cut or forgotten meanwhile, and its end was told then.
         done = client.pending.pop(number, None)
         if done is not None:
             done(read(response))

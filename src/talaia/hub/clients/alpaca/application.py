@@ -32,6 +32,8 @@ __all__ = ["AlpacaApplication", "AlpacaParts"]
 
 _MOST_BODY = 8 * 1024
 _MOST_NUMBER = 2**32 - 1
+# All PUT methods of the three kinds of devices, so that what is not ours is told apart from what
+# does not exist.
 _METHOD_NAMES = frozenset(
     {
         "abortslew",
@@ -105,6 +107,7 @@ class AlpacaApplication:
     def __init__(self, parts: AlpacaParts) -> None:
         """Answer from ``parts``."""
         self._parts = parts
+        # ASCOM wants a number of ours in each answer, which rises; it starts anew with the hub.
         self._transactions = itertools.count(1)
 
     async def __call__(
@@ -133,6 +136,7 @@ class AlpacaApplication:
 
     async def _answer(self, question: _Question) -> dict[str, object]:
         transaction = question.number("clienttransactionid")
+        # Read for its errors only: Alpaca demands a number, and nothing here depends on it.
         question.number("clientid")
         answer: dict[str, object] = {
             "ClientTransactionID": transaction,
@@ -143,6 +147,7 @@ class AlpacaApplication:
         values = self._parts.values()
         if question.path.startswith("/management/"):
             return {**answer, "Value": _management_answer(question, values)}
+        # Found in the site as it is now: a description that has changed changes the devices.
         device, name = _find_device(question.path, values)
         try:
             # `values` is there: else no device was found.
@@ -182,15 +187,20 @@ async def _read_question(
     hosts: Collection[str],
 ) -> _Question:
     headers = {key.decode("latin-1"): value.decode("latin-1") for key, value in scope["headers"]}
+    # Programs send none. A page of any web site could else close somebody's dome from their
+    # browser.
     if "origin" in headers:
         raise _Unreadable(403, "pages of browsers are not served")
     host = headers.get("host", "").lower()
+    # Without its port. A name of a stranger that was made to point here (DNS rebinding) is none of
+    # ours.
     bare = host.rpartition(":")[0] if host.rpartition(":")[2].isdigit() else host
     if bare.strip("[]") not in hosts:
         raise _Unreadable(403, "the Host of the request is not this server")
     method = scope["method"]
     if method not in ("GET", "PUT"):
         raise _Unreadable(405, "expected GET or PUT")
+    # Parameters of a question stand in its address, those of a method in its form.
     text = scope["query_string"].decode("latin-1")
     if method == "PUT":
         text = (await _read_body(receive)).decode("utf-8", "replace")
@@ -210,6 +220,7 @@ async def _read_body(receive: Callable[[], Awaitable[Mapping[str, Any]]]) -> byt
         if message["type"] == "http.disconnect":
             raise _Unreadable(400, "the request ended early")
         body += message.get("body", b"")
+        # Judged while it comes: what it says of its length may be a lie.
         if len(body) > _MOST_BODY:
             raise _Unreadable(413, f"expected {_MOST_BODY} bytes at the most")
         if not message.get("more_body"):

@@ -138,6 +138,7 @@ class SightingStore:
         entries: list[AuditEntry] = []
         async with self._database.write() as connection:
             for sighting in told:
+                # Told again on each new link until it is over, so mostly it is here already.
                 before = await _find_existing(connection, sighting)
                 if (
                     before is not None
@@ -153,6 +154,8 @@ class SightingStore:
                     entry = entry._replace(time_us=entries[-1].time_us + 1) if late else entry
                     entries.append(entry)
                     noted_us = entry.time_us
+                # Alarms go by this: what was over and is told once more must not ring a second
+                # time.
                 again = bool(before and before.sighted.ended_us and sighting.ended_us)
                 kept = await _write_sighting(connection, sighting, before, noted_us)
                 written.append(Put(kept, again, entry))
@@ -173,6 +176,7 @@ class SightingStore:
         column = _table.c
         said = [
             column.site == site,
+            # Those that the person may see; none of them finds nothing.
             column.camera.in_(sorted(asked.cameras)),
             column.began_us <= asked.to_us,
             or_(column.ended_us == 0, column.ended_us >= asked.from_us),
@@ -193,6 +197,8 @@ class SightingStore:
                 # One that is not kept any more was the oldest.
                 if last is None:
                     return [], False
+                # Two cameras may see something in the same microsecond: pages must neither repeat
+                # nor skip one.
                 same = and_(column.began_us == last, column.id < asked.before)
                 said.append(or_(column.began_us < last, same))
             rows = await connection.execute(
@@ -249,6 +255,7 @@ class SightingStore:
             over = column.ended_us != 0
             done = await connection.execute(delete(_table).where(over, column.told_us < before_us))
             gone += done.rowcount
+            # Of each site by itself, so that a busy one does not push out what others have seen.
             counted = await connection.execute(
                 select(column.site, func.count()).group_by(column.site)
             )
@@ -262,6 +269,7 @@ class SightingStore:
                     .limit(count - most)
                 )
                 numbers = [row.id for row in oldest]
+                # Databases bound how many values one statement may have.
                 for at in range(0, len(numbers), _AT_ONCE):
                     some = numbers[at : at + _AT_ONCE]
                     await connection.execute(delete(_table).where(column.id.in_(some)))
@@ -280,6 +288,7 @@ def _row_to_sighting(row: Row[Any]) -> Kept:
 
 
 def _is_unchanged(before: Sighted, now: Sighted) -> bool:
+    # When it was told is no news of what was seen.
     return before._replace(told_us=0) == now._replace(told_us=0)
 
 
@@ -305,6 +314,7 @@ async def _write_sighting(
     else:
         row["picture"], pictured = sighting.picture, True
     row["pictured"] = pictured
+    # Pictures are not kept in memory beside the row.
     bare = sighting._replace(picture=b"")
     if before is not None:
         await connection.execute(update(_table).where(_table.c.id == before.id).values(**row))
