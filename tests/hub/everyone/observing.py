@@ -42,6 +42,13 @@ async def make_proposal(world: World, site: str) -> str:
     return name
 
 
+async def kept_proposal(world: World, site: str) -> str:
+    """Give one proposal of a site for all requests: each more row is read again and again."""
+    if site not in world.proposals:
+        world.proposals[site] = await make_proposal(world, site)
+    return world.proposals[site]
+
+
 async def make_alert_rule(world: World, site: str, proposal: str) -> str:
     """Make a rule over alerts, in the admin's name."""
     person = await world.hub.people.find_by_name("admin")
@@ -64,7 +71,7 @@ async def make_group(
         windows=(Window(start=_LATER, end=_LATER + 1),),
         state=state,
     )
-    proposal = await make_proposal(world, site)
+    proposal = await kept_proposal(world, site)
     group = RequestGroup(id="new", proposal=proposal, requester="operator", requests=(request,))
     kept = KeptGroup(
         group=group, site=site, user=person.id, charges=(1.0,), submitted_us=int(submitted)

@@ -13,7 +13,14 @@ from talaia.hub.policy import AccessNeed
 from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
-from .observing import ALERT_RULE, ASKED, make_alert_rule, make_group, make_proposal
+from .observing import (
+    ALERT_RULE,
+    ASKED,
+    kept_proposal,
+    make_alert_rule,
+    make_group,
+    make_proposal,
+)
 from .world import NOW, PASSWORD, PICTURED, SESSIONLESS, SIGNED_IN, TOKEN, holds
 
 if TYPE_CHECKING:
@@ -390,7 +397,7 @@ def _of_group(
 
 
 async def _ask_for(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
-    body = {"proposal": await make_proposal(world, about), "requests": [ASKED], "draft": True}
+    body = {"proposal": await kept_proposal(world, about), "requests": [ASKED], "draft": True}
     return Ask({"site": about}, json=body, done=(201,))
 
 
@@ -399,7 +406,7 @@ async def _validate(world: World, client: httpx.AsyncClient, about: str) -> Ask:
 
 
 async def _import(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
-    proposal = await make_proposal(world, about)
+    proposal = await kept_proposal(world, about)
     body = {
         "kind": "csv",
         "text": "ra,dec\n1,2",
