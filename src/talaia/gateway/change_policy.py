@@ -125,7 +125,7 @@ def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
             device, _, signal = address.partition("/")
             yield Finding(
                 f"$.devices.{device}.signals.{signal}",
-                "interlocks or STOP depend on this signal",
+                "interlocks, STOP or the night depend on this signal",
                 _ALL,
             )
 

@@ -202,6 +202,14 @@ class NightSection(Shape, frozen=True, kw_only=True):
             case ImageType.SKY_FLAT:
                 return self.flats.command if self.flats is not None else None
 
+    def readings(self) -> frozenset[str]:
+        """Name every signal that the night goes by beside those of its enclosure."""
+        named = [self.opened.signal, self.clouds, self.seeing]
+        if self.focuser is not None:
+            named += [self.focuser.position, self.focuser.temperature]
+        named += [rule.reading for rule in (self.binning, self.gain) if rule is not None]
+        return frozenset(address for address in named if address)
+
     def commands(self) -> frozenset[str]:
         """Name every command that the night gives beside those of its enclosure."""
         more = [self.slew.command, self.light.command]

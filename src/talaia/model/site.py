@@ -460,7 +460,7 @@ class Site(Shape, frozen=True, kw_only=True):
         return None if described is None else described.signals.get(name)
 
     def safety_signals(self) -> frozenset[str]:
-        """Name the signals that safety depends on: their newest readings stay at hand."""
+        """Name the signals that safety or the night goes by: their newest readings stay at hand."""
         # What says that a robot stands still after STOP.
         confirming = {
             address
@@ -481,8 +481,7 @@ class Site(Shape, frozen=True, kw_only=True):
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
                 watched |= {sensor.signal for sensor in (follow.moving, follow.open) if sensor}
         if self.night is not None:
-            named = (self.night.opened.signal, self.night.clouds, self.night.seeing)
-            watched |= {address for address in named if address}
+            watched |= self.night.readings()
         return frozenset(confirming | watched)
 
 

@@ -13,7 +13,7 @@ from talaia.model.checks.site_checks import check_site
 from talaia.model.interlocks.enclosure import Sighting
 from talaia.model.interlocks.interlock import Step
 from talaia.model.night_frames import FilterCommand, FrameCommand, NightDarks
-from talaia.model.night_section import NightSection, NightSun, SlewCommand
+from talaia.model.night_section import NightFocuser, NightSection, NightSun, SlewCommand
 from talaia.model.observing.plan import Instrument
 from talaia.model.yaml_text.load import load_site
 
@@ -100,3 +100,17 @@ def test_nobody_observes_by_night_where_no_place_is_known() -> None:
 
 def test_what_the_night_goes_by_stays_at_hand_as_what_safety_goes_by() -> None:
     assert {"dome/shutter", "weather/clouds"} <= observatory().safety_signals()
+
+
+def test_what_focus_and_camera_settings_go_by_stays_at_hand_too() -> None:
+    site = night(
+        focuser=NightFocuser(
+            command="focuser/goto", position="focuser/position", temperature="focuser/temperature"
+        )
+    )
+    assert {
+        "focuser/position",
+        "focuser/temperature",
+        "camera/binning",
+        "camera/gain",
+    } <= site.safety_signals()

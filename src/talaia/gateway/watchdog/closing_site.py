@@ -37,6 +37,8 @@ def closing_site(site: Site) -> Site:
         enclosures=enclosures,
         recording=None,
         alarms={},
+        # What a night goes by must not be waited for before the roof is closed.
+        night=None,
         services=None,
         ros2=None,
         connections={name: _under_own_name(link) for name, link in site.links().items()},

@@ -149,6 +149,8 @@ def _safety_findings(site: Site, derived: frozenset[str]) -> Iterator[Finding]:
         if device.drive is not None:
             guarded |= {device.drive.keys.speed, device.drive.keys.turn}
     for address in sorted(guarded & derived):
-        problem = "an interlock, an enclosure, STOP or driving goes by it, and it is worked out"
+        problem = (
+            "an interlock, enclosure, STOP, driving or the night goes by it, and it is worked out"
+        )
         remedy = "name the signals in its expression there; minus and all combine them"
         yield Finding(_place_of(address), problem, remedy)
