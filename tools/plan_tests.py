@@ -8,6 +8,7 @@ takes and computes stands in `tests/durations.json`.
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from dataclasses import dataclass, field
@@ -27,6 +28,12 @@ MOST_LOAD = 1.25 * CORES
 # While a group runs that wants calm. It waits for half of the time itself: with what is beside it
 # held to half of the cores, a quarter of them stood idle for the first five minutes.
 MOST_CALM_LOAD = 0.9 * CORES
+# What files compute is known from one machine on one day; how many processes and threads stand in
+# line for a core is seen. With more than these for each core the next group waits: all is done no
+# sooner for it, and what has a limit in time meets it.
+MOST_IN_LINE = 2.0
+# The line is judged by its average over so long, and a group shows what it adds to it after a while.
+LINE_S, SETTLE_S = 6.0, 4.0
 # Each process takes some seconds of a core before its first test.
 GROUP_S = 200.0
 
@@ -148,6 +155,35 @@ class Group:
         return self.folder / "output.txt"
 
 
+@dataclass
+class CoreLine:
+    """How many processes and threads run or stand in line for a core, on average of late.
+
+    Attributes:
+        average: over the last `LINE_S` or so; older counts weigh less and less.
+        source: where Linux shows the count; elsewhere nothing is ever in line.
+
+    """
+
+    average: float = 0.0
+    source: Path = Path("/proc/loadavg")
+
+    def look(self, seconds: float) -> None:
+        """Count again, so long after the last time (s)."""
+        try:
+            counts = self.source.read_text().split()[3]
+        except OSError:
+            return
+        # Who reads it runs.
+        now = int(counts.partition("/")[0]) - 1
+        self.average += (now - self.average) * (1.0 - math.exp(-seconds / LINE_S))
+
+    @property
+    def is_long(self) -> bool:
+        """Whether another group would only make all others slower."""
+        return self.average > MOST_IN_LINE * CORES
+
+
 def list_files(*, quick: bool) -> list[str]:
     """List the test files of a ring."""
     paths = sorted((ROOT / "tests").rglob("test_*.py"))
@@ -201,11 +237,13 @@ def in_order(groups: list[Group]) -> list[Group]:
     return sorted(groups, key=lambda group: (not group.calm, -group.wall))
 
 
-def choose_next(waiting: list[Group], running: list[Group]) -> Group | None:
+def choose_next(
+    waiting: list[Group], running: list[Group], *, line_is_long: bool = False
+) -> Group | None:
     """Choose the group to start beside those that run; none while it is better to wait."""
     if not running:
         return waiting[0] if waiting else None
-    if len(running) >= MOST_AT_ONCE:
+    if len(running) >= (CORES if line_is_long else MOST_AT_ONCE):
         return None
     return next((group for group in waiting if _fits(group, running)), None)
 

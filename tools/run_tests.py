@@ -42,8 +42,11 @@ from cpu_times import CpuTimes  # noqa: E402
 from forked_pytest import fork_pytest, import_everything  # noqa: E402
 from leftovers import MARK, end_processes, remove_dead_shared_memory  # noqa: E402
 from plan_tests import (  # noqa: E402
+    CORES,
     PAGES,
+    SETTLE_S,
     UNKNOWN,
+    CoreLine,
     Cost,
     Group,
     choose_next,
@@ -58,6 +61,7 @@ from plan_tests import (  # noqa: E402
 
 PYTEST = [sys.executable, "-m", "pytest"]
 PROGRESS_S = 10.0
+LOOK_S = 0.1
 # How often `--times` looks at all processes, which takes some 10 ms, and how often it is done else.
 # What lives shorter is counted when it is waited for, without its name.
 SAMPLE_S = 1.0
@@ -102,16 +106,18 @@ class Run:
         self.cpu = 0.0
         self.left: list[str] = []
         self.times = CpuTimes(os.getpid())
+        self._line, self._started = CoreLine(), 0.0
         self.sample_s = SELDOM_S
 
     def work(self) -> None:
         """Run all groups."""
         printed = sampled = time.monotonic()
         while self.waiting or self.running:
-            while group := choose_next(self.waiting, self.running):
+            while group := self._choose_group():
                 self.waiting.remove(group)
                 self._start(group)
-            time.sleep(0.1)
+            time.sleep(LOOK_S)
+            self._line.look(LOOK_S)
             for group in list(self.running):
                 self._read_report(group)
                 self._reap(group)
@@ -128,6 +134,12 @@ class Run:
                 printed = time.monotonic()
                 self._print_progress()
 
+    def _choose_group(self) -> Group | None:
+        """Choose what to start now; beside others one after the other, to see what each adds."""
+        if len(self.running) >= CORES and time.monotonic() - self._started < SETTLE_S:
+            return None
+        return choose_next(self.waiting, self.running, line_is_long=self._line.is_long)
+
     def repeat(self, test: str) -> str:
         """Run one test again, with nothing beside it; give its failure's text, or nothing."""
         first = self.failed.pop(test)
@@ -136,6 +148,14 @@ class Run:
         again = self.failed.pop(test, "")
         self.failed[test] = first
         return again
+
+    def costs(self) -> dict[str, Cost]:
+        """Give what each file took, with what was computed for it by others' children."""
+        seen = {file: sum(kinds.values()) for file, kinds in self.times.by_file.items()}
+        return {
+            file: Cost(cost.wall, max(cost.cpu, seen.get(file, 0.0)))
+            for file, cost in self.spent.items()
+        }
 
     def end(self) -> None:
         """End what still runs, and remove everything that the run left behind."""
@@ -156,6 +176,7 @@ class Run:
 
     def _start(self, group: Group) -> None:
         self._groups += 1
+        self._started = time.monotonic()
         group.number, group.since = self._groups, time.monotonic()
         group.folder = self._folder / str(group.number)
         temporary = group.folder / "tmp"
@@ -393,7 +414,7 @@ def main(arguments: list[str]) -> int:
     try:
         run.work()
         if chosen.save_durations:
-            save_costs(run.spent, costs)
+            save_costs(run.costs(), costs)
         if chosen.times:
             print_slowest(run.spent, run.tests)
             run.times.print_tables()

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 import leftovers
+import pytest
 from patience import PATIENCE_S
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -114,6 +115,31 @@ def test_what_computes_gives_way_to_what_talks_in_real_time(tmp_path: Path) -> N
     }  # fmt: skip
     code, said = run_tests(tmp_path, files)
     assert code == 0, said
+
+
+def test_no_further_group_starts_while_many_stand_in_line_for_a_core(tmp_path: Path) -> None:
+    plan, source = load_plan(), tmp_path / "loadavg"
+    line = plan.CoreLine(source=source)
+    # It is not there on other systems, where nothing is known and nothing held back.
+    line.look(1.0)
+    assert line.average == 0.0
+    # One of those that run is who reads it.
+    source.write_text("3.10 2.00 1.00 11/800 4242\n")
+    line.look(0.1)
+    assert not line.is_long
+    for _ in range(300):
+        line.look(0.1)
+    assert line.average == pytest.approx(10.0, abs=0.1)
+    assert line.is_long
+    running = [plan.Group([f"tests/{at}.py"], 10.0, 1.0) for at in range(2)]
+    further = plan.Group(["tests/hub/test_a.py"], 10.0, 1.0)
+    assert plan.choose_next([further], running, line_is_long=True) is None
+    assert plan.choose_next([further], running[:1], line_is_long=True) is further
+    assert plan.choose_next([further], running) is further
+    source.write_text("3.10 2.00 1.00 2/800 4242\n")
+    for _ in range(300):
+        line.look(0.1)
+    assert not line.is_long
 
 
 def test_a_test_that_fails_again_fails_the_run(tmp_path: Path) -> None:
