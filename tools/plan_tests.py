@@ -32,7 +32,7 @@ MOST_CALM_LOAD = 0.9 * CORES
 # line for a core is seen. With more than these for each core the next group waits: all is done no
 # sooner for it, and what has a limit in time meets it.
 MOST_IN_LINE = 2.0
-# The line is judged by its average over so long, and a group shows what it adds to it after a while.
+# The line is judged by its average over so long; what a group adds to it is seen after a while.
 LINE_S, SETTLE_S = 6.0, 4.0
 # Each process takes some seconds of a core before its first test.
 GROUP_S = 200.0
