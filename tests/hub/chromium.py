@@ -49,6 +49,7 @@ async def sign_in(chromium, hub, name: str, password: str = PASSWORD, script: st
     ``script`` runs in it before anything else.
     """
     page = await chromium.new_page(viewport={"width": 1440, "height": 900})
+    page.set_default_timeout(PATIENCE_MS)
     if script:
         await page.add_init_script(script)
     await sign_in_on(page, hub, name, password)

@@ -352,6 +352,8 @@ class RunningHub:
             compression=None,
             max_size=None,
             proxy=None,
+            # The hub's own word counts: a test that computes, or reads late, is no dead connection.
+            ping_interval=None,
         )
 
     def _keep(self, peer):

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol
 
-from patience import PATIENCE_S
+from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, Page
 
 from .stack import PASSWORD
@@ -65,6 +65,7 @@ def visit(
 ) -> Page:
     """A person's page, in a browser of their own; see `open_signed_in`."""
     page = browser.new_context(viewport={"width": width, "height": height}).new_page()
+    page.set_default_timeout(PATIENCE_MS)
     for each in scripts:
         page.add_init_script(each)
     open_signed_in(page, hub, name, path=path)

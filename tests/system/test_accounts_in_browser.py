@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from patience import Stopwatch
+from patience import PATIENCE_MS, Stopwatch
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from . import pages
@@ -28,6 +28,8 @@ NAV = "navigation"
 def contexts(browser: Browser) -> Iterator[list[BrowserContext]]:
     """Two people's browsers."""
     opened = [browser.new_context(viewport={"width": 1440, "height": 1000}) for _ in range(2)]
+    for context in opened:
+        context.set_default_timeout(PATIENCE_MS)
     yield opened
     for context in opened:
         context.close()

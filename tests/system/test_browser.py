@@ -23,6 +23,7 @@ ROBOT_STOPS_NS = 500_000_000
 @pytest.fixture
 def context(browser: Browser) -> Iterator[BrowserContext]:
     opened = browser.new_context(viewport={"width": 1440, "height": 1000})
+    opened.set_default_timeout(PATIENCE_MS)
     yield opened
     opened.close()
 
@@ -31,6 +32,7 @@ def context(browser: Browser) -> Iterator[BrowserContext]:
 def elsewhere(browser: Browser) -> Iterator[BrowserContext]:
     """A second person's browser."""
     opened = browser.new_context(viewport={"width": 1440, "height": 1000})
+    opened.set_default_timeout(PATIENCE_MS)
     yield opened
     opened.close()
 

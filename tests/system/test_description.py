@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_MS
 from playwright.sync_api import Browser, expect
 
 from .conftest import missing
@@ -55,6 +56,7 @@ def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_af
 ) -> None:
     editor = visit(chrome, stack, "boss", path="/admin/description")
     live = editor.context.new_page()
+    live.set_default_timeout(PATIENCE_MS)
     live.goto(f"{stack.address}/sites/{SITE}/live")
     expect(live.get_by_role("heading", name="Count")).to_be_visible()
     live.evaluate("window.notReloaded = true")

@@ -165,6 +165,7 @@ async def walk(site: Observatory, ada: httpx.AsyncClient, mailbox: Mailbox, prog
     async with async_playwright() as play:
         chromium = await play.chromium.launch(**launching(program))
         page = await chromium.new_page()
+        page.set_default_timeout(PATIENCE_MS)
         errors: list[str] = []
         page.on("pageerror", lambda error: errors.append(str(error)))
         address = str(ada.base_url)

@@ -132,6 +132,7 @@ def seeing(tmp_path: Path, mailbox: Mailbox) -> Iterator[Seeing]:
 
 async def signed_in(chrome: Browser, seeing: Seeing) -> BrowserPage:
     page = await chrome.new_page(viewport={"width": 1280, "height": 900})
+    page.set_default_timeout(PATIENCE_MS)
     answer = await page.context.request.post(
         f"{seeing.address}/api/login",
         data={"name": "boss", "password": PASSWORD},

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 
 import pytest
+from patience import PATIENCE_MS
 from playwright.sync_api import Browser, Page, expect
 
 from .conftest import Demo
@@ -21,6 +22,8 @@ ASKED = re.compile(r"admin asks for control")
 def pages(browser: Browser, demo: Demo) -> Iterator[tuple[Page, Page]]:
     """The operator's page, who has control, and the admin's beside it."""
     contexts = [browser.new_context(viewport={"width": 1280, "height": 1000}) for _ in range(2)]
+    for context in contexts:
+        context.set_default_timeout(PATIENCE_MS)
     operator = sign_in(contexts[0], demo, "operator")
     admin = sign_in(contexts[1], demo, "admin")
     take_control(operator, demo)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE_MS
 from playwright.sync_api import Browser, expect
 
 from talaia.model.checks.site_checks import check_site
@@ -89,6 +90,7 @@ def test_an_unknown_robot_has_a_dashboard_with_every_numeric_field_within_a_minu
 ) -> None:
     with walked(robot, tmp_path, "--site", "rover", "--name", "Rover") as rover:
         page = chrome.new_page(viewport={"width": 1440, "height": 1000})
+        page.set_default_timeout(PATIENCE_MS)
         sign_in(page, rover, "ada", PASSWORD)
         expect(page.get_by_role("heading", name="Rover").first).to_be_visible()
         expect(page.get_by_text("50.0").first).to_be_visible()

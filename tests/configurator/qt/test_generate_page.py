@@ -115,6 +115,7 @@ def test_from_an_empty_window_to_live_charts_in_a_browser(
             executable_path=chromium, args=["--no-sandbox", "--disable-gpu"], env=clean
         )
         page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.set_default_timeout(PATIENCE_MS)
         page.add_init_script(
             "window.__painted = {};"
             "window.__talaiaPainted = (at, us) => { (window.__painted[at] ??= []).push(us); }"

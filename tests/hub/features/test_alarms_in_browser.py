@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 import pytest
+from patience import PATIENCE_MS
 from playwright.async_api import expect
 
 from talaia.hub.ports import AnomalyReport, SightingEvent
@@ -229,6 +230,7 @@ async def test_people_see_to_an_alarm_and_others_only_look(hub, chromium):
     await expect(look.get_by_role("button", name="New alarm")).to_have_count(0)
     # To who sees only what is public an empty list would say that all is well.
     guest = await chromium.new_page()
+    guest.set_default_timeout(PATIENCE_MS)
     await guest.goto(f"{hub.origin}/login?return=/alarms")
     await guest.get_by_label("Name").fill("guest")
     await guest.get_by_label("Password").fill(PASSWORD)

@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager, suppress
 
 import numpy as np
 import pytest
+from patience import PATIENCE_MS
 from playwright.async_api import expect
 
 from talaia.wire.frames import Ack
@@ -245,6 +246,7 @@ async def test_outliers_of_a_thinned_history_are_those_of_every_stored_sample(
 
 async def test_the_gallery_shows_the_detectors_in_each_state(hub, chromium):
     page = await chromium.new_page(viewport={"width": 390, "height": 844})
+    page.set_default_timeout(PATIENCE_MS)
     errors = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     await page.goto(f"{hub.origin}/gallery")

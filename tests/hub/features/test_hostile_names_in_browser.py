@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import yaml
+from patience import PATIENCE_MS
 
 from talaia.wire import browser, frames
 
@@ -114,6 +115,7 @@ async def test_hostile_names_are_text_in_every_page_and_run_in_none(world: World
     await settle([])
 
     context = await chromium.new_context(viewport={"width": 1440, "height": 1000})
+    context.set_default_timeout(PATIENCE_MS)
     told: list[str] = []
     context.on("weberror", lambda error: told.append(str(error.error)))
     context.on(

@@ -27,6 +27,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.asymmetric.utils import encode_dss_signature
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+from patience import PATIENCE_MS
 from playwright.async_api import async_playwright, expect
 
 from ..chromium import program_or_skip, sign_in_on
@@ -202,6 +203,7 @@ async def test_alarm_becomes_a_notification_and_a_click_opens_it(
     # A person turns it on.
     await profile.add_init_script(SUBSCRIBE % json.dumps(push_service.subscription()))
     page = await profile.new_page()
+    page.set_default_timeout(PATIENCE_MS)
     await sign_in_on(page, hub, "operator")
     await page.goto(f"{hub.origin}/account")
     await page.get_by_role("button", name="Take messages in this browser").click()
@@ -251,6 +253,7 @@ async def test_whatever_a_message_says_a_click_stays_on_the_page_of_alarms(
     hub, profile, desktop
 ) -> None:
     page = await profile.new_page()
+    page.set_default_timeout(PATIENCE_MS)
     await page.goto(f"{hub.origin}/login")
     await page.evaluate(
         "navigator.serviceWorker.register('/push.js').then(() => navigator.serviceWorker.ready)"

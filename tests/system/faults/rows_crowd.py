@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 from browser_program import find_browser
-from patience import lasts_for
+from patience import PATIENCE_MS, lasts_for
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.clock import SystemClock
@@ -209,6 +209,7 @@ async def _hidden(world: World, run: Run, findings: Findings) -> None:
         browsing = await play.chromium.launch(**launching(program))
         try:
             tab = await browsing.new_page(viewport={"width": 1280, "height": 900})
+            tab.set_default_timeout(PATIENCE_MS)
             dialled: list[str] = []
             tab.on("websocket", lambda socket: dialled.append(socket.url))
             await tab.goto(f"{world.address}/login")

@@ -7,6 +7,8 @@ import http.server
 import threading
 from contextlib import contextmanager
 
+from patience import PATIENCE_MS
+
 from ..tokens import token_of
 from .rosbridge_peer import address_of, bundle_roslib
 
@@ -39,6 +41,7 @@ def serve_page(folder, script):
 
 async def open_page(chromium, world, origin, name):
     page = await chromium.new_page()
+    page.set_default_timeout(PATIENCE_MS)
     await page.goto(origin)
     address = address_of(world.hub, "agv", await token_of(world.hub, name))
     await page.evaluate("(address) => void ros.connect(address)", address)

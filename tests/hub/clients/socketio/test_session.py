@@ -243,7 +243,8 @@ async def test_picture_is_sent_as_it_is_wished_only_while_somebody_is_there(
                     mono_us=number,
                     width=4,
                     height=4,
-                    forms=["jpeg"],
+                    # For all: on a busy machine the small form may be wished for by now.
+                    forms=[],
                     data=JPEG,
                 )
             )
