@@ -178,17 +178,12 @@ def site_of_plain(document: dict[str, object]) -> Site:
 def dump_site(site: Site) -> str:
     """Write a `Site` as YAML text that `load_site` reads back to an equal one."""
     # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
-    return _dump_plain(plain_of(site))
+    text: str = yaml.dump(plain_of(site), Dumper=_Dumper, sort_keys=False, width=1_000_000)
+    return text
 
 
 # Each start of a gateway writes its description for the hub: libyaml takes a quarter of the time.
 _Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-
-
-def _dump_plain(plain: object) -> str:
-    text: str = yaml.dump(plain, Dumper=_Dumper, sort_keys=False, width=1_000_000)
-    return text
-
 
 # msgspec's sentence: what is wrong, and behind ``- at`` the path.
 _AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
