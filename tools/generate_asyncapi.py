@@ -26,6 +26,7 @@ ABOUT = {
     "/gateway/files": "Recordings from a gateway; open only while it has any to hand over.",
     "/ws": "A page's socket: values, commands, driving. `?form=json` for the JSON form.",
     "/ws/media": "Pictures of one camera: `?site=…&stream=…`.",
+    "/ws/topic": "One raw topic, read: `?site=…&topic=…&rate=…`.",
 }
 
 

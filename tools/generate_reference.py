@@ -40,6 +40,8 @@ CODECS = {
     "ToBrowser": browser.TO_BROWSER,
     "MediaToBrowser": browser.MEDIA_TO_BROWSER,
     "MediaFromBrowser": browser.MEDIA_FROM_BROWSER,
+    "TopicToBrowser": browser.TOPIC_TO_BROWSER,
+    "TopicFromBrowser": browser.TOPIC_FROM_BROWSER,
 }
 WIRE = """A binary frame is a MessagePack map, a text frame the same as JSON (bytes as base64);
 `t` is the message's kind, told behind its name below. Fields a reader does not know are ignored,

@@ -46,6 +46,7 @@ from talaia.hub.api.schemas import (
     outlook_schemas,
     recording_schemas,
     sighting_schemas,
+    tap_schemas,
     tile_schemas,
 )
 from talaia.model.units.unit import UNITS
@@ -61,6 +62,13 @@ UNIONS = (
     ("ToBrowser", browser.ToBrowser),
     ("MediaToBrowser", browser.MediaToBrowser),
     ("MediaFromBrowser", browser.MediaFromBrowser),
+    ("TopicToBrowser", browser.TopicToBrowser),
+    ("TopicFromBrowser", browser.TopicFromBrowser),
+)
+TAGS = (
+    ("TO_BROWSER", "ToBrowser"),
+    ("MEDIA_TO_BROWSER", "MediaToBrowser"),
+    ("TOPIC_TO_BROWSER", "TopicToBrowser"),
 )
 SHAPES = (
     common,
@@ -78,6 +86,7 @@ SHAPES = (
     extension_schemas,
     notification_schemas,
     sighting_schemas,
+    tap_schemas,
     tile_schemas,
     client_schemas,
 )
@@ -217,7 +226,7 @@ def wire_text() -> str:
         f"export const {constant}: ReadonlySet<string> = new Set([\n  "
         + ",\n  ".join(json.dumps(struct_of(cls).tag) for cls in members[name])
         + ",\n]);"
-        for constant, name in (("TO_BROWSER", "ToBrowser"), ("MEDIA_TO_BROWSER", "MediaToBrowser"))
+        for constant, name in TAGS
     ]
     parts = [
         f"export const PROTOCOL = {message.PROTOCOL};",
@@ -225,7 +234,7 @@ def wire_text() -> str:
         *interfaces,
         *unions,
         "/** The tags a page may be sent. */\n" + tags[0],
-        tags[1],
+        *tags[1:],
         "/** Fields that equal these are left out on the wire. */\n" + defaults(messages),
     ]
     return FIRST_LINE.format(source="wire.browser") + "\n" + "\n\n".join(parts) + "\n"

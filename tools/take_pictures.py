@@ -8,6 +8,7 @@ docs/pictures/<page>-<width>-<theme>.png.
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import re
@@ -24,7 +25,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import psutil
 from playwright.sync_api import Browser, Page, sync_playwright
+
+from talaia.sim.ros_domain import domain_environment
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -108,7 +112,44 @@ def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
                 people(browser, address, passwords["admin"])
             if shown:
                 walk(browser, address, who, passwords[who], shown)
+        shown = [each for each in TOPIC_PAGES if not wanted or each in wanted]
+        if shown:
+            with diagnosing():
+                walk(browser, address, "admin", passwords["admin"], shown)
         browser.close()
+
+
+@contextmanager
+def diagnosing() -> Iterator[None]:
+    """Let a robot in the demo's own ROS domain publish diagnostics, once a second."""
+    lines = [process.cmdline() for process in psutil.Process().children(recursive=True)]
+    vehicle = next(line for line in lines if "vehicle" in line and "--domain" in line)
+    domain = int(vehicle[vehicle.index("--domain") + 1])
+    script = ROOT / "tests" / "system" / "diagnostics_robot.py"
+    robot = subprocess.Popen(
+        [sys.executable, str(script)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, **domain_environment(domain)},
+    )
+    ended = threading.Event()
+
+    def publish() -> None:
+        while not ended.wait(1.0):
+            assert robot.stdin is not None
+            robot.stdin.write(json.dumps(STATUSES) + "\n")
+            robot.stdin.flush()
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+        robot.terminate()
+        robot.wait(20)
 
 
 def past_week(folder: Path) -> None:
@@ -166,7 +207,7 @@ def set_up(browser: Browser) -> None:
 
 def walk(browser: Browser, address: str, who: str, password: str, shown: list[str]) -> None:
     """Take some pages' pictures in every width and theme."""
-    pages = {**PAGES, **OBSERVATORY_PAGES, **ADMIN_PAGES, **GUEST_PAGES}
+    pages = {**PAGES, **OBSERVATORY_PAGES, **ADMIN_PAGES, **GUEST_PAGES, **TOPIC_PAGES}
     for width, size in WIDTHS.items():
         for theme in THEMES:
             context = browser.new_context(
@@ -467,6 +508,20 @@ def description(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(500)
 
 
+def topics(page: Page, address: str, _password: str) -> None:
+    """Show the topics, and one laser scan as a tree."""
+    page.goto(f"{address}/sites/agv/topics?topic=/scan")
+    page.get_by_text("ranges").first.wait_for()
+    page.wait_for_timeout(2500)
+
+
+def diagnostics(page: Page, address: str, _password: str) -> None:
+    """Show diagnostics as a tree, with the values of what is in trouble."""
+    page.goto(f"{address}/sites/agv/topics?topic=/diagnostics")
+    page.locator("t-diagnostics").get_by_role("button", name="wheel left").click()
+    page.wait_for_timeout(1500)
+
+
 PAGES = {
     "login": login, "home": home, "live": live, "history": history, "drive": drive,
     "gallery": gallery, "devices": devices, "device": device, "objects": objects,
@@ -478,6 +533,15 @@ ADMIN_PAGES = {
     "alarms": alarms, "logbook": logbook, "description": description, "storage": storage,
     "audit": audit, "clients": clients,
 }  # fmt: skip
+TOPIC_PAGES = {"topics": topics, "diagnostics": diagnostics}
+# Name, level, message and values of what `diagnosing` publishes.
+STATUSES = [
+    ["/Vehicle/Drive/wheel left", 2, "Over-current, switched off", {"current": "7.4 A", "limit": "5 A"}],
+    ["/Vehicle/Drive/wheel right", 0, "In order", {"current": "0.6 A"}],
+    ["/Vehicle/Battery", 1, "18 % left", {"voltage": "11.1 V", "charge": "18 %"}],
+    ["lidar: rate", 0, "9.98 Hz", {"wanted": "10 Hz"}],
+    ["lidar: connection", 0, "Connected", {"port": "/dev/ttyUSB0"}],
+]
 # Of these the vehicle should have driven about before.
 MOVING = {"home", "live", "history", "devices", "device", "films"}
 SEEING = {"objects", "sightings"}

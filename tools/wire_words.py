@@ -227,6 +227,8 @@ CHANNELS = [
     ("/ws", "Hub to browser", "browser", "ToBrowser"),
     ("/ws/media", "Hub to browser", "browser", "MediaToBrowser"),
     ("/ws/media", "Browser to hub", "browser", "MediaFromBrowser"),
+    ("/ws/topic", "Hub to browser", "browser", "TopicToBrowser"),
+    ("/ws/topic", "Browser to hub", "browser", "TopicFromBrowser"),
 ]
 
 

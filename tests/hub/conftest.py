@@ -11,6 +11,7 @@ import socket
 import ssl
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
+from urllib.parse import quote
 
 import fastapi.dependencies.models
 import httpx
@@ -29,7 +30,14 @@ from talaia.hub.settings import Settings
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.sites.site_registry import add_key
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
+from talaia.wire.browser import (
+    FROM_BROWSER,
+    MEDIA_FROM_BROWSER,
+    MEDIA_TO_BROWSER,
+    TO_BROWSER,
+    TOPIC_FROM_BROWSER,
+    TOPIC_TO_BROWSER,
+)
 from talaia.wire.columns import Columns, pack_columns
 from talaia.wire.frames import (
     LINK_FROM_GATEWAY,
@@ -332,6 +340,15 @@ class RunningHub:
             {"Cookie": await self.cookie(name), "Origin": self.origin},
         )
         return self._keep(Peer(connection, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER))
+
+    async def follower(self, name: str, topic: str, more: str = "") -> Peer:
+        """Open a page's socket for a raw topic."""
+        connection = await self.dial(
+            f"/ws/topic?site=agv&topic={quote(topic)}{more}",
+            {"Cookie": await self.cookie(name), "Origin": self.origin},
+        )
+        text = "form=json" in more
+        return self._keep(Peer(connection, TOPIC_FROM_BROWSER, TOPIC_TO_BROWSER, text=text))
 
     async def gateway(self, *, key: str = "") -> Gateway:
         """Open a gateway's link; it has not said hello yet."""

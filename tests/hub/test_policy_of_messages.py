@@ -77,7 +77,9 @@ async def differences(world, kind: type) -> list[str]:
 
 def test_every_message_is_tried_and_no_trial_is_left_over() -> None:
     assert set(TRIALS) == set(get_args(browser.FromBrowser))
-    assert set(TRIALS) | set(get_args(browser.MediaFromBrowser)) == set(FROM_BROWSER)
+    # A picture's or a topic's socket is looked at when it opens, below.
+    others = {*get_args(browser.MediaFromBrowser), browser.TopicFromBrowser}
+    assert set(TRIALS) | others == set(FROM_BROWSER)
 
 
 @pytest.mark.asyncio(loop_scope="module")
@@ -126,6 +128,22 @@ async def test_pictures_open_to_those_who_may_view_and_to_nobody_else(shared_wor
         headers = await shared_world.headers(actor)
         path = f"/ws/media?site={site}&stream={device}/eye"
         if holds(actor, "view", about):
+            await (await shared_world.hub.dial(path, headers)).close()
+        else:
+            with pytest.raises(websockets.InvalidStatus) as refused:
+                await shared_world.hub.dial(path, headers)
+            assert refused.value.response.status_code == 404
+
+
+@pytest.mark.asyncio(loop_scope="module")
+@pytest.mark.parametrize("actor", SIGNED_IN, ids=lambda actor: actor)
+async def test_topics_without_a_rule_open_to_admins_of_their_site_and_to_nobody_else(
+    shared_world, actor
+) -> None:
+    for site in ("agv", "moon", "nowhere"):
+        headers = await shared_world.headers(actor)
+        path = f"/ws/topic?site={site}&topic=/scan"
+        if site != "nowhere" and holds(actor, "admin", site):
             await (await shared_world.hub.dial(path, headers)).close()
         else:
             with pytest.raises(websockets.InvalidStatus) as refused:

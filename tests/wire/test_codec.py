@@ -28,6 +28,8 @@ CODECS: list[Codec] = [
     browser.MEDIA_FROM_BROWSER,
     frames.FILES_FROM_GATEWAY,
     frames.FILES_FROM_HUB,
+    browser.TOPIC_TO_BROWSER,
+    browser.TOPIC_FROM_BROWSER,
 ]
 DRIVE = frames.DriveFrame(
     device="base", session="s", epoch=3, seq=9, tick=77, held_ms=4.5, linear=0.1, angular=-1.0
@@ -99,6 +101,7 @@ def shapes() -> list[tuple[Codec, type[msgspec.Struct]]]:
         frames.FromGateway, frames.FromHub, frames.MediaFromGateway, frames.MediaFromHub,
         browser.FromBrowser, browser.ToBrowser, browser.MediaToBrowser, browser.MediaFromBrowser,
         frames.FilesFromGateway, frames.FilesFromHub,
+        browser.TopicToBrowser, browser.TopicFromBrowser,
     ]  # fmt: skip
     return [
         (codec, shape)

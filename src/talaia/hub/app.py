@@ -56,7 +56,7 @@ class Hub(AssembledHub):
         admission, seats = self.people.admission, self.people.seats
         self.history = HistoryFeature(core, store=history, registry=registry)
         store = self.history.store
-        self.taps = TapsFeature(core)
+        self.taps = TapsFeature(core, admission=admission, seats=seats, audit=log)
         self.media = MediaFeature(core, admission=admission, seats=seats, links=links)
         streams = self.media.streams
         # Before whatever finds something: detectors, cameras and gateways all speak to the engine.

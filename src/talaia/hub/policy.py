@@ -65,6 +65,7 @@ FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
     browser.PictureShown: AccessNeed.SESSION,
     browser.ViewerAttention: AccessNeed.SESSION,
     browser.BoxesRequest: AccessNeed.SESSION,
+    browser.TopicShown: AccessNeed.SESSION,
 }
 
 TO_BROWSER: Mapping[type[Message], AccessNeed] = {
@@ -102,6 +103,9 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     # The stream was looked at when its socket was opened.
     browser.CameraPicture: AccessNeed.SESSION,
     browser.CameraPictureBoxes: AccessNeed.SESSION,
+    # So was the topic, and it is again with each change of rights or of the description.
+    browser.TopicUpdate: AccessNeed.SESSION,
+    browser.TopicMessage: AccessNeed.SESSION,
 }
 
 # A gateway may say these about its own site, which its key names, and about no other.

@@ -267,6 +267,8 @@ ROUTES: Mapping[tuple[str, str], AccessNeed] = {
 SOCKETS: Mapping[str, AccessNeed] = {
     "/ws": AccessNeed.SESSION,
     "/ws/media": AccessNeed.SEE,
+    # The topic is looked at besides; what may not be tapped is as if it were not there.
+    "/ws/topic": AccessNeed.SEE,
     "/gateway/link": AccessNeed.GATEWAY,
     "/gateway/media": AccessNeed.GATEWAY,
     "/gateway/files": AccessNeed.GATEWAY,

@@ -1,7 +1,8 @@
 """Every message between hub and browser.
 
-Two sockets: ``/ws`` for all but pictures, and one ``/ws/media?site=…&stream=…`` for each camera
-a page shows. MessagePack by default; ``?form=json`` gives the JSON form. The session cookie (or
+Three kinds of sockets: ``/ws`` for all but pictures and raw topics, one
+``/ws/media?site=…&stream=…`` for each camera that a page shows, and one
+``/ws/topic?site=…&topic=…`` for each raw topic. MessagePack by default; ``?form=json`` gives the JSON form. The session cookie (or
 a token) says who it is; rights are checked on every message, both ways.
 
 The messages stand in `browser_messages`, by subject; this is the one place to import them from.
@@ -22,10 +23,14 @@ from talaia.wire.browser_messages.codecs import (
     MEDIA_FROM_BROWSER,
     MEDIA_TO_BROWSER,
     TO_BROWSER,
+    TOPIC_FROM_BROWSER,
+    TOPIC_TO_BROWSER,
     FromBrowser,
     MediaFromBrowser,
     MediaToBrowser,
     ToBrowser,
+    TopicFromBrowser,
+    TopicToBrowser,
 )
 from talaia.wire.browser_messages.night_updates import (
     NightPlanUpdate,
@@ -45,6 +50,7 @@ from talaia.wire.browser_messages.requests import (
     Subscribe,
     Unsubscribe,
 )
+from talaia.wire.browser_messages.topics import MAX_TREE, TopicMessage, TopicShown, TopicUpdate
 from talaia.wire.browser_messages.updates import (
     CommandUpdate,
     DeviceUpdate,
@@ -67,8 +73,11 @@ from talaia.wire.browser_messages.updates import (
 
 __all__ = [
     "FROM_BROWSER",
+    "MAX_TREE",
     "MEDIA_FROM_BROWSER",
     "MEDIA_TO_BROWSER",
+    "TOPIC_FROM_BROWSER",
+    "TOPIC_TO_BROWSER",
     "TO_BROWSER",
     "AlarmUpdate",
     "AnomalyUpdate",
@@ -110,6 +119,11 @@ __all__ = [
     "Subscribed",
     "TickUpdate",
     "ToBrowser",
+    "TopicFromBrowser",
+    "TopicMessage",
+    "TopicShown",
+    "TopicToBrowser",
+    "TopicUpdate",
     "Unsubscribe",
     "Values",
     "ViewerAttention",

@@ -298,7 +298,9 @@ async def test_large_body_is_refused_before_it_is_read(shared_hub) -> None:
     "origin",
     ["https://evil.test", None, "null", "http://127.0.0.1.evil.test:{port}", "http://127.0.0.1:1"],
 )
-@pytest.mark.parametrize("path", ["/ws", "/ws/media?site=agv&stream=camera/front"])
+@pytest.mark.parametrize(
+    "path", ["/ws", "/ws/media?site=agv&stream=camera/front", "/ws/topic?site=agv&topic=/scan"]
+)
 @pytest.mark.asyncio(loop_scope="module")
 async def test_socket_of_another_origin_is_refused_before_the_upgrade(
     shared_hub, shared_gateway, origin, path

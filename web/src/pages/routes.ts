@@ -31,6 +31,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
     load: () => import("./description/page-description.js"),
   },
   live: { tag: "t-page-live", title: "Real-time", load: () => import("./live/page-live.js") },
+  topics: { tag: "t-page-topics", title: "Topics", load: () => import("./topics/page-topics.js") },
   history: { tag: "t-page-history", title: "History", load: () => import("./history/page-history.js") },
   recordings: {
     tag: "t-page-recordings",

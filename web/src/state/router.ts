@@ -11,6 +11,7 @@ export type PageName =
   | "public"
   | "account"
   | "live"
+  | "topics"
   | "history"
   | "recordings"
   | "drive"
@@ -42,7 +43,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "requests", "proposals"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "requests", "proposals"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -83,9 +84,14 @@ export function routeOf(path: string): Route {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "requests" | "proposals",
+  page: "live" | "topics" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "requests" | "proposals",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
+}
+
+/** The path of a site's raw topics at one of them. */
+export function topicPagePath(site: string, topic: string): string {
+  return `${sitePath(site, "topics")}?${new URLSearchParams({ topic }).toString()}`;
 }
 
 /** A path with a query behind it, if there is one. */

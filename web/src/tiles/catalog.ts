@@ -1,6 +1,7 @@
 /**
  * Which tile shows what: by the kind of a device, and by the roles that its description gives or
- * the hub proposes. The one table; whoever adds a tile writes its element and a row here.
+ * the hub proposes; of a raw topic, by the type of its messages. The one table; whoever adds a tile
+ * writes its element and a row here.
  */
 
 import { html, nothing, type TemplateResult } from "lit";
@@ -190,6 +191,36 @@ export function renderSignalTile({ signal, feed, painter, colour, cut, zone, ...
     .forbidden=${more.forbidden ?? false}
     zone=${zone}
   ></t-chart-tile>`;
+}
+
+export interface TopicTileOptions {
+  readonly site: string;
+  readonly topic: string;
+  readonly online: boolean;
+  /** The page around it has a head and a box already. */
+  readonly bare?: boolean;
+}
+
+/** One type of messages: what is drawn of its topics instead of the messages themselves. */
+export interface TopicTileRow {
+  readonly load: () => Promise<unknown>;
+  readonly render: (options: TopicTileOptions) => TemplateResult;
+}
+
+export const TOPIC_TILES: ReadonlyMap<string, TopicTileRow> = new Map([
+  [
+    "diagnostic_msgs/msg/DiagnosticArray",
+    {
+      load: () => import("./topic/diagnostics-tile.js"),
+      render: ({ site, topic, online, bare = false }: TopicTileOptions) =>
+        html`<t-diagnostics-tile .site=${site} .topic=${topic} .online=${online} ?bare=${bare}></t-diagnostics-tile>`,
+    },
+  ],
+]);
+
+/** The tile of a topic's type; null where there is none. */
+export function topicTile(type: string): TopicTileRow | null {
+  return TOPIC_TILES.get(type) ?? null;
 }
 
 /** The signals that an administrator's tile reads of a device, by the tile's own names; null where one is missing. */

@@ -5,10 +5,13 @@ import {
   DEFAULTS,
   MEDIA_TO_BROWSER,
   TO_BROWSER,
+  TOPIC_TO_BROWSER,
   type FromBrowser,
   type MediaFromBrowser,
   type MediaToBrowser,
   type ToBrowser,
+  type TopicFromBrowser,
+  type TopicToBrowser,
   type Values,
 } from "../generated/wire.js";
 
@@ -26,7 +29,7 @@ export class FrameError extends Error {}
 const encoder = new Encoder();
 const decoder = new Decoder();
 
-export function encodeMessage(message: Sendable<FromBrowser> | Sendable<MediaFromBrowser>): Uint8Array<ArrayBuffer> {
+export function encodeMessage(message: Sendable<FromBrowser> | Sendable<MediaFromBrowser> | Sendable<TopicFromBrowser>): Uint8Array<ArrayBuffer> {
   return encoder.encode(message);
 }
 
@@ -46,6 +49,15 @@ export function decodeMessage(bytes: ArrayBuffer): ToBrowser | null {
  */
 export function decodeMedia(bytes: ArrayBuffer): MediaToBrowser | null {
   return withDefaults(bytes, MEDIA_TO_BROWSER) as MediaToBrowser | null;
+}
+
+/**
+ * Reads one frame of the socket of a raw topic; null as in `decode`.
+ *
+ * @throws FrameError when the bytes are no message at all
+ */
+export function decodeTopic(bytes: ArrayBuffer): TopicToBrowser | null {
+  return withDefaults(bytes, TOPIC_TO_BROWSER) as TopicToBrowser | null;
 }
 
 function withDefaults(bytes: ArrayBuffer, known: ReadonlySet<string>): object | null {

@@ -66,7 +66,12 @@ class Pages:
     def page(self, request: Request, path: str) -> Response:
         """Give a file, or the one page for every path that is no file's."""
         # A program that mistypes an address must get no page with status 200.
-        if path.startswith(("api/", "gateway/")) or path in {"api", "ws", "ws/media"}:
+        if path.startswith(("api/", "gateway/")) or path in {
+            "api",
+            "ws",
+            "ws/media",
+            "ws/topic",
+        }:
             return problem_response(404, "unknown", "there is nothing here")
         found = self._find_file(path)
         if found is not None and found.name != "index.html":

@@ -37,7 +37,8 @@ def read_published(encoding: str, kind: str, data: bytes) -> dict[str, object]:
 
 
 def _read_cdr(kind: str, data: bytes) -> dict[str, object]:
-    from talaia.hub.clients.rosbridge.ros_types import MessageUnreadable, read_known_message
+    from talaia.hub.clients.rosbridge.ros_types import read_known_message
+    from talaia.hub.live.taps.type_texts import MessageUnreadable
 
     try:
         return read_known_message(kind, data)

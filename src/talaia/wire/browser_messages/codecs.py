@@ -28,6 +28,7 @@ from talaia.wire.browser_messages.requests import (
     Subscribe,
     Unsubscribe,
 )
+from talaia.wire.browser_messages.topics import MAX_TREE, TopicMessage, TopicShown, TopicUpdate
 from talaia.wire.browser_messages.updates import (
     CommandUpdate,
     DeviceUpdate,
@@ -54,11 +55,15 @@ __all__ = [
     "FROM_BROWSER",
     "MEDIA_FROM_BROWSER",
     "MEDIA_TO_BROWSER",
+    "TOPIC_FROM_BROWSER",
+    "TOPIC_TO_BROWSER",
     "TO_BROWSER",
     "FromBrowser",
     "MediaFromBrowser",
     "MediaToBrowser",
     "ToBrowser",
+    "TopicFromBrowser",
+    "TopicToBrowser",
 ]
 
 FromBrowser = (
@@ -110,6 +115,12 @@ MediaToBrowser = CameraPicture | CameraPictureBoxes | RequestError | SessionEnde
 MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest
 
 
+TopicToBrowser = TopicUpdate | TopicMessage | RequestError | SessionEnded
+
+
+TopicFromBrowser = TopicShown
+
+
 # The largest is a subscription to thousands of channels.
 FROM_BROWSER: Codec[FromBrowser] = Codec(FromBrowser, 1024 * 1024)
 
@@ -122,3 +133,10 @@ MEDIA_TO_BROWSER: Codec[MediaToBrowser] = Codec(MediaToBrowser, MAX_PICTURE)
 
 # Numbers and flags only, in the JSON form too.
 MEDIA_FROM_BROWSER: Codec[MediaFromBrowser] = Codec(MediaFromBrowser, 4096)
+
+
+# A tree takes up to six bytes a character, beside a few fields.
+TOPIC_TO_BROWSER: Codec[TopicToBrowser] = Codec(TopicToBrowser, 8 * MAX_TREE)
+
+
+TOPIC_FROM_BROWSER: Codec[TopicFromBrowser] = Codec(TopicFromBrowser, 4096)

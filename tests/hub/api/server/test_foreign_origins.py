@@ -40,7 +40,9 @@ def spelt(hub, origin: str) -> str:
 
 
 @pytest.mark.parametrize("which", HOSTILE)
-@pytest.mark.parametrize("path", ["/ws", "/ws/media?site=agv&stream=camera/front"])
+@pytest.mark.parametrize(
+    "path", ["/ws", "/ws/media?site=agv&stream=camera/front", "/ws/topic?site=agv&topic=/scan"]
+)
 async def test_hostile_origin_opens_no_socket_though_the_cookie_is_right(
     hub, gateway, which, path
 ) -> None:

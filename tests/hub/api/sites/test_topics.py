@@ -59,6 +59,10 @@ async def test_everyone_is_told_of_the_topics_that_they_may_tap(hub) -> None:
             "latched": False,
             "max_rate": 0.0,
             "problem": "",
+            "described": True,
+            "right": "view",
+            "device": "",
+            "rate": 0.0,
         }
     ]
     admin = {found["topic"]: found for found in (await listed(hub, "admin"))["topics"]}
@@ -67,6 +71,8 @@ async def test_everyone_is_told_of_the_topics_that_they_may_tap(hub) -> None:
         "its type is not known",
         True,
     )
+    # A topic that no rule names is for who has the right `tap`.
+    assert (admin["/other"]["described"], admin["/other"]["right"]) == (False, "tap")
     await gateway.close()
     page = await hub.page("operator")
     await page.hear(SiteUpdate, lambda site: not site.online)

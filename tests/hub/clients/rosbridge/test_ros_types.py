@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.hub.clients.rosbridge.ros_types import TypeText, describe_type, message_reader
+from talaia.hub.clients.rosbridge.ros_types import describe_type, message_reader
+from talaia.hub.live.taps.type_texts import TypeText
 from talaia.wire.frames import TapSchema
 
 pytestmark = pytest.mark.pure

@@ -16,6 +16,7 @@ import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { AlarmMarks } from "../../series/alarm-marks.js";
 import { SECOND_US } from "../../series/zone-clock.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
 import type { Anomaly, Detector } from "../../state/anomaly-detectors.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
 import type { DeviceShape, SignalShape, SiteShape } from "../../generated/api.js";
@@ -31,6 +32,7 @@ import "../../elements/feedback/empty.js";
 import "../../elements/analysis/outlier-tool.js";
 import { renderSignalTile } from "../../tiles/catalog.js";
 import "../../tiles/chart/chart-tile.js";
+import "../../tiles/topic/topic-tiles.js";
 
 const WINDOWS: readonly ChoiceOption[] = [
   { id: "10", label: "10 s" },
@@ -124,12 +126,14 @@ export class PageLive extends LitElement {
         <div class="title">
           <h1>Real-time</h1>
           <p class="muted">${detail?.name ?? this.site}</p>
+          <a href=${sitePath(this.site, "topics")}>Topics</a>
           ${detail === undefined ? nothing : html`<t-clock zone=${detail.zone}></t-clock>`}
         </div>
         ${detail === undefined ? nothing : this.renderTools(detail)}
       </div>
       ${this.feed?.backfill === "failed" ? html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>` : nothing}
       ${this.renderMessage()} ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
+      <t-topic-tiles .site=${this.site} .online=${!this.isLinkLost()}></t-topic-tiles>
     `;
   }
 

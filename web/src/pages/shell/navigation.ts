@@ -166,6 +166,7 @@ export class Navigation extends LitElement {
     return (
       page === this.page ||
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
+      (page === "live" && this.page === "topics") ||
       (page === "history" && this.page === "recordings") ||
       (page === "night" && (this.page === "requests" || this.page === "proposals")) ||
       (page === "alarms" && (this.page === "logbook" || this.page === "sightings"))

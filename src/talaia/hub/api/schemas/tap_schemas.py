@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
+from talaia.model.topics import TopicRight  # noqa: TC001 - pydantic reads it at run time
+
 __all__ = ["TopicShape", "TopicTable"]
 
 
@@ -15,6 +17,12 @@ class TopicShape(BaseModel):
     latched: bool = Field(description="who comes later gets its last messages, too")
     max_rate: float = Field(description="at most so many messages a second (Hz); 0: all")
     problem: str = Field(description="why it cannot be tapped now; empty: it can")
+    described: bool = Field(description="whether a rule of the description names it")
+    right: TopicRight = Field(description="what a person needs to have it")
+    device: str = Field(description="on which device; empty: on the whole site")
+    rate: float = Field(
+        description="how often it comes (Hz), while somebody follows it; 0: not known"
+    )
 
 
 class TopicTable(BaseModel):

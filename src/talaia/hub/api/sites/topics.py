@@ -9,6 +9,7 @@ from fastapi import APIRouter, Request
 from talaia.hub.api.access import live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.tap_schemas import TopicShape, TopicTable
+from talaia.model.topics import TopicRight
 
 if TYPE_CHECKING:
     from talaia.hub.live.taps.tap_fanout import TapFanout
@@ -43,6 +44,10 @@ class TopicPages:
                     latched=found.latched,
                     max_rate=found.max_rate,
                     problem=found.why,
+                    described=found.rule is not None,
+                    right=found.rule.right if found.rule else TopicRight.TAP,
+                    device=found.rule.device if found.rule else "",
+                    rate=found.rate,
                 )
                 for found in self._taps.topics(site, who_of(request).grants)
             ],

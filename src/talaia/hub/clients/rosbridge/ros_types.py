@@ -1,6 +1,6 @@
 """ROS messages by their definitions: bytes to plain values, and types as rosapi describes them.
 
-`rosbags` reads definitions and messages. It is loaded when somebody first wants a message in JSON
+`rosbags` reads messages. It is loaded when somebody first wants a message in JSON
 or a type described.
 """
 
@@ -8,44 +8,26 @@ from __future__ import annotations
 
 import dataclasses
 import struct
-from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from talaia.errors import TalaiaError
+from talaia.hub.live.taps.type_texts import (
+    MessageUnreadable,
+    TypeText,
+    brought_store,
+    read_definitions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosbags.interfaces.typing import FieldDesc, Typesdict
-    from rosbags.typesys.store import Typestore
 
     from talaia.wire.frames import TapSchema
 
-__all__ = [
-    "MessageUnreadable",
-    "TypeText",
-    "describe_fields",
-    "describe_type",
-    "message_reader",
-    "read_known_message",
-]
+__all__ = ["describe_fields", "describe_type", "message_reader", "read_known_message"]
 
 # Types in one definition; a robot's largest has some dozens.
 _MOST_TYPES = 500
-# What reads ROS 1's own ``time`` and ``duration``, as types of ROS 2.
-_ROS1_TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
-
-
-class MessageUnreadable(TalaiaError):
-    """A definition, or bytes, that cannot be read; a sentence for people."""
-
-
-class TypeText(NamedTuple):
-    """A definition's text and the form that it has, as MCAP names it (``ros2msg``)."""
-
-    type: str
-    encoding: str
-    definition: str
 
 
 def message_reader(schema: TapSchema) -> Callable[[bytes], dict[str, object]]:
@@ -65,7 +47,7 @@ def message_reader(schema: TapSchema) -> Callable[[bytes], dict[str, object]]:
     store.types.clear()
     store.fielddefs.clear()
     try:
-        store.register(_read_definitions(TypeText(schema.type, schema.encoding, schema.definition)))
+        store.register(read_definitions(TypeText(schema.type, schema.encoding, schema.definition)))
         store.get_msgdef(schema.type)
     except (TypesysError, SyntaxError, KeyError, RecursionError) as error:
         raise MessageUnreadable(f"{schema.type} cannot be read: {str(error)[:300]}") from error
@@ -89,7 +71,7 @@ def read_known_message(kind: str, data: bytes) -> dict[str, object]:
     """
     from rosbags.serde import SerdeError
 
-    store = _brought_store()
+    store = brought_store()
     if kind not in store.fielddefs:
         raise MessageUnreadable(f"the type {kind[:200]!r} is read as json only")
     try:
@@ -110,7 +92,7 @@ def describe_type(name: str, text: TypeText | None = None) -> list[dict[str, obj
         MessageUnreadable: it is not known.
 
     """
-    types = _brought_types() if text is None else _read_definitions(text)
+    types = _brought_types() if text is None else read_definitions(text)
     found: dict[str, dict[str, object]] = {}
     waiting = [name]
     while waiting and len(found) < _MOST_TYPES:
@@ -180,32 +162,8 @@ def _field_kind(kind: FieldDesc) -> tuple[str, int]:
             return _field_kind(of[0])[0], 0
 
 
-def _read_definitions(text: TypeText) -> Typesdict:
-    from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg
-
-    if not text.definition:
-        raise MessageUnreadable(f"there is no definition of {text.type}")
-    try:
-        if text.encoding == "ros2idl":
-            return get_types_from_idl(text.definition)
-        found = get_types_from_msg(text.definition, text.type)
-    except (TypesysError, SyntaxError, RecursionError) as error:
-        raise MessageUnreadable(f"{text.type}: {str(error)[:300]}") from error
-    if text.encoding == "ros1msg":
-        # There they are no messages, so no definition has them.
-        found = {**{name: _brought_types()[name] for name in _ROS1_TIMES}, **found}
-    return found
-
-
 def _brought_types() -> Typesdict:
-    return _brought_store().fielddefs
-
-
-@cache
-def _brought_store() -> Typestore:
-    from rosbags.typesys import Stores, get_typestore
-
-    return get_typestore(Stores.LATEST)
+    return brought_store().fielddefs
 
 
 def _listed(value: object) -> object:

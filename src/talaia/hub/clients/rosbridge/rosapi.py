@@ -10,13 +10,9 @@ import msgspec
 from talaia.clock import SECOND
 from talaia.hub.clients.robot_parameters import read_parameters
 from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type
-from talaia.hub.clients.rosbridge.ros_types import (
-    MessageUnreadable,
-    TypeText,
-    describe_fields,
-    describe_type,
-)
+from talaia.hub.clients.rosbridge.ros_types import describe_fields, describe_type
 from talaia.hub.errors import TapRefused
+from talaia.hub.live.taps.type_texts import MessageUnreadable, TypeText
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

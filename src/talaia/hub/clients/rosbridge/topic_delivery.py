@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.clock import SECOND
 from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type
-from talaia.hub.clients.rosbridge.ros_types import MessageUnreadable
 from talaia.hub.clients.rosbridge.throttling import TopicThrottles
 from talaia.hub.clients.rosbridge.topic_messages import (
     TopicFrames,
@@ -25,6 +24,7 @@ from talaia.hub.live.taps.tapped import (
     TapTrouble,
     TopicsChanged,
 )
+from talaia.hub.live.taps.type_texts import MessageUnreadable
 
 if TYPE_CHECKING:
     from talaia.clock import Clock

@@ -8,7 +8,8 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.clients.rosbridge.offer import TEXT_TYPE
-from talaia.hub.clients.rosbridge.ros_types import MessageUnreadable, message_reader
+from talaia.hub.clients.rosbridge.ros_types import message_reader
+from talaia.hub.live.taps.type_texts import MessageUnreadable
 from talaia.wire.rosbridge.codec import encode_rosbridge
 
 if TYPE_CHECKING:

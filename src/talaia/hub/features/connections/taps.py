@@ -1,23 +1,41 @@
-"""Raw topics of robots: which there are. `Core.taps` hands them to those who take them."""
+"""Raw topics of robots: which there are, and one of them for a page that follows it.
+
+`Core.taps` hands them to all who take them.
+"""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.topics import TopicPages
+from talaia.hub.api.sockets.topic_sockets import TopicSockets
 from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:
+    from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
+    from talaia.hub.live.pages.session_registry import SocketSessions
+    from talaia.hub.store.audit import Audit
 
 __all__ = ["TapsFeature"]
 
 
 class TapsFeature(Feature):
-    """Lists topics to people."""
+    """Lists topics to people, and lets their pages follow them."""
 
     name = "taps"
 
-    def __init__(self, core: Core) -> None:
-        """List what gateways have told."""
+    def __init__(
+        self, core: Core, *, admission: SocketAdmission, seats: SocketSessions, audit: Audit
+    ) -> None:
+        """Let pages in by ``admission``; ``seats`` closes whose right has ended."""
         self.routers = [TopicPages(core.taps).router()]
+        sockets = TopicSockets(
+            admission=admission,
+            sites=core.sites,
+            seats=seats,
+            taps=core.taps,
+            clock=core.clock,
+            audit=audit,
+        )
+        self.sockets = [sockets.router()]

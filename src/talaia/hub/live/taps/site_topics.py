@@ -20,6 +20,8 @@ __all__ = ["SiteTopics", "TappedTopic"]
 # Of a latched topic, held for those who come later: so many messages, so many bytes beside the
 # newest.
 _MOST_LATCHED, _LATCHED_BYTES = 100, 4 * 1024 * 1024
+# Messages by which it is told how often a topic comes.
+_COUNTED = 20
 
 
 class TappedTopic:
@@ -35,6 +37,22 @@ class TappedTopic:
         """Begin with nobody."""
         self.taps: set[TopicTap] = set()
         self.latched: deque[TappedMessage] = deque(maxlen=_MOST_LATCHED)
+        # Of its last messages: their numbers, with those left out, and when they came (µs).
+        self._counted: deque[tuple[int, int]] = deque(maxlen=_COUNTED)
+
+    def count_message(self, seq: int, log_us: int) -> None:
+        """Count a message for `measured_rate`."""
+        if self._counted and seq <= self._counted[-1][0]:
+            # Another run of the gateway, or it was asked for anew.
+            self._counted.clear()
+        self._counted.append((seq, log_us))
+
+    def measured_rate(self) -> float:
+        """Give how often the robot publishes it (Hz); 0 while that is not known."""
+        if len(self._counted) < 2:
+            return 0.0
+        (first, began_us), (last, ended_us) = self._counted[0], self._counted[-1]
+        return (last - first) * 1e6 / (ended_us - began_us) if ended_us > began_us else 0.0
 
     def rate(self) -> float:
         """Give the greatest rate that anyone wants (Hz); 0: all messages."""
@@ -113,8 +131,13 @@ class SiteTopics:
                 types.add(entry.type)
         return TapSubscription(topics=topics, types=sorted(types - self.schemas.keys()))
 
-    def read_message(self, piece: TapMessage) -> TappedMessage | None:
-        """Give the message that a piece completes, if anybody takes it.
+    def measured_rate(self, topic: str) -> float:
+        """Give how often a topic comes (Hz); 0 while nobody takes it."""
+        tapped = self.tapped.get(topic)
+        return 0.0 if tapped is None else tapped.measured_rate()
+
+    def read_message(self, piece: TapMessage, now_ms: int = 0) -> TappedMessage | None:
+        """Give the message that a piece completes, if anybody takes it; ``now_ms``: monotonic.
 
         Raises:
             PeerError: see `PieceReassembly.add_piece`.
@@ -129,8 +152,9 @@ class SiteTopics:
         if data is None:
             return None
         message = TappedMessage(
-            entry.topic, piece.seq, piece.log_us, piece.publish_us, piece.kept, data
+            entry.topic, piece.seq, piece.log_us, piece.publish_us, piece.kept, data, now_ms
         )
+        self.tapped[entry.topic].count_message(piece.seq, piece.log_us)
         if entry.latched:
             self.tapped[entry.topic].hold_latched(message)
         return message

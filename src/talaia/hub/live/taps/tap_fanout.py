@@ -104,6 +104,8 @@ class TapFanout:
                 entry.latched,
                 self._most_rate(live, entry.topic),
                 entry.why,
+                rule_of(live.description.topics, entry.topic),
+                known.measured_rate(entry.topic),
             )
             for entry in sorted(known.entries.values(), key=lambda entry: entry.topic)
             if _allows(grants, live, entry.topic)
@@ -234,7 +236,7 @@ class TapFanout:
         known = self._known.setdefault(site, SiteTopics())
         match message:
             case TapMessage():
-                whole = known.read_message(message)
+                whole = known.read_message(message, self._clock.monotonic_ns() // 1_000_000)
                 if whole is not None:
                     for tap in known.tapped[whole.topic].taps:
                         tap.taker.deliver_message(tap, whole)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from talaia.hub.live.taps.taker import TopicTap
+    from talaia.model.topics import TopicRule
     from talaia.wire.frames import TapSchema
 
 __all__ = [
@@ -29,6 +30,8 @@ class TapTopic(NamedTuple):
         latched: who comes later gets its last messages, too.
         max_rate: at most so many messages a second are handed on (Hz); 0: all.
         why: why it cannot be tapped now; empty: it can.
+        rule: what the description says of it; None: no rule names it.
+        rate: how often it comes (Hz), as far as it is known because somebody takes it; else 0.
 
     """
 
@@ -37,6 +40,8 @@ class TapTopic(NamedTuple):
     latched: bool = False
     max_rate: float = 0.0
     why: str = ""
+    rule: TopicRule | None = None
+    rate: float = 0.0
 
 
 class TappedMessage(NamedTuple):
@@ -49,6 +54,7 @@ class TappedMessage(NamedTuple):
         publish_us: when it was published, by its publisher (UTC); 0 where nobody says.
         kept: it is of a topic that is latched or comes seldom: it is thinned out nowhere.
         data: see `TapSchema.message_encoding`.
+        heard_ms: when it came to the hub (monotonic); 0 where nobody said.
 
     """
 
@@ -58,6 +64,7 @@ class TappedMessage(NamedTuple):
     publish_us: int
     kept: bool
     data: bytes
+    heard_ms: int = 0
 
 
 class TapBegun(NamedTuple):

@@ -1,0 +1,79 @@
+/** How a raw topic stands, in words: what keeps its messages from coming, and how old the newest is. */
+
+import { html, nothing, type TemplateResult } from "lit";
+import type { TopicState } from "../../controllers/topic-follower.js";
+import { formatAge, formatDuration } from "../../format/duration.js";
+import type { StatusKind } from "../feedback/status.js";
+import "../feedback/banner.js";
+import "../feedback/empty.js";
+import "../feedback/loading.js";
+import "../feedback/problem.js";
+import "../feedback/status.js";
+
+/** What is said of a topic besides its message. */
+export interface TopicFacts {
+  readonly topic: string;
+  readonly state: TopicState;
+  /** The hub's sentence about an error. */
+  readonly why: string;
+  /** Of the newest message (s); null before one came. */
+  readonly age: number | null;
+}
+
+const KINDS: Readonly<Record<TopicState, StatusKind>> = {
+  loading: "busy",
+  waiting: "unknown",
+  live: "online",
+  stale: "stale",
+  ended: "offline",
+  away: "offline",
+  lost: "offline",
+  error: "warn",
+  forbidden: "bad",
+};
+const WORDS: Readonly<Record<TopicState, string>> = {
+  loading: "asking",
+  waiting: "no message yet",
+  live: "live",
+  stale: "stale",
+  ended: "no longer published",
+  away: "gateway away",
+  lost: "connection lost",
+  error: "not readable",
+  forbidden: "not yours",
+};
+
+/** A shape and a word, with the age of the newest message. */
+export function renderTopicStatus({ state, age }: TopicFacts): TemplateResult {
+  const aged = age === null || state === "forbidden" ? "" : state === "live" && age < 2 ? "" : `, ${formatAge(age)}`;
+  return html`<t-status kind=${KINDS[state]} word=${`${WORDS[state]}${aged}`}></t-status>`;
+}
+
+/** What stands in the place of a message, or above an old one; nothing while it is live. */
+export function renderTopicTrouble({ topic, state, why, age }: TopicFacts): TemplateResult | typeof nothing {
+  const before = age !== null;
+  switch (state) {
+    case "live":
+      return nothing;
+    case "loading":
+      return html`<t-loading what=${`Asking the robot for ${topic}`}></t-loading>`;
+    case "waiting":
+      return html`<t-empty heading="No message yet" icon="live"><p>Nothing has come on <code>${topic}</code> since you opened it. The next message appears here by itself.</p></t-empty>`;
+    case "stale":
+      return html`<t-banner kind="warn">No message for ${formatDuration(age ?? 0)}: this is the last one, and it may not be true any more.</t-banner>`;
+    case "ended":
+      return html`<t-banner kind="warn">Nobody publishes this topic any more. It goes on by itself when somebody does.</t-banner>`;
+    case "away":
+      return before
+        ? html`<t-banner kind="warn">The robot's gateway is not connected: this is the last message that came.</t-banner>`
+        : html`<t-empty heading="The gateway is away" icon="unlinked"><p>The robot is heard again when its gateway has connected.</p></t-empty>`;
+    case "lost":
+      return before
+        ? html`<t-banner kind="warn">The connection to the hub is lost; this page tries again by itself.</t-banner>`
+        : html`<t-problem what="The topic cannot be had now." how="The hub does not answer, or the topic is not yours to follow. This page tries again by itself."></t-problem>`;
+    case "error":
+      return html`<t-problem what="The messages of this topic cannot be shown." how=${why}></t-problem>`;
+    case "forbidden":
+      return html`<t-problem what="You may not follow this topic." how=${why === "" ? "An admin of this hub can give you the right." : why}></t-problem>`;
+  }
+}

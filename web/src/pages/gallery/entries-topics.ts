@@ -1,0 +1,84 @@
+/** Raw topics: messages as trees, diagnostics, and what keeps a topic from being seen. */
+
+import { html, type TemplateResult } from "lit";
+import type { TopicState } from "../../controllers/topic-follower.js";
+import "../../elements/topic/diagnostics-tree.js";
+import "../../elements/topic/message-tree.js";
+import { renderTopicStatus, renderTopicTrouble } from "../../elements/topic/topic-state.js";
+import { DiagnosticsBook, type DiagnosticNode } from "../../series/diagnostics.js";
+import type { GalleryEntry, GalleryState } from "./entry.js";
+
+const MESSAGE = {
+  header: { stamp: { sec: 1_780_000_000, nanosec: 500_000_000 }, frame_id: "laser" },
+  angle_min: -1.5707963,
+  ranges: { $first: [2.31, 2.33, { $number: "Infinity" }, 2.4], $of: 360 },
+  shelves: [
+    { number: 1, celsius: -1 },
+    { number: 2, celsius: 187.5 },
+  ],
+  note: { $text: "a long text that goes on", $of: 40_000 },
+};
+
+const status = (name: string, level: number, message: string, values: Readonly<Record<string, string>> = {}): object => ({
+  name, level, message, hardware_id: "board 7", values: Object.entries(values).map(([key, value]) => ({ key, value })),
+});
+const GOOD = [status("/Robot/Arm/elbow", 0, "in order", { temperature: "41 °C" }), status("lidar: rate", 0, "9.98 Hz")];
+const BAD = [status("/Robot/Arm/wrist", 2, "over-current, switched off", { current: "7.4 A", limit: "5 A" }), status("/Robot/Battery", 1, "18 % left")];
+
+function bookAt(statuses: readonly object[], laterMs: number): DiagnosticNode {
+  const book = new DiagnosticsBook();
+  book.addMessage({ status: statuses }, 0);
+  return book.treeAt(laterMs);
+}
+
+function renderDiagnostics(statuses: readonly object[], laterMs = 500, left = 0): TemplateResult {
+  return html`<t-diagnostics .root=${bookAt(statuses, laterMs)} .left=${left}></t-diagnostics>`;
+}
+
+const STATES: readonly (readonly [state: TopicState, age: number | null, why: string])[] = [
+  ["loading", null, ""],
+  ["waiting", null, ""],
+  ["live", 0.2, ""],
+  ["stale", 83, ""],
+  ["ended", 12, ""],
+  ["away", 40, ""],
+  ["away", null, ""],
+  ["lost", 9, ""],
+  ["lost", null, ""],
+  ["error", 1, "the type oven_own_msgs/msg/Bake: none of its definitions has the hash that its publisher tells"],
+  ["forbidden", null, "you have no right to this topic any more"],
+];
+
+export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-message-tree",
+    wide: true,
+    states: [
+      { name: "a message", show: () => html`<t-message-tree .value=${MESSAGE}></t-message-tree>` },
+      { name: "searched", show: () => html`<t-message-tree .value=${MESSAGE} search="[1].celsius"></t-message-tree>` },
+      { name: "searched in vain", show: () => html`<t-message-tree .value=${MESSAGE} search="velocity"></t-message-tree>` },
+      { name: "of std_msgs/Empty", show: () => html`<t-message-tree .value=${{}}></t-message-tree>` },
+    ],
+  },
+  {
+    tag: "t-diagnostics",
+    wide: true,
+    states: [
+      { name: "in order", show: () => renderDiagnostics(GOOD) },
+      { name: "in trouble", show: () => renderDiagnostics([...GOOD, ...BAD]) },
+      { name: "stale", show: () => renderDiagnostics([...GOOD, ...BAD], 60_000) },
+      { name: "too many to be shown", show: () => renderDiagnostics(GOOD, 500, 312) },
+      { name: "empty", show: () => renderDiagnostics([]) },
+    ],
+  },
+  {
+    tag: "t-topic",
+    wide: true,
+    states: STATES.map(
+      ([state, age, why]): GalleryState => ({
+        name: age === null ? state : `${state}, ${String(age)} s after a message`,
+        show: () => html`<p>${renderTopicStatus({ topic: "/scan", state, age, why })}</p>${renderTopicTrouble({ topic: "/scan", state, age, why })}`,
+      }),
+    ),
+  },
+];

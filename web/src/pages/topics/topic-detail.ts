@@ -1,0 +1,221 @@
+/** One raw topic: its newest message as a tree, or in its own form; followed while it is looked at. */
+
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { TickerController } from "../../controllers/ticker.js";
+import { TopicFollower, type TopicState } from "../../controllers/topic-follower.js";
+import { base, quietText, raisedBox } from "../../elements/base/base-style.js";
+import type { ChoiceOption } from "../../elements/forms/choice.js";
+import { control } from "../../elements/forms/input-style.js";
+import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
+import { formatBytes } from "../../format/bytes.js";
+import type { TopicMessage } from "../../generated/wire.js";
+import { sitePath } from "../../state/router.js";
+import { topicTile } from "../../tiles/catalog.js";
+import { rateText } from "./topic-list.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/choice.js";
+import "../../elements/topic/message-tree.js";
+
+/** Messages a second, of a topic that comes oftener: what a person can read. */
+const RATE = 4;
+/** In the place of a message there is only what keeps it from coming. */
+const INSTEAD: readonly TopicState[] = ["loading", "waiting", "forbidden"];
+
+interface HeldMessage {
+  readonly message: TopicMessage;
+  readonly tree: unknown;
+}
+
+@customElement("t-topic")
+export class TopicDetail extends LitElement {
+  static override styles = [
+    base,
+    control,
+    css`
+      :host {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        align-content: start;
+        gap: var(--t-space-4);
+        padding: var(--t-space-5);
+        ${raisedBox}
+        min-inline-size: 0;
+      }
+      .head {
+        display: grid;
+        gap: var(--t-space-1);
+      }
+      h2 {
+        font-family: var(--t-mono);
+        overflow-wrap: anywhere;
+      }
+      .back {
+        display: none;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+      }
+      .facts,
+      .tools {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-1) var(--t-space-4);
+      }
+      .facts {
+        ${quietText}
+        font-variant-numeric: tabular-nums;
+        overflow-wrap: anywhere;
+      }
+      .tools {
+        gap: var(--t-space-2);
+      }
+      .tools input {
+        flex: 1 1 9rem;
+      }
+      .old {
+        opacity: 0.8;
+      }
+      summary {
+        min-block-size: var(--t-touch);
+        align-content: center;
+        font-weight: var(--t-weight-strong);
+        cursor: pointer;
+      }
+      pre {
+        margin: 0;
+        max-block-size: 24rem;
+        overflow: auto;
+        padding: var(--t-space-3);
+        background: var(--t-raised);
+        border-radius: var(--t-radius-s);
+        font-family: var(--t-mono);
+        font-size: var(--t-size-s);
+      }
+      @media (max-width: 60rem) {
+        .back {
+          display: inline-flex;
+        }
+      }
+      @media (max-width: 45rem) {
+        :host {
+          padding: var(--t-space-4);
+        }
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property() topic = "";
+  @property({ type: Boolean }) online = false;
+
+  /** What is held while it is paused; null while it is not. */
+  @state() private held: HeldMessage | null = null;
+  @state() private search = "";
+  @state() private view: "tile" | "tree" = "tile";
+  private readonly follower = new TopicFollower(this);
+
+  constructor() {
+    super();
+    new TickerController(this);
+  }
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("site") || changed.has("topic")) {
+      this.held = null;
+      this.search = "";
+    }
+    this.follower.follow(this.site, this.topic, RATE);
+    void topicTile(this.follower.update?.type ?? "")?.load();
+  }
+
+  override render(): TemplateResult {
+    const nowMs = performance.now();
+    const facts = this.facts(nowMs);
+    const tile = topicTile(this.follower.update?.type ?? "");
+    const tiled = tile !== null && this.view === "tile" && facts.state !== "forbidden";
+    return html`
+      <div class="head">
+        <a class="back" href=${sitePath(this.site, "topics")}>All topics</a>
+        <h2>${this.topic}</h2>
+        ${this.renderFacts(facts)}
+      </div>
+      ${this.renderTools(tile !== null, tiled)}
+      ${renderTopicTrouble(facts)}
+      ${tiled ? tile.render({ site: this.site, topic: this.topic, online: this.online, bare: true }) : this.renderMessage(facts)}
+      ${this.renderDefinition()}
+    `;
+  }
+
+  private renderFacts(facts: TopicFacts): TemplateResult {
+    const { update, flow, message } = this.follower;
+    const rate = rateText(flow.hertz);
+    return html`<p class="facts">
+      ${renderTopicStatus(facts)}
+      ${update === null || update.type === "" ? nothing : html`<code>${update.type}</code>`}
+      ${rate === "" ? nothing : html`<span>${rate}</span>`}
+      ${message === null ? nothing : html`<span>${formatBytes(message.size)}</span>`}
+      ${update?.latched === true ? html`<span title="Who comes later gets its last messages, too">latched</span>` : nothing}
+      ${update === null || update.max_rate === 0 ? nothing : html`<span>at most ${String(update.max_rate)} Hz by the description</span>`}
+    </p>`;
+  }
+
+  private renderTools(hasTile: boolean, tiled: boolean): TemplateResult | typeof nothing {
+    if (this.follower.message === null) return nothing;
+    const views: readonly ChoiceOption[] = [
+      { id: "tile", label: "Diagnostics" },
+      { id: "tree", label: "Message" },
+    ];
+    return html`<div class="tools" role="toolbar" aria-label="Message">
+      ${hasTile ? html`<t-choice label="Shown as" .options=${views} chosen=${this.view} @t-choose=${this.chooseView}></t-choice>` : nothing}
+      ${tiled
+        ? nothing
+        : html`<t-button kind=${this.held === null ? "plain" : "primary"} pressed=${this.held === null ? "false" : "true"} @click=${this.togglePause}>${this.held === null ? "Pause" : "Resume"}</t-button>
+            <input type="search" aria-label="Search a field by its path" placeholder="Field, such as header.stamp" .value=${this.search} @input=${this.onSearch} />`}
+    </div>`;
+  }
+
+  private renderMessage({ state: how }: TopicFacts): TemplateResult | typeof nothing {
+    const { message, tree } = this.follower;
+    const shown = this.held ?? (message === null ? null : { message, tree });
+    if (shown === null || INSTEAD.includes(how)) return nothing;
+    const newer = this.held === null || message === null ? 0 : Math.max(0, message.seq - this.held.message.seq);
+    return html`${this.held === null ? nothing : html`<p class="muted" role="status">Paused. ${newer === 0 ? "Nothing newer has come." : `${newer.toLocaleString("en")} newer ${newer === 1 ? "message has" : "messages have"} come.`}</p>`}
+      <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search}></t-message-tree>`;
+  }
+
+  private renderDefinition(): TemplateResult | typeof nothing {
+    const definition = this.follower.update?.definition ?? "";
+    return definition === "" ? nothing : html`<details><summary>Definition</summary><pre tabindex="0">${definition}</pre></details>`;
+  }
+
+  private facts(nowMs: number): TopicFacts {
+    const age = this.follower.flow.ageMs(nowMs);
+    return {
+      topic: this.topic,
+      state: this.follower.stateAt(nowMs, this.online),
+      why: this.follower.problem,
+      age: age === null ? null : age / 1000,
+    };
+  }
+
+  private readonly togglePause = (): void => {
+    const { message, tree } = this.follower;
+    this.held = this.held !== null || message === null ? null : { message, tree };
+  };
+
+  private readonly chooseView = (event: CustomEvent<string>): void => {
+    this.view = event.detail === "tile" ? "tile" : "tree";
+  };
+
+  private readonly onSearch = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.search = event.target.value;
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-topic": TopicDetail;
+  }
+}

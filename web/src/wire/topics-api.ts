@@ -1,0 +1,15 @@
+/** The raw topics of a site that a person may follow. */
+
+import type { TopicTable } from "../generated/api.js";
+import type { HubApi } from "./hub-api.js";
+
+export class TopicsApi {
+  constructor(
+    private readonly api: HubApi,
+    private readonly site: string,
+  ) {}
+
+  listTopics(): Promise<TopicTable> {
+    return this.api.request("GET", `/api/sites/${encodeURIComponent(this.site)}/topics`);
+  }
+}
