@@ -136,8 +136,7 @@ def diagnosing() -> Iterator[None]:
     ended = threading.Event()
 
     def publish() -> None:
-        while not ended.wait(1.0):
-            assert robot.stdin is not None
+        while robot.stdin is not None and not ended.wait(1.0):
             robot.stdin.write(json.dumps(STATUSES) + "\n")
             robot.stdin.flush()
 
@@ -536,7 +535,12 @@ ADMIN_PAGES = {
 TOPIC_PAGES = {"topics": topics, "diagnostics": diagnostics}
 # Name, level, message and values of what `diagnosing` publishes.
 STATUSES = [
-    ["/Vehicle/Drive/wheel left", 2, "Over-current, switched off", {"current": "7.4 A", "limit": "5 A"}],
+    [
+        "/Vehicle/Drive/wheel left",
+        2,
+        "Over-current, switched off",
+        {"current": "7.4 A", "limit": "5 A"},
+    ],
     ["/Vehicle/Drive/wheel right", 0, "In order", {"current": "0.6 A"}],
     ["/Vehicle/Battery", 1, "18 % left", {"voltage": "11.1 V", "charge": "18 %"}],
     ["lidar: rate", 0, "9.98 Hz", {"wanted": "10 Hz"}],

@@ -2,8 +2,9 @@
 
 Three kinds of sockets: ``/ws`` for all but pictures and raw topics, one
 ``/ws/media?site=…&stream=…`` for each camera that a page shows, and one
-``/ws/topic?site=…&topic=…`` for each raw topic. MessagePack by default; ``?form=json`` gives the JSON form. The session cookie (or
-a token) says who it is; rights are checked on every message, both ways.
+``/ws/topic?site=…&topic=…`` for each raw topic. MessagePack by default; ``?form=json`` gives the
+JSON form. The session cookie (or a token) says who it is; rights are checked on every message, both
+ways.
 
 The messages stand in `browser_messages`, by subject; this is the one place to import them from.
 """

@@ -94,14 +94,15 @@ export function matchingPaths(value: unknown, search: string, most = 500): Reado
   const words = search.trim().toLowerCase();
   if (words === "") return null;
   const found = new Set<string>();
-  const look = (children: readonly TreeChild[], above: readonly string[]): void => {
+  const searchChildren = (children: readonly TreeChild[], above: readonly string[]): void => {
     for (const { path, value: inner } of children) {
       if (found.size >= most) return;
-      if (path.toLowerCase().includes(words)) for (const each of [...above, path]) found.add(each);
-      look(childrenOf(inner, path) ?? [], [...above, path]);
+      const way = [...above, path];
+      if (path.toLowerCase().includes(words)) for (const step of way) found.add(step);
+      searchChildren(childrenOf(inner, path) ?? [], way);
     }
   };
-  look(childrenOf(value, "") ?? [], []);
+  searchChildren(childrenOf(value, "") ?? [], []);
   return found;
 }
 

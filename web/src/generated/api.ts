@@ -1729,6 +1729,25 @@ export interface SightingList {
   readonly more: boolean;
 }
 
+/** A raw topic that you may tap. */
+export interface TopicShape {
+  readonly topic: string;
+  readonly type: string;
+  readonly latched: boolean;
+  readonly max_rate: number;
+  readonly problem: string;
+  readonly described: boolean;
+  readonly right: TopicRight;
+  readonly device: string;
+  readonly rate: number;
+}
+
+/** The raw topics of a site that you may tap. */
+export interface TopicTable {
+  readonly online: boolean;
+  readonly topics: readonly TopicShape[];
+}
+
 /** The tiles in the hub's folder of extensions. */
 export interface TileList {
   readonly api: number;
@@ -2077,6 +2096,13 @@ export type StateMeaning =
   | "warning"
   | "unsafe"
   | "normal";
+
+/** The right that a person needs to have a raw topic. */
+export type TopicRight =
+  | "view"
+  | "use"
+  | "admin"
+  | "tap";
 
 /** How a group ranks among others. */
 export type Urgency =

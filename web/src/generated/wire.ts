@@ -442,6 +442,35 @@ export interface BoxesRequest {
   readonly on: boolean;
 }
 
+/** What is known of the topic: at the beginning, and whenever it changes. */
+export interface TopicUpdate {
+  readonly t: "topic_update";
+  readonly listed: boolean;
+  readonly type: string;
+  readonly latched: boolean;
+  readonly max_rate: number;
+  readonly definition: string;
+  readonly problem: string;
+}
+
+/** A message of the topic, as a tree. */
+export interface TopicMessage {
+  readonly t: "topic_message";
+  readonly number: number;
+  readonly seq: number;
+  readonly time_us: number;
+  readonly publish_us: number;
+  readonly age_ms: number;
+  readonly size: number;
+  readonly tree: string;
+}
+
+/** The page has `TopicMessage` ``number``; a few may be under way, the next waits for this. */
+export interface TopicShown {
+  readonly t: "topic_shown";
+  readonly number: number;
+}
+
 export type FromBrowser =
   | Subscribe
   | Unsubscribe
@@ -491,6 +520,15 @@ export type MediaFromBrowser =
   | ViewerAttention
   | BoxesRequest;
 
+export type TopicToBrowser =
+  | TopicUpdate
+  | TopicMessage
+  | RequestError
+  | SessionEnded;
+
+export type TopicFromBrowser =
+  | TopicShown;
+
 /** The tags a page may be sent. */
 export const TO_BROWSER: ReadonlySet<string> = new Set([
   "greeting",
@@ -521,6 +559,13 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
 export const MEDIA_TO_BROWSER: ReadonlySet<string> = new Set([
   "shot",
   "shot_boxes",
+  "problem",
+  "ended",
+]);
+
+export const TOPIC_TO_BROWSER: ReadonlySet<string> = new Set([
+  "topic_update",
+  "topic_message",
   "problem",
   "ended",
 ]);
@@ -566,4 +611,7 @@ export const DEFAULTS = {
   shown: {},
   glance: {},
   boxes_ask: {},
+  topic_update: { listed: false, type: "", latched: false, max_rate: 0.0, definition: "", problem: "" },
+  topic_message: { seq: 0, time_us: 0, publish_us: 0, age_ms: 0, size: 0 },
+  topic_shown: {},
 } as const;

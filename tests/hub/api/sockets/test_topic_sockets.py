@@ -10,6 +10,7 @@ import websockets
 from patience import PATIENCE_S
 from rosbags.typesys import Stores, get_typestore
 
+from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser
 from talaia.wire.frames import (
     DescriptionUpdate,
@@ -35,9 +36,7 @@ ENTRIES = [
     TopicEntry(number=2, topic="/secret", type=KIND),
     TopicEntry(number=3, topic="/other", type=KIND),
 ]
-SCHEMA = TapSchema(
-    type=KIND, encoding="ros2msg", definition="string data", message_encoding="cdr"
-)
+SCHEMA = TapSchema(type=KIND, encoding="ros2msg", definition="string data", message_encoding="cdr")
 
 
 def serialized(text: str) -> bytes:
@@ -47,7 +46,7 @@ def serialized(text: str) -> bytes:
 class Robot:
     """A gateway with three topics."""
 
-    def __init__(self, hub, gateway, media) -> None:
+    def __init__(self, hub, gateway, media) -> None:  # noqa: D107
         self.hub, self.gateway, self.media = hub, gateway, media
         self.seq = 0
 
@@ -167,7 +166,12 @@ async def test_topic_that_a_person_may_not_tap_is_as_if_it_were_not_there(
 
 async def test_topic_ends_when_the_description_takes_it_away(robot) -> None:
     page = await followed(robot)
-    await robot.gateway.say(DescriptionUpdate(description=compress_text(DESCRIPTION), catalogue="c1"))
+    addresses = [channel.address for channel in load_site(DESCRIPTION).channels()]
+    await robot.gateway.say(
+        DescriptionUpdate(
+            description=compress_text(DESCRIPTION), catalogue="c1", addresses=addresses
+        )
+    )
     problem = await page.hear(browser.RequestError)
     assert problem.code == "forbidden"
     assert await page.closed() == 1000

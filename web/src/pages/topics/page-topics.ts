@@ -152,7 +152,7 @@ export class PageTopics extends LitElement {
             ${repeat(
               shown,
               ({ topic }) => topic,
-              (one) => this.renderRow(one, one.topic === chosen),
+              (row) => this.renderRow(row, row.topic === chosen),
             )}
           </ul>`}
     </section>`;

@@ -1,7 +1,7 @@
 /** The raw topics that a site's description offers and that have a tile of their own. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { css, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";

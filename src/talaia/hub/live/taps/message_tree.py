@@ -116,7 +116,7 @@ def tree_reader(schema: TapSchema) -> Callable[[bytes], dict[str, object]]:
     return read
 
 
-class _TooMuch(Exception):  # noqa: N818 - never leaves this module
+class _TooMuch(Exception):
     pass
 
 
@@ -131,10 +131,13 @@ class _FormMaker:
         self._open: set[str] = set()
 
     def message(self, name: str, depth: int) -> _Form:
+        # A type that stands in many places is worked out once.
         if name in self._made:
             return self._made[name]
+        # `rosbags` takes it for a message of the package.
         if name.endswith(_WIDE_TEXT) and name not in self._types:
             return _Form(text=4)
+        # A type that holds itself would never end; ROS has none.
         if name not in self._types or name in self._open or depth > _MOST_DEPTH:
             raise MessageUnreadable(f"the type {name[:200]!r} is not known")
         self._open.add(name)
@@ -154,11 +157,11 @@ class _FormMaker:
             case (Nodetype.NAME, str(name)):
                 return self.message(name, depth)
             case (Nodetype.ARRAY, (inner, int(length))):
-                of = self._form(inner, depth)  # type: ignore[arg-type] - of rosbags' own forms
+                of = self._form(inner, depth)
                 made = _Form(of=of, length=length, values=1 + length * of.values)
                 return made._replace(steps=_steps_of_many(of, length))
             case (_, (inner, _)):
-                return _Form(of=self._form(inner, depth))  # type: ignore[arg-type] - the same
+                return _Form(of=self._form(inner, depth))
         raise MessageUnreadable(f"the form {kind!r} is not known")
 
     def _plain(self, word: str) -> _Form:
@@ -168,6 +171,7 @@ class _FormMaker:
             return _Form(text=4)
         if word not in _NUMBERS:
             raise MessageUnreadable(f"the type {word[:200]!r} is not known")
+        # In CDR a number begins at a multiple of its size, counted from the header on.
         letter = _NUMBERS[word]
         size = struct.calcsize(f"<{letter}")
         steps = tuple(size + (-at % size if self._aligned else 0) for at in range(8))
@@ -180,6 +184,7 @@ def _steps_of(forms: list[_Form]) -> tuple[int, ...] | None:
     for begin in range(8):
         at = begin
         for form in forms:
+            # One that varies makes the whole vary.
             if form.steps is None:
                 return None
             at += form.steps[at & 7]
@@ -231,6 +236,7 @@ class _Reading:
         return {name: self._value(form) for name, form in fields}
 
     def _value(self, form: _Form) -> object:
+        # Also of what takes no bytes: only steps bound it.
         self._count_step()
         if form.fields is not None:
             return self.fields(form.fields)
@@ -258,6 +264,7 @@ class _Reading:
 
     def _records(self, of: _Form, count: int) -> object:
         first: list[object] = []
+        # What follows an array is shown, too, so that the rest of it is stepped over and not left.
         while len(first) < min(count, _MOST_RECORDS) and self._values > 0:
             first.append(self._value(of))
         for _ in range(count - len(first)):
@@ -272,7 +279,8 @@ class _Reading:
             for _, each in form.fields:
                 self._skip(each)
         elif form.of is None:
-            self._at += self._length() * form.text
+            size = self._length() * form.text
+            self._at += size
         else:
             count = self._length() if form.length < 0 else form.length
             if form.of.steps is not None:
@@ -284,6 +292,7 @@ class _Reading:
             raise struct.error
 
     def _number(self, form: _Form) -> float | bool:
+        # ROS 1 packs without gaps.
         if not self._ros1:
             self._at += -self._at % form.size
         (value,) = struct.unpack_from(f"{self._order}{form.letter}", self._data, self._at)
@@ -324,7 +333,7 @@ class _Reading:
 _LENGTH = _Form(letter="I", size=4)
 
 
-def _plain_number(value: float | bool) -> object:
+def _plain_number(value: float | bool) -> object:  # noqa: FBT001 - what is read
     if isinstance(value, float):
         if math.isfinite(value):
             return value

@@ -60,7 +60,7 @@ _FAREWELL_S = 0.3
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
 
-class _Over(Exception):  # noqa: N818 - never leaves this module
+class _Over(Exception):
     """There is no more to come; what the page is told has been sent."""
 
 
@@ -138,6 +138,7 @@ class TopicViewer:
 
         """
         try:
+            # Whichever ends first ends all: the page, the topic, or the session.
             results = await until_first(
                 self._receive(), self._send_events(max_rate), self._over.wait()
             )
@@ -184,6 +185,7 @@ class TopicViewer:
                     case TapDelivery():
                         await self._send_message(event.message)
                     case TapTrouble():
+                        # The tap stands, and messages may come again.
                         await self._send_problem("topic", event.why)
                     case TapEnded():
                         await self._send_problem("forbidden", event.why)
@@ -229,14 +231,17 @@ class TopicViewer:
             definition=definition[:_MOST_DEFINITION],
             problem=found.why if found else "",
         )
+        # Lists of topics change often, and seldom what they say of this one.
         if update != self._told:
             self._told = update
             await self._send(update)
 
     async def _send_message(self, message: TappedMessage) -> None:
+        # Why it cannot be read has been told.
         read = self._read
         if read is None:
             return
+        # Before it is read: what the page has no room for costs nothing.
         await self._wait_for_room()
         try:
             tree = await self._lane.encode_tree(read, message.data)
@@ -290,4 +295,3 @@ class TopicViewer:
                 await self._socket.close(code)
         except _GONE:
             return
-

@@ -1,4 +1,4 @@
-"""Messages read for pages one after another, so that all looking together leaves the hub its time."""
+"""Messages read for pages one after another, so that all together leave the hub its time."""
 
 from __future__ import annotations
 
