@@ -252,9 +252,9 @@ class _Reading:
         if of.steps is None:
             return self._records(of, count)
         # What is in it has always the same size: how much of it is shown is known at once.
-        each = max(1, of.values)
-        whole = count * each <= min(_WHOLE, self._values)
-        shown = count if whole else max(0, min(count, _FIRST // each or 1, self._values))
+        values = max(1, of.values)
+        whole = count * values <= min(_WHOLE, self._values)
+        shown = count if whole else max(0, min(count, _FIRST // values or 1, self._values))
         end = _end_of_many(of.steps, count, self._at)
         if end > len(self._data):
             raise struct.error
@@ -276,8 +276,8 @@ class _Reading:
         if form.steps is not None:
             self._at += form.steps[self._at & 7]
         elif form.fields is not None:
-            for _, each in form.fields:
-                self._skip(each)
+            for _, inner in form.fields:
+                self._skip(inner)
         elif form.of is None:
             size = self._length() * form.text
             self._at += size
