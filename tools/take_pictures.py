@@ -122,7 +122,10 @@ def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
 @contextmanager
 def diagnosing() -> Iterator[None]:
     """Let a robot in the demo's own ROS domain publish diagnostics, once a second."""
-    lines = [process.cmdline() for process in psutil.Process().children(recursive=True)]
+    below = psutil.Process().children(recursive=True)
+    # The browser leaves some of its own behind.
+    alive = [process for process in below if process.status() != psutil.STATUS_ZOMBIE]
+    lines = [process.cmdline() for process in alive]
     vehicle = next(line for line in lines if "vehicle" in line and "--domain" in line)
     domain = int(vehicle[vehicle.index("--domain") + 1])
     script = ROOT / "tests" / "system" / "diagnostics_robot.py"
