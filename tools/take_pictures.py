@@ -513,7 +513,7 @@ def description(page: Page, address: str, _password: str) -> None:
 def topics(page: Page, address: str, _password: str) -> None:
     """Show the topics, and one laser scan as a tree."""
     page.goto(f"{address}/sites/agv/topics?topic=/scan")
-    page.get_by_text("ranges").first.wait_for()
+    page.locator("t-message-tree").get_by_text("ranges", exact=True).wait_for()
     page.wait_for_timeout(2500)
 
 
