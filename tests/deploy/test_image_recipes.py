@@ -12,7 +12,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -23,6 +25,7 @@ from deploy.linked_environment import make_linked_environment
 
 from talaia import __version__
 from talaia.cli.main import main
+from talaia.sim.ros_domain import reserve_domain
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples/agv/site.yaml"
@@ -43,11 +46,24 @@ CLEAN = {
 # What is installed is run twice and thrown away: nothing is compiled that is never imported.
 CLEAN["PIP_COMPILE"] = "0"
 FROM_INDEX = "TALAIA_PROOF_TABLE" in os.environ
+# The Python of a distribution's own ROS 2, and that of the gateway in its image.
+DISTROS = {"humble": "3.10", "jazzy": "3.12"}
+GATEWAYS_PYTHON = "3.12"
+# Wheels that stand for what the image of `ros:<distro>` and its recipe bring from Debian packages.
+ROS_WHEELS = (
+    "ros-rclpy[fastrtps]", "ros-std-msgs", "ros-std-srvs", "ros-geometry-msgs", "ros-sensor-msgs",
+    "ros-nav-msgs",
+)  # fmt: skip
+TALKER = ROOT / "tests/gateway/taps/topics_peer.py"
 
 
-def run(*words: str | Path) -> str:
+def run(*words: str | Path, **more: str) -> str:
     done = subprocess.run(
-        [str(each) for each in words], env=CLEAN, capture_output=True, text=True, check=False
+        [str(each) for each in words],
+        env={**CLEAN, **more},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, f"{words}:\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
     return done.stdout
@@ -116,6 +132,93 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
         came = run(*pip, "list", "--format", "freeze").replace("\n", "\n- ").rstrip("- \n")
         with Path(table).open("w" if image == "hub" else "a") as file:
             file.write(f"## What came for `{install[-1]}`\n\n- {came}\n\n")
+
+
+def lay_managed_python(folder: Path) -> None:
+    """Put this machine's Python where uv has the one that it brings: it is no package's."""
+    found = shutil.which(f"python{GATEWAYS_PYTHON}")
+    assert found, f"there is no python{GATEWAYS_PYTHON} here"
+    which = "import sys, platform; print(sys.base_prefix, platform.python_version())"
+    prefix, version = run(found, "-c", which).split()
+    folder.mkdir(parents=True)
+    (folder / f"cpython-{version}-linux-{platform.machine()}-gnu").symlink_to(prefix)
+
+
+def seen_by_a_probe(program: Path, ros_python: Path) -> list[str]:
+    """Give the topics that an image's gateway sees by the ROS 2 of another Python."""
+    with reserve_domain() as reservation:
+        ros = {
+            "ROS_DOMAIN_ID": str(reservation.domain),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        }
+        talker = subprocess.Popen(
+            [sys.executable, str(TALKER)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+            env={**os.environ, **ros},
+        )
+        assert talker.stdin is not None
+        try:
+            talker.stdin.write('{"do": "open", "topic": "/words"}\n')
+            talker.stdin.flush()
+            words = ("probe", "--ros2", "--seconds", "10", "--json")
+            said = run(program, *words, TALAIA_ROS_PYTHON=str(ros_python), **ros)
+        finally:
+            talker.stdin.close()
+            talker.wait(30)
+    return [topic["topic"] for topic in json.loads(said)["topics"]]
+
+
+@pytest.mark.skipif(
+    not FROM_INDEX, reason="uv and ROS come from the index: make proofs ONLY=images"
+)
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("distro", DISTROS)
+def test_the_install_steps_of_an_image_on_ros_work_and_its_gateway_sees_a_robot(
+    distro: str, wheel: Path, tmp_path: Path
+) -> None:
+    folder, root = tmp_path / "deployment", tmp_path / "root"
+    words = ["generate", str(EXAMPLE), "--to", str(folder), "--wheel", str(wheel)]
+    assert main([*words, "--ros-distro", distro, "--arch", "arm64"]) == 0
+    recipe = (folder / "gateway.Dockerfile").read_text()
+    places = dict(re.findall(r"(UV_PYTHON_INSTALL_DIR)=(\S+)", recipe))
+    places = {key: f"{root}{place}" for key, place in places.items()}
+    lay_managed_python(Path(places["UV_PYTHON_INSTALL_DIR"]))
+    ros_own = shutil.which(f"python{DISTROS[distro]}")
+    assert ros_own, f"there is no python{DISTROS[distro]} here"
+    # uv does not read pip's settings.
+    index = run(sys.executable, "-m", "pip", "config", "list")
+    found = re.search(r"index-url='(.+)'", index)
+    if found:
+        places["UV_DEFAULT_INDEX"] = found[1]
+    stand_ins = {"python3": ros_own, "/wheels": str(folder / "wheels")}
+    for step in steps(recipe):
+        here = [f"{root}{word}" if word.startswith("/opt/") else word for word in step]
+        run(*(stand_ins.get(word, word) for word in here), **places)
+    (entry,) = re.findall(r"^ENTRYPOINT (\[.*\])$", recipe, re.MULTILINE)
+    program = Path(f"{root}{json.loads(entry)[0]}")
+    assert run(program, "--version").strip() == f"talaia {__version__}"
+    assert "usage: talaia" in run(program, "gateway", "--help")
+    own = program.parent / "python"
+    version = run(own, "-c", "import platform; print(platform.python_version())").strip()
+    assert version.startswith(GATEWAYS_PYTHON)
+    came = run(root / "opt/uv/bin/uv", "pip", "freeze", "--python", own)
+    # The image's ROS 2 is used, and its wheels are not there.
+    assert not re.search("^ros-", came, re.MULTILINE)
+    run(ros_own, "-m", "venv", root / "ros")
+    run(root / "ros/bin/python", "-m", "pip", "install", "--quiet", *ROS_WHEELS)
+    assert "/words" in seen_by_a_probe(program, root / "ros/bin/python")
+    if table := os.environ.get("TALAIA_PROOF_TABLE"):
+        with Path(table).open("a") as file:
+            wanted = steps(recipe)[-1][-1]
+            file.write(
+                f"## What came for `{wanted}` on `ros:{distro}-ros-base`\n\n"
+                f"The steps of the recipe for arm64, run on {platform.machine()}: Python "
+                f"{version} of this machine stood for the one that uv downloads, and ROS 2's "
+                f"wheels of Python {DISTROS[distro]} for the image's. The gateway's probe saw a "
+                "topic through them.\n\n- " + came.strip().replace("\n", "\n- ") + "\n\n"
+            )
 
 
 def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:

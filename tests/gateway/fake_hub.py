@@ -38,6 +38,7 @@ from talaia.wire.frames import (
     FilmOffer,
     Hello,
     PictureFrame,
+    RobotGraph,
     SampleBatch,
     SampleGap,
     TapError,
@@ -69,7 +70,7 @@ class FakeHub:
         self.away: dict[str, str] = {}
         self.pictures: list[PictureFrame] = []
         self.boxes: list[DetectedBoxes] = []
-        self.taps: list[TopicList | TapSchema | TapMessage | TapError] = []
+        self.taps: list[TopicList | TapSchema | TapMessage | TapError | RobotGraph] = []
         self.media_bytes = 0
         self.media: list[ServerConnection] = []
         self.takes: list[str] = []
@@ -187,7 +188,7 @@ class FakeHub:
                 self.pictures.append(message)
             elif isinstance(message, DetectedBoxes):
                 self.boxes.append(message)
-            elif isinstance(message, TopicList | TapSchema | TapMessage | TapError):
+            elif isinstance(message, TopicList | TapSchema | TapMessage | TapError | RobotGraph):
                 self.taps.append(message)
             self._changed.set()
 

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["ListedTopic", "TapSink", "TopicDefinition", "TopicSource"]
+__all__ = [
+    "GraphNode",
+    "GraphSource",
+    "ListedTopic",
+    "TapSink",
+    "TopicDefinition",
+    "TopicSource",
+]
 
 
 class ListedTopic(NamedTuple):
@@ -24,6 +31,15 @@ class TopicDefinition(NamedTuple):
     encoding: str
     definition: str
     message_encoding: str
+
+
+class GraphNode(NamedTuple):
+    """A node of the robot, and the absolute names of its topics and services, in order."""
+
+    name: str
+    publishes: tuple[str, ...] = ()
+    subscribes: tuple[str, ...] = ()
+    serves: tuple[str, ...] = ()
 
 
 class TapSink(Protocol):
@@ -51,6 +67,10 @@ class TapSink(Protocol):
         """Take why a topic cannot be heard; said again while it lasts."""
         ...
 
+    def list_nodes(self, nodes: Sequence[GraphNode], distro: str = "") -> None:
+        """Take all nodes there are now, and the distribution of ROS; see `GraphSource`."""
+        ...
+
 
 @runtime_checkable
 class TopicSource(Protocol):
@@ -62,4 +82,13 @@ class TopicSource(Protocol):
 
     def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
         """Tell how a type is read, or why that is not known; ``done`` is called on any thread."""
+        ...
+
+
+@runtime_checkable
+class GraphSource(Protocol):
+    """An adapter that has nodes: it lists them to its `TapSink` while it is asked to."""
+
+    def watch_graph(self, *, wanted: bool) -> None:
+        """List all nodes soon and on every change, or ask the robot for them no more."""
         ...

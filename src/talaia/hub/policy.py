@@ -144,6 +144,7 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.TapSchema,
         frames.TapMessage,
         frames.TapError,
+        frames.RobotGraph,
         frames.FileOffer,
         frames.FilmOffer,
         frames.ArchiveOffer,

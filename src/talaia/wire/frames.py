@@ -85,6 +85,12 @@ from talaia.wire.gateway_messages.pictures import (
     StreamError,
     StreamSubscription,
 )
+from talaia.wire.gateway_messages.robot_graph import (
+    MAX_GRAPH_NAMES,
+    MAX_GRAPH_NODES,
+    RobotGraph,
+    RobotNode,
+)
 from talaia.wire.gateway_messages.samples import (
     Ack,
     NewestBatch,
@@ -118,6 +124,8 @@ __all__ = [
     "FILES_FROM_HUB",
     "LINK_FROM_GATEWAY",
     "LINK_FROM_HUB",
+    "MAX_GRAPH_NAMES",
+    "MAX_GRAPH_NODES",
     "MAX_PICTURE",
     "MAX_TAPPED",
     "MAX_TOPICS",
@@ -182,6 +190,8 @@ __all__ = [
     "ResendRequest",
     "ResetRequest",
     "ResetToken",
+    "RobotGraph",
+    "RobotNode",
     "SampleBatch",
     "SampleGap",
     "Scalar",

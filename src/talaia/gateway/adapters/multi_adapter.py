@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.tap_ports import TopicSource
+from talaia.gateway.tap_ports import GraphSource, TopicSource
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -95,6 +95,7 @@ class MultiAdapter:
         self._running: set[str] = set()  # Connections whose `run` is under way.
         self._streams: tuple[str, ...] = ()  # What is watched now, for adapters that come later.
         self._tapped: frozenset[str] = frozenset()  # Raw topics that are heard, likewise.
+        self._graph_wanted = False  # Whether nodes are listed, likewise.
         # While `run` is under way; adapters are begun in it.
         self._group: asyncio.TaskGroup | None = None
         self._tasks: dict[str, asyncio.Task[None]] = {}  # By connection: what runs its adapter.
@@ -157,6 +158,7 @@ class MultiAdapter:
         # Each adapter is told again: which streams are its own may have changed.
         self.watch(self._streams)
         self.tap_topics(self._tapped)
+        self.watch_graph(wanted=self._graph_wanted)
 
     def _begin_adapter(self, name: str) -> None:
         if self._group is None:
@@ -233,6 +235,13 @@ class MultiAdapter:
         for adapter, _ in self._adapters.values():
             if isinstance(adapter, TopicSource):
                 adapter.tap_topics(topics)
+
+    def watch_graph(self, *, wanted: bool) -> None:
+        """Have each connection list its nodes, or do so no more; see `GraphSource`."""
+        self._graph_wanted = wanted
+        for adapter, _ in self._adapters.values():
+            if isinstance(adapter, GraphSource):
+                adapter.watch_graph(wanted=wanted)
 
     def define_type(
         self, connection: str, type_name: str, done: Callable[[TopicDefinition | str], None]

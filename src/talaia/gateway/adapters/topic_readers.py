@@ -25,7 +25,7 @@ from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.unreadable_reports import UnreadableReports
@@ -113,6 +113,7 @@ class TopicPlan:
         topic: str,
         type_name: str,
         rows: list[_Row],
+        delays: Sequence[_Row] = (),
         by_name: Mapping[str, list[_Row]],
         latest: dict[str, ChannelReading],
         complain: Callable[[str, str], None],
@@ -125,6 +126,7 @@ class TopicPlan:
             topic: the ROS topic.
             type_name: its type.
             rows: signals read from a field.
+            delays: signals that tell by how much messages come after their stamps.
             by_name: signals of a topic that carries many sensors, see `named_sensors`.
             latest: where tapped readings go.
             complain: told once for each address that cannot be read, with the problem.
@@ -137,6 +139,7 @@ class TopicPlan:
         self.topic = topic
         self.type_name = type_name
         self._rows = rows  # In the description's order.
+        self._delays = delays
         self._by_name = by_name  # By the name of a sensor.
         self._latest = latest  # Shared by all plans of the adapter.
         self._complain = complain
@@ -164,7 +167,8 @@ class TopicPlan:
         return self._all_rows()[0].signal.states
 
     def _all_rows(self) -> list[_Row]:
-        return [*self._rows, *(row for rows in self._by_name.values() for row in rows)]
+        named = (row for rows in self._by_name.values() for row in rows)
+        return [*self._rows, *self._delays, *named]
 
     def take_over(self, before: TopicPlan) -> None:
         """Go on where another plan of the topic stops: held-back values are not lost."""
@@ -185,6 +189,7 @@ class TopicPlan:
             return row._replace(sampler=was)
 
         self._rows = [mended(row) for row in self._rows]
+        self._delays = [mended(row) for row in self._delays]
         self._by_name = {name: [mended(row) for row in of] for name, of in self._by_name.items()}
         rows = self._all_rows()
         self._thinned = [row for row in rows if row.sampler is not None]
@@ -227,6 +232,13 @@ class TopicPlan:
                 into.add_number(row.channel, time_us, values[0])
             else:
                 self._add(row, values, time_us, into)
+        # Imported recordings have one time alone.
+        if stamps is not None:
+            late_s = stamps.lag_us / 1e6
+            for row in self._delays:
+                if row.tapped:
+                    self._tap(row, message, late_s, mono_ns)
+                self._add(row, (late_s,), time_us, into)
         if self._by_name:
             self._read_named(message, time_us, mono_ns, into)
 
@@ -342,6 +354,7 @@ def plans_of(
     """
     rows: dict[tuple[str, str], list[_Row]] = {}
     names: dict[tuple[str, str], dict[str, list[_Row]]] = {}
+    delays: dict[tuple[str, str], list[_Row]] = {}
     for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
             source = source_as(signal.source, RosSource)
@@ -355,7 +368,9 @@ def plans_of(
             # Both, so that a topic with named signals alone has a plan as well.
             rows.setdefault(key, [])
             names.setdefault(key, {})
-            if source.name:
+            if source.delay:
+                delays.setdefault(key, []).append(row)
+            elif source.name:
                 names[key].setdefault(source.name, []).append(row)
             else:
                 rows[key].append(row)
@@ -364,6 +379,7 @@ def plans_of(
             topic=topic,
             type_name=type_name,
             rows=read,
+            delays=delays.get((topic, type_name), ()),
             by_name=names[topic, type_name],
             latest=latest,
             complain=complain,
@@ -441,7 +457,8 @@ def _plan_row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _R
     rule = rule_of(signal)
     sampler = None if rule is None else Sampler(rule)
     source, stamp = source_as(signal.source, RosSource), None
-    if source.name:
+    # What is no field is found while a message is read.
+    if source.name or source.delay:
         texts = signal.type is SignalType.TEXT
         return _Row(
             address, channel, None, None, None if texts else sampler, tapped, signal.scale, signal

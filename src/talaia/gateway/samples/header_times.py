@@ -69,6 +69,7 @@ class HeaderTimes:
         try:
             stamp_us = stamp_ns_of(getattr(header, "stamp", None), "header.stamp") // 1000
         except FieldError:
+            self.lag_us = 0
             return arrived_us
         if self._shift_us is not None:
             shift_us = self._shift_us()

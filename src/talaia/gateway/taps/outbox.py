@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
-    from talaia.wire.frames import TapError, TapSchema, TopicList
+    from talaia.wire.frames import RobotGraph, TapError, TapSchema, TopicList
 
 __all__ = ["TAP_RECEIPTS", "RawTap", "TapOutbox"]
 
@@ -102,7 +102,7 @@ class TapOutbox:
 
     # ── any thread ──
 
-    def enqueue_notice(self, notice: TopicList | TapSchema | TapError) -> None:
+    def enqueue_notice(self, notice: TopicList | TapSchema | TapError | RobotGraph) -> None:
         """Queue what comes before all messages that are queued after it."""
         data = MEDIA_FROM_GATEWAY.encode(notice)
         with self._lock:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from talaia.gateway.tap_ports import TopicDefinition
 from talaia.gateway.taps.outbox import RawTap
+from talaia.gateway.taps.site_graph import SiteGraph
 from talaia.wire.frames import (
     MAX_TAPPED,
     MAX_TOPICS,
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from talaia.clock import Clock
-    from talaia.gateway.tap_ports import ListedTopic
+    from talaia.gateway.tap_ports import GraphNode, ListedTopic
     from talaia.gateway.taps.outbox import TapOutbox
     from talaia.wire.frames import TapSubscription
 
@@ -36,6 +37,10 @@ class TappedAdapter(Protocol):
 
     def tap_topics(self, topics: frozenset[str]) -> None:
         """Hear these and no others."""
+        ...
+
+    def watch_graph(self, *, wanted: bool) -> None:
+        """List nodes; see `GraphSource`."""
         ...
 
     def define_type(
@@ -73,6 +78,8 @@ class TapService:
         self._adapter: TappedAdapter | None = None
         # The hub of this link takes lists, schemas and messages.
         self._taken = False
+        # Whether the hub wants to know of nodes.
+        self._graph_wanted = False
         # Types whose definitions the hub has not, as it said last.
         self._asked_types: tuple[str, ...] = ()
         # Replaced whole by the loop, read by the adapters' threads, as are the numbers of topics
@@ -85,6 +92,7 @@ class TapService:
         self._listed: dict[str, tuple[ListedTopic, ...]] = {}
         # By topic and type; never given anew in this run.
         self._numbers: dict[tuple[str, str], int] = {}
+        self._graph = SiteGraph()
 
     def attach_adapter(self, adapter: TappedAdapter) -> None:
         """Take who is told what to hear."""
@@ -103,12 +111,15 @@ class TapService:
         self._taken = False
         self._asked_types = ()
         self._want({})
+        self._want_graph(wanted=False)
 
     def _begin_media(self) -> None:
         """Tell a new connection for pictures which topics there are, and what was asked for."""
         if self._taken:
             with self._lock:
                 self._outbox.enqueue_notice(self._list())
+                if self._graph.known:
+                    self._outbox.enqueue_notice(self._graph.message())
             self._tell_schemas(self._asked_types)
 
     def subscribe(self, asked: TapSubscription) -> None:
@@ -121,6 +132,7 @@ class TapService:
                 before = _WantedTap(topic, rate, 0 if before is None else before.seq)
             wanted[topic] = before
         self._want(wanted)
+        self._want_graph(wanted=asked.graph)
         new = tuple(name for name in asked.types if name not in self._asked_types)
         self._asked_types = tuple(asked.types)
         self._tell_schemas(new)
@@ -132,6 +144,16 @@ class TapService:
                 self._outbox.forget_topic(number)
         if before.keys() != wanted.keys() and self._adapter is not None:
             self._adapter.tap_topics(frozenset(wanted))
+
+    def _want_graph(self, *, wanted: bool) -> None:
+        if wanted == self._graph_wanted:
+            return
+        self._graph_wanted = wanted
+        with self._lock:
+            # What was known is soon no longer so.
+            self._graph.clear()
+        if self._adapter is not None:
+            self._adapter.watch_graph(wanted=wanted)
 
     def _tell_schemas(self, types: Sequence[str]) -> None:
         for type_name in types:
@@ -212,6 +234,14 @@ class TapService:
             wanted.problem = why
             self._outbox.enqueue_notice(TapError(topic=topic, why=why[:2000]))
 
+    def list_nodes(self, connection: str, nodes: Sequence[GraphNode], distro: str) -> None:
+        """Take all nodes of a connection; see `TapSink.list_nodes`."""
+        with self._lock:
+            # What comes after it was wanted last is let go.
+            changed = self._graph_wanted and self._graph.replace_nodes(connection, nodes, distro)
+            if changed and self._taken:
+                self._outbox.enqueue_notice(self._graph.message())
+
     def _list(self) -> TopicList:
         """Give the list as it is now, and let what is in it be sent. Under the lock."""
         # Of one name in two connections the first counts.
@@ -256,3 +286,7 @@ class ConnectionTaps:
     def report_problem(self, topic: str, why: str) -> None:
         """See `TapSink.report_problem`."""
         self._service.report_problem(topic, why)
+
+    def list_nodes(self, nodes: Sequence[GraphNode], distro: str = "") -> None:
+        """See `TapSink.list_nodes`."""
+        self._service.list_nodes(self._connection, nodes, distro)

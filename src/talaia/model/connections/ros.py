@@ -72,6 +72,8 @@ class RosSource(SourceShape, frozen=True, kw_only=True, tag="ros"):
         stamp: the path of the value's own time, ``header.stamp``, which tells an old value that
             goes on arriving from a new one. Interlocks count a value from when its stamp last
             advanced.
+        delay: instead of a field: by how much the stamp of a message's header lies before its
+            arrival (s), where samples have the time of the stamp; else 0.
         synchronized: the clock behind ``stamp`` and the gateway's agree (NTP): a stamp that is
             further from the gateway's clock than ``max_age`` makes its value unknown.
 
@@ -85,6 +87,7 @@ class RosSource(SourceShape, frozen=True, kw_only=True, tag="ros"):
     lifecycle: str = ""
     stamp: str = ""
     synchronized: bool = False
+    delay: bool = False
 
 
 class RosRules(KindRules[ConnectionT, RosSource]):
@@ -121,6 +124,9 @@ class RosRules(KindRules[ConnectionT, RosSource]):
             yield from self.parameter_fits(where, source)
             return
         yield from self.stream_fits(where, source)
+        if source.delay:
+            yield from _delay_fits(where, signal, source)
+            return
         if signal.type is not SignalType.POSITION and not source.field and not source.name:
             problem = "which field of the message is meant?"
             yield Finding(f"{where}.field", problem, "write: field: data")
@@ -210,12 +216,27 @@ def _transition_fits(where: str, command: Command) -> Iterator[Finding]:
         yield Finding(f"{where}.fixed.{TRANSITION}", problem, f"one of {words}")
 
 
+def _delay_fits(where: str, signal: Signal, source: RosSource) -> Iterator[Finding]:
+    """Judge a signal that tells by how much messages come after their stamps."""
+    if signal.type is not SignalType.NUMBER:
+        problem = f"a delay is a number of seconds, and no {signal.type}"
+        yield Finding(f"{where}.delay", problem, "write: type: number")
+    elif signal.unit != "s" or signal.scale != 1:
+        yield Finding(f"{where}.delay", "a delay is in seconds", "write: unit: s")
+    for key in ("field", "name"):
+        if getattr(source, key):
+            problem = f"{key} is given, too: which of the two is meant?"
+            yield Finding(f"{where}.delay", problem, "leave one out")
+
+
 def _without_stamp(source: RosSource) -> str:
     """Say what a source is that has no stamp; empty for one that may have one."""
     if source.lifecycle:
         return "a life cycle"
     if source.parameter:
         return "a parameter"
+    if source.delay:
+        return "a delay"
     return "a sensor by name" if source.name else ""
 
 

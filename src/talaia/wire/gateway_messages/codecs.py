@@ -45,6 +45,7 @@ from talaia.wire.gateway_messages.pictures import (
     StreamError,
     StreamSubscription,
 )
+from talaia.wire.gateway_messages.robot_graph import RobotGraph
 from talaia.wire.gateway_messages.samples import (
     Ack,
     NewestBatch,
@@ -151,6 +152,7 @@ MediaFromGateway = (
     | TapSchema
     | TapMessage
     | TapError
+    | RobotGraph
     | Beat
     | BeatReply
 )

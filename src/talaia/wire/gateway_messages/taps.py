@@ -39,11 +39,13 @@ class TapSubscription(Message, frozen=True, kw_only=True, tag="tap_subscription"
     Attributes:
         topics: absolute names, each with the most messages a second that are wanted (Hz); 0: all.
         types: message types whose `TapSchema` the hub wants, whether or not they are heard.
+        graph: the hub wants to know the robot's nodes (`RobotGraph`).
 
     """
 
     topics: _Rates = {}
     types: _Types = []
+    graph: bool = False
 
 
 class TopicEntry(Message, frozen=True, kw_only=True, tag="topic"):

@@ -3,8 +3,10 @@
 ``recorded/rosbridge-*.jsonl`` were recorded between this gateway and RobotWebTools'
 rosbridge_suite (branch ros2) on rclpy, with `recording`; see `test_adapter`. A line is a frame
 in the order of the wire: ``c`` what the client said, ``s`` what the server said (``b`` when it
-was binary, in base64). `Replay` says each server frame when the client has said all that came
-before it; so it also shows that the gateway still says what the real server understood.
+was binary, in base64). The gateway's connection for raw topics has a recording of its own
+(``…-raw.jsonl``), where the story has any. `Replay` says each server frame when the client has
+said all that came before it; so it also shows that the gateway still says what the real server
+understood.
 """
 
 from __future__ import annotations
@@ -38,19 +40,33 @@ def by_the_clock(said: dict) -> bool:
     return said["op"] == "publish" and said["topic"] in _BY_THE_CLOCK
 
 
+def of_raw_topics(first: dict) -> bool:
+    """Tell by what a client says first whether it is the gateway's connection for raw topics."""
+    return first["op"] == "call_service" and first["service"].startswith("/rosapi/")
+
+
+def raw_path(path: Path) -> Path:
+    return path.with_name(f"{path.stem}-raw.jsonl")
+
+
 @asynccontextmanager
-async def recording(url: str, path: Path) -> AsyncIterator[str]:
+async def recording(url: str, path: Path, *, raw: bool = False) -> AsyncIterator[str]:
     """Stand between a client and a real server, and write down what both say."""
-    lines: list[str] = []
+    lines: dict[bool, list[str]] = {False: [], True: []}
 
     async def handle(client: ServerConnection) -> None:
         async with connect(url, max_size=_MAX, compression=None, proxy=None) as server:
+            said = await client.recv()
+            own = lines[of_raw_topics(json.loads(said))]
+            await server.send(said)
+            if not by_the_clock(json.loads(said)):
+                own.append(line_of("c", said))
 
             async def pump(source, target, side: str) -> None:
                 try:
                     async for data in source:
                         if side == "s" or not by_the_clock(json.loads(data)):
-                            lines.append(line_of(side, data))
+                            own.append(line_of(side, data))
                         await target.send(data)
                 except ConnectionClosed:
                     return
@@ -61,28 +77,55 @@ async def recording(url: str, path: Path) -> AsyncIterator[str]:
 
     async with serve(handle, "127.0.0.1", 0, max_size=_MAX, compression=None) as one:
         yield f"ws://127.0.0.1:{one.sockets[0].getsockname()[1]}"
-    await asyncio.to_thread(path.write_text, "\n".join(lines) + "\n")
+    target = raw_path(path) if raw else path
+    await asyncio.to_thread(target.write_text, "\n".join(lines[raw]) + "\n")
 
 
 class Replay:
-    """Plays one recording to each client that comes."""
+    """Plays one recording to each client that comes; nothing is said on one that has none."""
 
     def __init__(self, path: Path) -> None:  # noqa: D107
-        self.lines = [json.loads(line) for line in path.read_text().splitlines()]
+        self.lines = {
+            raw: [json.loads(line) for line in each.read_text().splitlines()]
+            for raw, each in ((False, path), (True, raw_path(path)))
+            if each.exists()
+        }
         self.driven: list[dict] = []
         self.unexpected: list[dict] = []
         self.clients: list[ServerConnection] = []
-        self._said: asyncio.Queue[dict] = asyncio.Queue()
 
     async def handle(self, client: ServerConnection) -> None:
-        self.clients.append(client)
-        waiting: list[dict] = []
-        reading = asyncio.ensure_future(self._read(client))
+        said: asyncio.Queue[dict] = asyncio.Queue()
+        reading = asyncio.ensure_future(self._read(client, said))
+        asking = asyncio.ensure_future(said.get())
         try:
-            for line in self.lines:
+            await asyncio.wait([asking, reading], return_when=asyncio.FIRST_COMPLETED)
+            if not asking.done():
+                # It has gone and said nothing.
+                return
+            first = asking.result()
+            raw = of_raw_topics(first)
+            if not raw:
+                self.clients.append(client)
+            said.put_nowait(first)
+            await self._play(client, said, reading, self.lines.get(raw, []))
+        finally:
+            asking.cancel()
+            reading.cancel()
+
+    async def _play(
+        self,
+        client: ServerConnection,
+        said: asyncio.Queue[dict],
+        reading: asyncio.Future[None],
+        lines: list[dict],
+    ) -> None:
+        waiting: list[dict] = []
+        try:
+            for line in lines:
                 if "c" in line:
                     while line["c"] not in waiting:
-                        waiting.append(await self._said.get())
+                        waiting.append(await said.get())
                     waiting.remove(line["c"])
                 elif "b" in line:
                     await client.send(base64.b64decode(line["b"]))
@@ -93,17 +136,20 @@ class Replay:
             return
         finally:
             # What has not come yet is asked for again, as often as it takes.
-            more = [*waiting, *(self._said.get_nowait() for _ in range(self._said.qsize()))]
-            self.unexpected += [each for each in more if not each["op"].endswith("subscribe")]
-            reading.cancel()
+            more = [*waiting, *(said.get_nowait() for _ in range(said.qsize()))]
+            self.unexpected += [
+                each
+                for each in more
+                if not each["op"].endswith("subscribe") and not of_raw_topics(each)
+            ]
 
-    async def _read(self, client: ServerConnection) -> None:
+    async def _read(self, client: ServerConnection, queue: asyncio.Queue[dict]) -> None:
         async for data in client:
             said = json.loads(data)
             if by_the_clock(said):
                 self.driven.append(said)
             else:
-                self._said.put_nowait(said)
+                queue.put_nowait(said)
 
 
 @asynccontextmanager

@@ -48,6 +48,7 @@ from talaia.wire.frames import (
     StreamSubscription,
 )
 
+from .cbor_writer import head, written
 from .rosbridge_bench import recording, replaying
 
 if TYPE_CHECKING:
@@ -197,7 +198,7 @@ async def test_a_server_that_goes_away_shows_unknown_within_two_seconds_and_is_f
             await hub.until(lambda: hub.values("base/number") == [4.0], "a sample")
             ask = CommandRequest(id="f", device="base", command="fail", ttl_ms=5000, who="Ada")
             await hub.send(ask)
-            await hub.until(lambda: heard[-1]["op"] == "call_service", "the call")
+            await hub.until(lambda: calls_of(heard), "the call")
             with Stopwatch() as watch:
                 first.close()
                 unknown = await hub.next(CommandState, lambda each: each.phase == "unknown")
@@ -206,12 +207,17 @@ async def test_a_server_that_goes_away_shows_unknown_within_two_seconds_and_is_f
             assert (state.device, state.reached) == ("base", False)
             assert watch.seconds < 2
             await first.wait_closed()
-            calls = len([each for each in heard if each["op"] == "call_service"])
+            calls = len(calls_of(heard))
             async with serve(listen, "127.0.0.1", port, compression=None):
                 await hub.next(DeviceState, lambda each: each.reached)
                 await hub.until(lambda: hub.values("base/number") == [4.0, 4.0], "a sample")
             # A call is never said twice.
-            assert len([each for each in heard if each["op"] == "call_service"]) == calls == 1
+            assert len(calls_of(heard)) == calls == 1
+
+
+def calls_of(heard: list[dict]) -> list[dict]:
+    """Give the calls of commands; what is asked of rosapi is none."""
+    return [each for each in heard if each.get("service") == "/fail"]
 
 
 async def test_a_server_that_stands_still_is_noticed_by_its_pings(tmp_path: Path) -> None:
@@ -260,7 +266,7 @@ async def test_a_token_is_sent_and_stands_in_no_description(
         text = (SITE % (url, "true")).replace("cbor:", "token_env: FAR_TOKEN, cbor:")
         async with running(hub.url, tmp_path, text):
             await hub.until(lambda: seen and hub.hellos, "the token")
-            assert seen == ["Bearer sesame"]
+            assert set(seen) == {"Bearer sesame"}
             assert "sesame" not in hub.hellos[0].description
         monkeypatch.delenv("FAR_TOKEN")
         with pytest.raises(SettingsError, match="FAR_TOKEN"):
@@ -335,33 +341,6 @@ def test_what_json_cannot_carry_is_read_as_it_was_meant() -> None:
 def test_any_frame_is_read_or_refused(data: str | bytes) -> None:
     with suppress(FieldError):
         read_message(data)
-
-
-def head(major: int, number: int) -> bytes:
-    if number < 24:
-        return bytes([major << 5 | number])
-    return bytes([major << 5 | 27]) + number.to_bytes(8, "big")
-
-
-def written(value: object) -> bytes:
-    """CBOR of a value, by the letter of RFC 8949; the tests' own."""
-    match value:
-        case bool() | None:
-            return bytes([7 << 5 | {False: 20, True: 21, None: 22}[value]])
-        case int():
-            return head(0, value) if value >= 0 else head(1, -1 - value)
-        case float():
-            return b"\xfb" + np.array(value, ">f8").tobytes()
-        case bytes():
-            return head(2, len(value)) + value
-        case str():
-            return head(3, len(value.encode())) + value.encode()
-        case list():
-            return head(4, len(value)) + b"".join(map(written, value))
-        case dict():
-            pairs = (written(key) + written(each) for key, each in value.items())
-            return head(5, len(value)) + b"".join(pairs)
-    raise AssertionError(value)
 
 
 VALUES = st.recursive(

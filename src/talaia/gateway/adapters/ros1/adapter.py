@@ -159,6 +159,10 @@ class Ros1Adapter:
         """See `TopicSource.tap_topics`."""
         self._source.tap_topics(topics)
 
+    def watch_graph(self, *, wanted: bool) -> None:
+        """See `GraphSource.watch_graph`."""
+        self._source.watch_graph(wanted=wanted)
+
     def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
         """See `TopicSource.define_type`."""
         self._source.define_type(type_name, done)

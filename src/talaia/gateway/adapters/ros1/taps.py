@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros1.decode import full_name
 from talaia.gateway.adapters.ros1.publications import ask_publisher
+from talaia.gateway.adapters.ros1.robot_graph import nodes_of
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.tap_ports import ListedTopic, TopicDefinition
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.ros1.master import RosMaster
     from talaia.gateway.adapters.ros1.node import NodeProcess
     from talaia.gateway.adapters.ros1.publications import Publication
-    from talaia.gateway.tap_ports import TapSink
+    from talaia.gateway.tap_ports import GraphNode, TapSink
 
 __all__ = ["Ros1TopicSource"]
 
@@ -64,6 +65,8 @@ class Ros1TopicSource:
         self._sink = sink
         self._master = master
         self._wanted: frozenset[str] = frozenset()
+        self._graph_wanted = False
+        self._nodes: list[GraphNode] | None = None  # As they were listed last.
         # None while there is none.
         self._node: NodeProcess | None = None
         # Never given anew, also over nodes.
@@ -108,6 +111,8 @@ class Ros1TopicSource:
                         self._latched = {key for key in self._latched if key[0] in published}
                     self._list_topics(self._sink)
                     self._update_taps()
+                    if self._graph_wanted:
+                        await self._list_nodes(self._sink)
                 await asyncio.sleep(_LOOK_S)
         finally:
             self._node = None
@@ -125,6 +130,11 @@ class Ros1TopicSource:
         """See `TopicSource.tap_topics`."""
         self._wanted = topics
         self._update_taps()
+
+    def watch_graph(self, *, wanted: bool) -> None:
+        """See `GraphSource.watch_graph`."""
+        self._graph_wanted = wanted
+        self._nodes = None
 
     def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
         """See `TopicSource.define_type`; ``done`` is called again when publishers change it."""
@@ -175,6 +185,16 @@ class Ros1TopicSource:
         if found.latched and self._sink is not None:
             self._list_topics(self._sink)
         done(_definition_of(found.definition))
+
+    async def _list_nodes(self, sink: TapSink) -> None:
+        try:
+            graph = await asyncio.get_running_loop().run_in_executor(None, self._master.read_graph)
+        except AdapterLost:
+            return
+        nodes = nodes_of(graph)
+        if nodes != self._nodes:
+            self._nodes = nodes
+            sink.list_nodes(nodes)
 
     def _read_published(self) -> dict[str, tuple[str, frozenset[str]]]:
         types = self._master.read_types()

@@ -155,6 +155,10 @@ class Ros2Adapter:
         """See `TopicSource.define_type`."""
         self._source.define_type(type_name, done)
 
+    def watch_graph(self, *, wanted: bool) -> None:
+        """See `GraphSource.watch_graph`."""
+        self._source.watch_graph(wanted=wanted)
+
     def redescribe(self, scope: ConnectionScope) -> None:
         """See `DescriptionFollower`."""
         if self._thread is None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy
 
+from talaia.gateway.adapters.ros2.nodes.robot_graph import GraphReader
 from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import PACE_S
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.type_definitions.definition_text import definition_text
@@ -34,6 +35,8 @@ _DEPTH = 100
 _AGAIN_EVERY = 8
 # The graph is read at every so manieth turn, and publishers of what is heard at every so manieth.
 _GRAPH_EVERY, _PUBLISHERS_EVERY = 2, 4
+# Who publishes and subscribes what is read, while somebody wants to know it, at every so manieth.
+_NODES_EVERY = 4
 # Of the thread's turns while something is tapped (s): who looks on wants it soon.
 _TAPPED_PACE_S = 0.002
 
@@ -52,6 +55,9 @@ class Ros2TopicSource:
         self._taps: Ros2Taps | None = None
         self._thread: WaitThread | None = None
         self._turn = 0
+        # Replaced, so any thread may read it; the reader is made and let go as `_taps` is.
+        self._graph_wanted = False
+        self._graph: GraphReader | None = None
 
     def join(self, node: Any, thread: WaitThread, types: TopicTypes) -> None:  # noqa: ANN401
         """Begin with a node; its thread does not run yet."""
@@ -66,10 +72,12 @@ class Ros2TopicSource:
                 arrivals=self._arrivals,
             )
             self._thread = thread
+            self._graph = GraphReader(node, thread, self._sink)
 
     def leave(self) -> None:
         """Let the node go; its thread has ended."""
         taps, self._taps, self._thread = self._taps, None, None
+        self._graph = None
         if taps is not None:
             taps.close()
 
@@ -79,6 +87,13 @@ class Ros2TopicSource:
         thread = self._thread
         if thread is not None:
             thread.run_soon(self._update)
+
+    def watch_graph(self, *, wanted: bool) -> None:
+        """See `GraphSource.watch_graph`; on the event loop."""
+        self._graph_wanted = wanted
+        graph, thread = self._graph, self._thread
+        if graph is not None and thread is not None and wanted:
+            thread.run_soon(graph.begin_anew)
 
     def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
         """See `TopicSource.define_type`; on the event loop."""
@@ -95,6 +110,8 @@ class Ros2TopicSource:
                 self._taps.look_at_graph()
             self._update(everything=self._turn % _PUBLISHERS_EVERY == 0)
             self._turn += 1
+        if self._graph is not None and self._graph_wanted and self._turn % _NODES_EVERY == 0:
+            self._graph.read_nodes()
 
     def _update(self, *, everything: bool = True) -> None:
         if self._taps is not None and self._thread is not None:

@@ -3,16 +3,16 @@
 The protocol is in `protocol`. A server cannot be told what to say when we are gone: if this
 process dies the robot hears nothing more, and its own time-out must stop it.
 
-Long, because one socket carries all of it.
+Long, because one socket carries all of it but raw topics.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
+from functools import partial
 from typing import TYPE_CHECKING
 
-from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
 from talaia.gateway.adapters.reconnection import reconnection_outcome
@@ -21,6 +21,8 @@ from talaia.gateway.adapters.rosbridge.credentials import read_credentials
 from talaia.gateway.adapters.rosbridge.outgoing_frames import OutgoingFrames, ServerTopics
 from talaia.gateway.adapters.rosbridge.pending_calls import PendingCalls
 from talaia.gateway.adapters.rosbridge.protocol import nest_fields, read_message, write_frame
+from talaia.gateway.adapters.rosbridge.raw_topics import MAX_RAW_FRAME, RosbridgeTopics
+from talaia.gateway.adapters.rosbridge.server_connection import dial_server
 from talaia.gateway.adapters.topic_readers import SampleBuffer, make_live_plans
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
@@ -34,10 +36,13 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
+    from websockets.asyncio.client import ClientConnection
+
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.rosbridge.protocol import ServerMessage
     from talaia.gateway.adapters.topic_readers import TopicPlan
     from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
+    from talaia.gateway.tap_ports import TopicDefinition
     from talaia.wire.frames import Scalar
 
 __all__ = ["RosbridgeAdapter"]
@@ -48,8 +53,6 @@ BOOL = "std_msgs/msg/Bool"
 _MAX_FRAME = 32 * 1024 * 1024
 # Larger frames are read on another thread: driving must not wait behind a picture.
 _LARGE = 64 * 1024
-# A lost server is told within two seconds, long before values grow old.
-_PING_S, _PONG_S, _OPEN_S = 0.7, 1.2, 3.0
 # Pace at which held-back values are given out.
 _TURN_S = 0.1
 _AGAIN_S = 3.0
@@ -73,7 +76,8 @@ class RosbridgeAdapter:
         self._scope, self._status = scope, status
         self._clock, self._samples = context.clock, context.samples
         self._unreadable = UnreadableReports(context.events)
-        self._headers, self._tls = read_credentials(settings, context.folder)
+        headers, tls = read_credentials(settings, context.folder)
+        self._dial = partial(dial_server, settings.url, headers, tls)
         # By address: newest readings of signals that safety depends on.
         self._latest: dict[str, ChannelReading] = {}
         # What was read and is not given out yet.
@@ -94,6 +98,12 @@ class RosbridgeAdapter:
         self._calls = PendingCalls()
         # Topics of which a message has come in this connection.
         self._heard: set[str] = set()
+        self._raw_topics = RosbridgeTopics(
+            sink=context.taps,
+            settings=settings,
+            dial=partial(self._dial, max_size=MAX_RAW_FRAME),
+            clock=context.clock,
+        )
 
     # ── Adapter ──
 
@@ -103,20 +113,7 @@ class RosbridgeAdapter:
         worker = self._worker = PictureWorker(self._pictures, self._clock)
         worker.start()
         try:
-            async with connect(
-                where,
-                additional_headers=self._headers,
-                ssl=self._tls,
-                ping_interval=_PING_S,
-                ping_timeout=_PONG_S,
-                open_timeout=_OPEN_S,
-                close_timeout=0.5,
-                max_size=_MAX_FRAME,
-                # Pictures are compressed already, and packing them costs the robot's processor.
-                compression=None,
-                # The robot stands in the same network, whatever the environment names.
-                proxy=None,
-            ) as socket:
+            async with self._dial(max_size=_MAX_FRAME) as socket:
                 await self._serve_connection(socket)
         except ConnectionClosed as error:
             raise AdapterLost(f"the rosbridge server at {where} is gone ({error})") from error
@@ -143,6 +140,7 @@ class RosbridgeAdapter:
                 self._read_frames(socket),
                 self._outgoing.write_frames(socket),
                 self._keep_pace(),
+                self._raw_topics.run(),
             )
         ]
         try:
@@ -196,6 +194,18 @@ class RosbridgeAdapter:
     def watch(self, streams: Collection[str]) -> None:
         """See `Adapter.watch`."""
         self._cameras.watch_streams(streams, connected=self._connected)
+
+    def tap_topics(self, topics: frozenset[str]) -> None:
+        """See `TopicSource.tap_topics`."""
+        self._raw_topics.tap_topics(topics)
+
+    def watch_graph(self, *, wanted: bool) -> None:
+        """See `GraphSource.watch_graph`."""
+        self._raw_topics.watch_graph(wanted=wanted)
+
+    def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
+        """See `TopicSource.define_type`."""
+        self._raw_topics.define_type(type_name, done)
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`."""

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.clients.foxglove.offer import CameraChannel, FoxgloveOffer, SignalChannel
+from talaia.hub.clients.foxglove.offer import FoxgloveOffer
 from talaia.wire.foxglove.server_messages import (
     AdvertiseChannels,
     AdvertiseServices,
-    ConnectionGraphUpdate,
     FoxgloveChannel,
     FoxgloveSchema,
     FoxgloveService,
-    GraphProviders,
-    GraphPublishers,
-    GraphSubscribers,
     UnadvertiseChannels,
     UnadvertiseServices,
 )
 
 if TYPE_CHECKING:
-    from talaia.hub.clients.foxglove.offer import ServiceEntry, TopicChannel
+    from talaia.hub.clients.foxglove.offer import ServiceEntry
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.wire.foxglove.server_messages import ServerMessage
 
@@ -128,44 +124,9 @@ class AdvertisedThings:
         """Find a service by its number."""
         return self.offer.services.get(self._services.get(number, ""))
 
-    def connection_graph(self, before: FoxgloveOffer) -> ConnectionGraphUpdate:
-        """Say who publishes, listens to and provides what, and what of ``before`` is gone."""
-        offer = self.offer
-        # A topic that is published or listened to is there.
-        topics = {*offer.channels, *offer.driven, *offer.listened}
-        listeners = {topic: robot.device for topic, robot in offer.listened.items()} | offer.driven
-        former = {*before.channels, *before.driven, *before.listened}
-        return ConnectionGraphUpdate(
-            published_topics=[
-                GraphPublishers(name=topic, publisher_ids=[_publisher_of(offered)])
-                for topic, offered in offer.channels.items()
-            ],
-            subscribed_topics=[
-                GraphSubscribers(name=topic, subscriber_ids=[device])
-                for topic, device in listeners.items()
-            ],
-            advertised_services=[
-                GraphProviders(name=name, provider_ids=[offered.device])
-                for name, offered in offer.services.items()
-            ],
-            removed_topics=sorted(former - topics),
-            removed_services=sorted(before.services.keys() - offer.services.keys()),
-        )
-
     @staticmethod
     def _number(numbers: dict[tuple[str, str], int], name: str, schema: NamedSchema) -> int:
         return numbers.setdefault((name, schema.text), len(numbers) + 1)
-
-
-def _publisher_of(offered: SignalChannel | CameraChannel | TopicChannel) -> str:
-    match offered:
-        case SignalChannel():
-            return offered.device
-        case CameraChannel():
-            return offered.stream.partition("/")[0]
-        case _:
-            # Which node publishes a raw topic is the robot's matter.
-            return "robot"
 
 
 def _channel(number: int, topic: str, offer: FoxgloveOffer) -> FoxgloveChannel:

@@ -16,7 +16,8 @@ from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
 from talaia.hub.clients.foxglove.asset_requests import AssetRequests
 from talaia.hub.clients.foxglove.camera_channels import CameraChannels
-from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_foxglove_offer
+from talaia.hub.clients.foxglove.client_graph import ClientGraph, robot_services
+from talaia.hub.clients.foxglove.offer import make_foxglove_offer
 from talaia.hub.clients.foxglove.parameter_requests import ParameterRequests
 from talaia.hub.clients.foxglove.published_channels import PublishedChannels
 from talaia.hub.clients.foxglove.schemas import encode_answer
@@ -127,6 +128,7 @@ class FoxgloveSession:
             self._site,
             connection.who.grants,
             changed=self._advertise_things,
+            graph_changed=self._send_graph,
             deliver=self._deliver_topic,
             warn=self.warn_person,
         )
@@ -150,7 +152,8 @@ class FoxgloveSession:
         )
         # By the command's or STOP's id.
         self._calls: dict[str, _WaitingCall] = {}
-        self._wants_graph = False
+        # As it was told last; None while the client does not want it.
+        self._graph: ClientGraph | None = None
         # Of the description that is advertised.
         self._edition = ""
 
@@ -220,10 +223,12 @@ class FoxgloveSession:
             case said.FoxgloveUnsubscribeParameters():
                 self._parameters.unsubscribe(message.parameter_names)
             case said.FoxgloveSubscribeGraph():
-                self._wants_graph = True
-                await self._send_json(self._things.connection_graph(FoxgloveOffer()))
+                self._graph = ClientGraph()
+                self._tapped.follow_graph(wanted=True)
+                await self._send_graph()
             case said.FoxgloveUnsubscribeGraph():
-                self._wants_graph = False
+                self._graph = None
+                self._tapped.follow_graph(wanted=False)
             case said.FoxgloveFetchAsset():
                 await self._assets.fetch_asset(message)
             case said.FoxglovePlayback():
@@ -346,7 +351,7 @@ class FoxgloveSession:
             await self._advertise_now()
 
     async def _advertise_now(self) -> None:
-        live, before = self._connection.live, self._things.offer
+        live = self._connection.live
         self._edition = live.edition
         offer = make_foxglove_offer(
             live.description, self._connection.who.grants, self._tapped.offered
@@ -359,8 +364,15 @@ class FoxgloveSession:
         self._channel_of = {offered.topic: name for name, offered in offer.topics.items()}
         for message in change.messages:
             await self._send_json(message)
-        if self._wants_graph:
-            await self._send_json(self._things.connection_graph(before))
+        await self._send_graph()
+
+    async def _send_graph(self) -> None:
+        """Tell who publishes, listens to and provides what, if that is wanted and is news."""
+        if self._graph is not None:
+            offer = self._things.offer
+            update = self._graph.update(offer, self._tapped.robot_graph(robot_services(offer)))
+            if update is not None:
+                await self._send_json(update)
 
     async def _deliver_topic(self, message: TappedMessage) -> None:
         channel = self._channel_of.get(message.topic, "")

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.clients.foxglove.schemas import NamedSchema
 from talaia.hub.errors import TapRefused
-from talaia.hub.live.taps.tapped import TapBegun, TapDelivery, TapTrouble
+from talaia.hub.live.taps.tapped import GraphChanged, TapBegun, TapDelivery, TapTrouble
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Collection
 
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage, TapTopic
-    from talaia.wire.frames import TapSchema
+    from talaia.wire.frames import RobotGraph, TapSchema
 
 __all__ = ["TappedChannels"]
 
@@ -30,6 +30,7 @@ class TappedChannels:
         grants: Grants,
         *,
         changed: Callable[[], Awaitable[None]],
+        graph_changed: Callable[[], Awaitable[None]],
         deliver: Callable[[TappedMessage], Awaitable[None]],
         warn: Callable[[str], Awaitable[None]],
     ) -> None:
@@ -40,6 +41,7 @@ class TappedChannels:
             site: short name.
             grants: see above.
             changed: called when `offered` is another one.
+            graph_changed: called when `robot_graph` may give something else; see `follow_graph`.
             deliver: sends a message; the next one waits for it.
             warn: tells the person why messages are missing.
 
@@ -50,6 +52,7 @@ class TappedChannels:
         # Never others: a change of rights ends the connection.
         self._grants = grants
         self._changed = changed
+        self._graph_changed = graph_changed
         self._deliver = deliver
         self._warn = warn
         # Bounded: what a slow client does not take is left out, the oldest first.
@@ -74,6 +77,8 @@ class TappedChannels:
                         await self._update_offer()
                 case TapTrouble() as trouble:
                     await self._warn(f"{trouble.tap.topic}: {trouble.why}")
+                case GraphChanged():
+                    await self._graph_changed()
                 case _:
                     # The list has changed, or a right was lost, and with it a topic.
                     await self._update_offer()
@@ -96,6 +101,17 @@ class TappedChannels:
         tap = self._taker.taps.get((self._site, topic))
         if tap is not None:
             self._fanout.unsubscribe(tap)
+
+    def follow_graph(self, *, wanted: bool) -> None:
+        """Have the robot's nodes, or no more."""
+        if wanted:
+            self._fanout.graphs.follow_graph(self._site, self._taker)
+        else:
+            self._fanout.graphs.unfollow_graph(self._site, self._taker)
+
+    def robot_graph(self, services: Collection[str]) -> RobotGraph:
+        """Give the robot's nodes as far as they may be seen; ``services`` may be called."""
+        return self._fanout.graphs.visible_graph(self._site, self._grants, services)
 
     async def _update_offer(self) -> None:
         # What may not be tapped is not in it.

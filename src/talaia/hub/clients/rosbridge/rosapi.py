@@ -9,6 +9,7 @@ import msgspec
 
 from talaia.clock import SECOND
 from talaia.hub.clients.robot_parameters import read_parameters
+from talaia.hub.clients.rosbridge.node_names import NODE_QUESTIONS, NodeNames
 from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type
 from talaia.hub.clients.rosbridge.ros_types import describe_fields, describe_type
 from talaia.hub.errors import TapRefused
@@ -21,12 +22,11 @@ if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.live.taps.tap_fanout import TapFanout
+    from talaia.wire.frames import RobotGraph
 
 __all__ = ["ROSAPI", "NoSuchThing", "RosGraph", "Rosapi"]
 
 ROSAPI = "/rosapi/"
-# Raw topics of the robot are published by the site as a whole: its nodes are not told here.
-_NODE = "/talaia"
 # Topics whose definitions are given at once.
 _MOST_TEXTS = 200
 _ANSWER_FIELDS = [("success", "bool"), ("message", "string")]
@@ -42,11 +42,6 @@ class RosGraph(NamedTuple):
     topics: dict[str, str]
     offer: RosbridgeOffer
     tapped: frozenset[str]
-
-    def node_of(self, topic: str) -> str:
-        """Name the node that publishes a topic."""
-        signal = self.offer.signals.get(topic)
-        return _NODE if signal is None else signal.node
 
 
 class Rosapi:
@@ -86,7 +81,8 @@ class Rosapi:
                 both = {"sec": seconds, "nanosec": rest, "secs": seconds, "nsecs": rest}
                 return {"time": both}
             case "get_ros_version":
-                return {"version": 2, "distro": ""}
+                # Messages are as ROS 2 has them, whatever the robot speaks.
+                return {"version": 2, "distro": (await self._robot_graph(offer)).distro}
             case "message_details":
                 return {"typedefs": await self._describe_message(full_type(name), graph)}
             case "service_request_details" | "service_response_details":
@@ -102,8 +98,15 @@ class Rosapi:
                 return {"exists": name in offer.parameters or robots is not None}
             case "get_param":
                 return self._read_parameter(name, args, offer)
+            case _ if service in NODE_QUESTIONS:
+                names = NodeNames(graph.topics, graph.tapped, offer, await self._robot_graph(offer))
+                return names.answer_question(service, name)
             case _:
                 return _answer_lookup(service, name, graph)
+
+    async def _robot_graph(self, offer: RosbridgeOffer) -> RobotGraph:
+        services = {name for name, of in offer.services.items() if of.robot is not None}
+        return await self._taps.ask_graph(self._site, self._grants, services)
 
     async def _describe_message(self, kind: str, graph: RosGraph) -> list[dict[str, object]]:
         topic = next((topic for topic, of in graph.topics.items() if of == kind), None)
@@ -166,43 +169,10 @@ def _answer_lookup(service: str, name: str, graph: RosGraph) -> dict[str, object
             return {"services": [said for said, of in services.items() if of.type == name]}
         case "service_type":
             return {"type": services[name].type if name in services else ""}
-        case "service_node":
-            return {"node": services[name].node if name in services else ""}
-        case "service_providers":
-            found = dict.fromkeys(of.node for of in services.values() if of.type == name)
-            return {"providers": list(found)}
         case "action_servers":
             return {"action_servers": [said for said, of in services.items() if of.action]}
-        case "nodes" | "node_details" | "publishers" | "subscribers":
-            return _answer_nodes(service, name, graph)
         case _:
             raise NoSuchThing(f"there is no service {ROSAPI + service[:200]!r}")
-
-
-def _answer_nodes(service: str, name: str, graph: RosGraph) -> dict[str, object]:
-    offer = graph.offer
-    published = {
-        topic: graph.node_of(topic)
-        for topic in graph.topics
-        if topic in graph.tapped or not (topic in offer.driven or topic in offer.listened)
-    }
-    driven = {topic: f"{_NODE}/{robot.device}" for topic, robot in offer.listened.items()}
-    driven |= {topic: f"{_NODE}/{of.device}" for topic, of in offer.driven.items()}
-    served = {said: of.node for said, of in offer.services.items()}
-    match service:
-        case "nodes":
-            nodes = [_NODE, *published.values(), *driven.values(), *served.values()]
-            return {"nodes": list(dict.fromkeys(nodes))}
-        case "publishers":
-            return {"publishers": [published[name]] if name in published else []}
-        case "subscribers":
-            return {"subscribers": [driven[name]] if name in driven else []}
-        case _:
-            return {
-                "subscribing": [topic for topic, node in driven.items() if node == name],
-                "publishing": [topic for topic, node in published.items() if node == name],
-                "services": [said for said, node in served.items() if node == name],
-            }
 
 
 def _service_details(service: str, kind: str, offer: RosbridgeOffer) -> list[dict[str, object]]:

@@ -17,6 +17,7 @@ from talaia.hub.clients.rosbridge.wanted_topics import WantedTopics, absolute_na
 from talaia.hub.clients.signal_subscriptions import ClientSample, SignalSubscriptions
 from talaia.hub.errors import TapRefused
 from talaia.hub.live.taps.tapped import (
+    GraphChanged,
     TapBegun,
     TapDelivery,
     TapEnded,
@@ -219,6 +220,9 @@ class TopicDelivery:
                     await self._client.tell_status("error", f"{event.tap.topic}: {event.why}")
                 case TopicsChanged():
                     self._take_topics(self._wanted.topics())
+                case GraphChanged():
+                    # Clients of this protocol ask for nodes, and are told nothing by themselves.
+                    pass
 
     async def send_throttled(self) -> None:
         """Send what waited for its throttle when it is due, until cancelled."""

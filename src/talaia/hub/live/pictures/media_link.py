@@ -21,6 +21,7 @@ from talaia.wire.frames import (
     Bye,
     DetectedBoxes,
     PictureFrame,
+    RobotGraph,
     StreamError,
     TapError,
     TapMessage,
@@ -108,7 +109,7 @@ class GatewayCamera:
                     receivers.trouble(message)
                 case DetectedBoxes():
                     receivers.boxes(message)
-                case TapMessage() | TopicList() | TapSchema() | TapError():
+                case TapMessage() | TopicList() | TapSchema() | TapError() | RobotGraph():
                     receivers.taps(message)
                 case BeatReply():
                     # The hub sends no beats here: the link's own tell how far the clocks are apart.

@@ -110,13 +110,16 @@ class SiteTopics:
         entry = self.entries.get(topic)
         return None if entry is None else self.schemas.get(entry.type)
 
-    def subscription(self, most_rate: Callable[[str], float]) -> TapSubscription:
+    def subscription(
+        self, most_rate: Callable[[str], float], *, graph: bool = False
+    ) -> TapSubscription:
         """Say what is wanted of the gateway.
 
         A topic is asked for once its schema is known, so that no message comes before it.
 
         Args:
             most_rate: gives a topic's greatest rate by the description (Hz); 0: all messages.
+            graph: somebody wants to know the robot's nodes.
 
         """
         topics, types = {}, set(self.types)
@@ -129,7 +132,9 @@ class SiteTopics:
                 topics[topic] = min(rates, default=0.0)
             else:
                 types.add(entry.type)
-        return TapSubscription(topics=topics, types=sorted(types - self.schemas.keys()))
+        return TapSubscription(
+            topics=topics, types=sorted(types - self.schemas.keys()), graph=graph
+        )
 
     def measured_rate(self, topic: str) -> float:
         """Give how often a topic comes (Hz); 0 while nobody takes it."""

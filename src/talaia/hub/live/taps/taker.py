@@ -6,6 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.hub.live.taps.tapped import (
+    GraphChanged,
     TapBegun,
     TapDelivery,
     TapEnded,
@@ -144,6 +145,10 @@ class TapTaker:
     def report_topics(self, site: str) -> None:
         """Tell that the topics of a site have changed."""
         self._notify((TopicsChanged, site), TopicsChanged(site))
+
+    def report_graph(self, site: str) -> None:
+        """Tell that the nodes of a site, or what they have, have changed."""
+        self._notify((GraphChanged, site), GraphChanged(site))
 
     def forget_tap(self, tap: TopicTap, why: str = "") -> None:
         """Forget a tap and all that waits of it; with ``why``, tell that it is over."""

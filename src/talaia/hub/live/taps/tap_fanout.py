@@ -25,24 +25,34 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.auth.permissions import may_tap
 from talaia.hub.errors import TapRefused
+from talaia.hub.live.taps.graph_watch import GraphWatch
 from talaia.hub.live.taps.site_topics import SiteTopics, TappedTopic
 from talaia.hub.live.taps.taker import MOST_TAPS, TapTaker, TopicTap
 from talaia.hub.live.taps.tapped import TapTopic
 from talaia.model.topics import rule_of
-from talaia.wire.frames import TapError, TapMessage, TapSchema, TopicList
+from talaia.wire.frames import (
+    RobotGraph,
+    TapError,
+    TapMessage,
+    TapSchema,
+    TapSubscription,
+    TopicList,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from talaia.clock import Clock
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.wire.frames import TapSubscription
 
 __all__ = ["TapFanout", "TapFromGateway"]
 
-TapFromGateway = TopicList | TapSchema | TapMessage | TapError
+TapFromGateway = TopicList | TapSchema | TapMessage | TapError | RobotGraph
 
 # A gateway that is there tells a schema within this (s).
 _SCHEMA_S = 5.0
+_NOTHING = TapSubscription()
 _NO_RIGHT = "you have no right to this topic any more"
 
 
@@ -50,6 +60,10 @@ class TapFanout:
     """All who take raw topics, and what the gateways are asked to send for them.
 
     On the event loop only. A `DescriptionFollower` of sites.
+
+    Attributes:
+        graphs: the robots' nodes, for those who may tap what these have.
+
     """
 
     def __init__(self, sites: Sites, clock: Clock, schema_s: float = _SCHEMA_S) -> None:
@@ -57,6 +71,7 @@ class TapFanout:
         self._sites = sites
         self._clock = clock
         self._schema_s = schema_s
+        self.graphs = GraphWatch(sites, ask_soon=self._ask_soon, allows=_allows)
         # What is known and tapped, by site.
         self._known: dict[str, SiteTopics] = {}
         self._takers: set[TapTaker] = set()
@@ -87,6 +102,7 @@ class TapFanout:
     def remove_taker(self, taker: TapTaker) -> None:
         """End all that somebody takes; topics that nobody else takes rest on the robot."""
         self._takers.discard(taker)
+        self.graphs.remove_taker(taker)
         for followers in self._followers.values():
             followers.discard(taker)
         for tap in list(taker.taps.values()):
@@ -110,6 +126,16 @@ class TapFanout:
             for entry in sorted(known.entries.values(), key=lambda entry: entry.topic)
             if _allows(grants, live, entry.topic)
         ]
+
+    async def ask_graph(
+        self, site: str, grants: Grants | None, services: Collection[str]
+    ) -> RobotGraph:
+        """Give the robot's nodes as far as somebody may see them; see `GraphWatch`."""
+        known = self._known.get(site)
+        if known is None or not known.entries:
+            # A robot without topics has no nodes, and is not waited for.
+            return RobotGraph()
+        return await self.graphs.ask_graph(site, grants, services)
 
     def follow_topics(self, site: str, taker: TapTaker) -> None:
         """Tell a taker by `TopicsChanged` when `topics` may give another list."""
@@ -208,16 +234,19 @@ class TapFanout:
             # Rates may be others, too.
             self._ask_soon(now.name)
         self._report_topics(now.name)
+        self.graphs.report_change(now.name)
 
     def link_up(self, site: str) -> None:
         """Ask a gateway that has just connected for all that is wanted of it."""
         self._asked.pop(site, None)
+        self.graphs.end_link(site)
         self._known.setdefault(site, SiteTopics()).end_link()
         self._ask_soon(site)
 
     def link_lost(self, site: str) -> None:
         """Wait for the gateway: taps stay."""
         self._asked.pop(site, None)
+        self.graphs.end_link(site)
         if (known := self._known.get(site)) is not None:
             known.end_link()
 
@@ -247,6 +276,8 @@ class TapFanout:
                 self._begin_taps(known)
                 self._report_topics(site)
                 self._ask_soon(site)
+            case RobotGraph():
+                self.graphs.receive_graph(site, message)
             case TapError():
                 tapped = known.tapped.get(message.topic)
                 for tap in () if tapped is None else tapped.taps:
@@ -302,10 +333,13 @@ class TapFanout:
             live, known = self._sites.find_site(site), self._known.get(site)
             if live is None or known is None or live.link is None:
                 continue
-            wanted = known.subscription(lambda topic, live=live: self._most_rate(live, topic))  # type: ignore[misc]
+            wanted = known.subscription(
+                lambda topic, live=live: self._most_rate(live, topic),  # type: ignore[misc]
+                graph=self.graphs.is_wanted(site),
+            )
             before = self._asked.get(site)
             # Nothing was asked on this link, and nothing is wanted: an older gateway is spared.
-            if wanted != before and (before is not None or wanted.topics or wanted.types):
+            if wanted != before and (before is not None or wanted != _NOTHING):
                 self._asked[site] = wanted
                 live.link.send(wanted)
 

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from talaia.wire.frames import TapSchema
 
 __all__ = [
+    "GraphChanged",
     "TapBegun",
     "TapDelivery",
     "TapEnded",
@@ -101,4 +102,10 @@ class TopicsChanged(NamedTuple):
     site: str
 
 
-TapEvent = TapBegun | TapDelivery | TapTrouble | TapEnded | TopicsChanged
+class GraphChanged(NamedTuple):
+    """What `GraphWatch.visible_graph` gives of a site may be something else now."""
+
+    site: str
+
+
+TapEvent = TapBegun | TapDelivery | TapTrouble | TapEnded | TopicsChanged | GraphChanged
