@@ -42,10 +42,8 @@ log = logging.getLogger(__name__)
 MAX_RAW_FRAME = 48 * 1024 * 1024
 # Larger frames are read and serialized on another thread.
 _LARGE = 4 * 1024
-# The server is asked so often what is published (s).
-_LOOK_S = 3.0
-# And, while somebody wants to know it, for its nodes, each with a question.
-_NODES_S = 10.0
+# The server is asked so often what is published, and for its nodes while they are wanted (s).
+_LOOK_S, _NODES_S = 3.0, 10.0
 # After a connection was lost; after it had a message that was too large (s).
 _AGAIN_S, _LONG_AGAIN_S = 1.0, 30.0
 _TOO_LARGE = 1009
