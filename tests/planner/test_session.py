@@ -15,6 +15,7 @@ from talaia.model.observing.requests import (
     Urgency,
     Window,
 )
+from talaia.model.observing.states import RequestState
 from talaia.model.observing.targets import FixedTarget, IcrsTarget, SolarSystemTarget, Target
 from talaia.planner.errors import UnknownRequest
 from talaia.planner.from_requests import make_night
@@ -82,6 +83,26 @@ def test_a_sequence_keeps_its_order():
     assert why.cause is VetoCause.SEQUENCE
     session.complete_request("first")
     assert session.decide(EVENING + 300).request == "second"
+
+
+@pytest.mark.parametrize(
+    "ended",
+    [RequestState.FAILURE_LIMIT_REACHED, RequestState.WINDOW_EXPIRED, RequestState.CANCELED],
+)
+def test_what_comes_after_one_that_failed_before_the_night_is_never_released(ended):
+    sequence = group(
+        request("first", state=ended), request("second"), operator=GroupOperator.SEQUENCE
+    )
+    session = session_of(sequence, group(request("other"), priority=1.0))
+    assert session.decide(EVENING).request == "other"
+    assert [block.request for block in session.plan(EVENING).blocks] == ["other"]
+    (why,) = session.why_not(EVENING, ["second"])
+    assert why.cause is VetoCause.SEQUENCE
+    assert "first" in why.sentence
+    # One that is complete before the night holds nobody up.
+    done = request("done", state=RequestState.COMPLETED)
+    after = session_of(group(done, request("next"), operator=GroupOperator.SEQUENCE))
+    assert after.decide(EVENING).request == "next"
 
 
 def test_frames_that_were_read_out_are_not_taken_again():

@@ -116,11 +116,10 @@ def make_field(
     between[-1] = overheads_from(problem, progress.pointing, rows)
     local = {int(row): index for index, row in enumerate(rows)}
     before = table.after[rows]
-    complete = (before < 0) | progress.complete[np.maximum(before, 0)]
     # A predecessor that is no candidate is never complete in this plan: so is its successor.
     after = [
         -1 if done else local.get(int(row), index)
-        for index, (row, done) in enumerate(zip(before, complete, strict=True))
+        for index, (row, done) in enumerate(zip(before, progress.are_released(rows), strict=True))
     ]
     limits = np.array([limit.seconds_left for limit in problem.proposals])
     return Field(

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ANY_FILTER",
+    "NEVER_COMPLETE",
     "NORMAL",
+    "NO_VISIT_BEFORE",
     "RAPID",
     "TIME_CRITICAL",
     "FrameRun",
@@ -36,6 +38,9 @@ NORMAL, TIME_CRITICAL, RAPID = 0, 1, 2
 _LONGEST_BLOCK_S = 1 << 27
 # Whichever filter is in.
 ANY_FILTER = -1
+# In place of the row of the visit that comes before: there is none, or it is not here and so is
+# never complete (it failed, expired or was cancelled before the night).
+NO_VISIT_BEFORE, NEVER_COMPLETE = -1, -2
 
 
 class FrameRun(NamedTuple):
@@ -143,7 +148,11 @@ class VisitTable:
             [visit.needs_sky for visit in self.visits], np.bool_
         )
         self.after: Ints = np.array(
-            [self.index.get(visit.after, -1) for visit in self.visits], np.int64
+            [
+                self.index.get(visit.after, NEVER_COMPLETE) if visit.after else NO_VISIT_BEFORE
+                for visit in self.visits
+            ],
+            np.int64,
         )
 
     def __len__(self) -> int:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.planner.feasibility import Feasibility
-from talaia.planner.night_problem import ProposalLimit
+from talaia.planner.night_problem import NO_VISIT_BEFORE, ProposalLimit
 from talaia.planner.overheads import PARKED, TelescopePointing
 
 if TYPE_CHECKING:
@@ -109,8 +109,13 @@ class NightProgress:
 
     def released(self, rows: Ints) -> Ints:
         """Leave out those whose predecessor in a sequence is not complete."""
+        return rows[self.are_released(rows)]
+
+    def are_released(self, rows: Ints) -> NDArray[np.bool_]:
+        """Tell of which visits no predecessor is missing; one that nobody knows always is."""
         before = self.problem.table.after[rows]
-        return rows[(before < 0) | self.complete[np.maximum(before, 0)]]
+        complete = (before >= 0) & self.complete[np.maximum(before, 0)]
+        return np.asarray(complete | (before == NO_VISIT_BEFORE), np.bool_)
 
     def pointing_at(self, row: int) -> TelescopePointing:
         """Give where the telescope points after a visit, and its filter."""

@@ -126,9 +126,8 @@ def _standing_veto(progress: NightProgress, second: int, row: int, visit: Visit)
     if progress.held_until[row] > second:
         held = int(progress.held_until[row])
         return _Veto(VetoCause.FAILURES, held, "it failed or was refused, and is tried again later")
-    before = int(table.after[row])
-    if before >= 0 and not progress.complete[before]:
-        words = f"it comes after {table.visits[before].id}, which is not complete"
+    if not progress.are_released(np.array([row]))[0]:
+        words = f"it comes after {visit.after}, which is not complete"
         return _Veto(VetoCause.SEQUENCE, None, words)
     if not progress.open and visit.needs_sky:
         why = f" ({progress.closed_why})" if progress.closed_why else ""
