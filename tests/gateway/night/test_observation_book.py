@@ -9,6 +9,7 @@ from night_observatory import request
 
 from talaia.gateway.night.night_values import ObservationChange
 from talaia.gateway.night.observation_book import MOST_WAITING, BookContent, ObservationBook
+from talaia.gateway.night.planning.charged_time import MOST_CHARGES
 from talaia.model.observing.states import (
     FINAL_OBSERVATION_STATES,
     OBSERVATION_CHANGES,
@@ -130,3 +131,51 @@ def test_files_of_steps_that_are_left_out_go_on_with_the_next_one() -> None:
     assert len(waiting) < MOST_WAITING
     named = [name for update in waiting for name in update.files]
     assert named == [f"file-{number}" for number in range(MOST_WAITING + 1)]
+
+
+def charged(book: ObservationBook) -> dict[str, float]:
+    return {name: round(seconds) for name, seconds in book.charged_seconds().items()}
+
+
+def test_what_was_charged_while_the_hub_is_away_is_known_until_its_hours_have_it() -> None:
+    book = ObservationBook(BookContent(), "site")
+    book.record_change(change("m31", S.IN_PROGRESS), 0.0, payers={"m31": "school"})
+    book.record_change(change("m31", S.IN_PROGRESS, 1, spent=60.0), 60.0, payers={"m31": "school"})
+    book.record_change(change("m31", S.SUSPENDED, 1, spent=80.0), 80.0, payers={"m31": "school"})
+    # Who paid for the try goes on to, though its request is no longer asked.
+    book.record_change(change("m31", S.COMPLETED, 2, spent=70.0), 500.0)
+    book.record_change(change("dark", S.COMPLETED, 5, spent=300.0), 900.0, payers={"dark": "club"})
+    book.record_change(change("old", S.FAILED, spent=40.0), 950.0, payers={"old": "club"})
+    assert charged(book) == {"school": 150, "club": 340}
+    # Over a restart, too; a set that comes before the hub has heard of it changes nothing.
+    book = restarted(book)
+    book.settle_requests([])
+    assert charged(book) == {"school": 150, "club": 340}
+    # The hub has the first four; hours of a set that comes behind have them.
+    book.acknowledge_updates(4)
+    assert charged(book) == {"school": 150, "club": 340}
+    book = restarted(book)
+    book.settle_requests([])
+    assert charged(book) == {"club": 340}
+
+
+def test_what_a_killed_gateway_had_observed_stays_charged() -> None:
+    book = ObservationBook(BookContent(), "site")
+    book.record_change(change("m31", S.IN_PROGRESS), 0.0, payers={"m31": "school"})
+    book.record_change(change("m31", S.IN_PROGRESS, 1, spent=60.0), 60.0, payers={"m31": "school"})
+    book = restarted(book)
+    (update,) = book.close_interrupted(500.0)
+    assert update.block_s == 60.0
+    assert charged(book) == {"school": 60}
+    book.record_change(change("m31", S.COMPLETED, 2, spent=70.0), 600.0)
+    assert charged(book) == {"school": 130}
+
+
+def test_charges_of_weeks_without_new_hours_become_few_and_lose_nothing() -> None:
+    book = ObservationBook(BookContent(), "site")
+    for number in range(3 * MOST_CHARGES):
+        payers = {"m31": "school" if number % 2 else "club"}
+        update = book.record_change(change("m31", S.COMPLETED, 1, spent=2.0), 0.0, payers=payers)
+        book.acknowledge_updates(update.number)
+    assert charged(book) == {"school": 3 * MOST_CHARGES, "club": 3 * MOST_CHARGES}
+    assert len(book.content.charges) <= MOST_CHARGES

@@ -53,6 +53,7 @@ from .sky_robot import SkyRobot, Truth
 
 # Of the simulator, and the least that time moves by: values are unknown after two of them.
 STEP_S = 1.0
+SCHOOL = Proposal(id="school", share=1.0, hours_allocated=100.0)
 
 
 class Inline(Executor):
@@ -165,7 +166,7 @@ class Gateway:
             site=site, night=night, place=place, clock=clock, boot=boot, folder=data / "night",
             actuation=self.actuation, send=hub.take, events=output, on_disk=self._on_disk,
             star_parts=lambda _ask: parts,
-            planner=PlannerHere, arrivals=arrivals,
+            planner=world.planner, arrivals=arrivals,
         )  # fmt: skip
         outbox = ArchiveOutbox(
             data / "outbox", 2**30, lambda: None, arrivals.notice_file, kept=arrivals.note_kept
@@ -227,10 +228,18 @@ class NightWorld:
     """
 
     def __init__(
-        self, *, site: Site, clock: HandClock, data: Path, seed: int, guider: Any = None
+        self,
+        *,
+        site: Site,
+        clock: HandClock,
+        data: Path,
+        seed: int,
+        guider: Any = None,
+        planner: type[PlannerHere] = PlannerHere,
     ) -> None:
         """Begin with everything at rest, and no gateway."""
         self.site, self.clock, self.data, self.guider = site, clock, data, guider
+        self.planner = planner
         data.mkdir(parents=True, exist_ok=True)
         self.robot, self.hub = SkyRobot(site, clock, seed), HubStandIn()
         self.disk_full = False
@@ -273,11 +282,15 @@ class NightWorld:
         if self.gateway is not None:
             self.gateway.link_up()
 
-    def ask(self, groups: list[RequestGroup], revision: int = 1) -> None:
+    def ask(
+        self,
+        groups: list[RequestGroup],
+        revision: int = 1,
+        proposals: tuple[Proposal, ...] = (SCHOOL,),
+    ) -> None:
         assert self.gateway is not None
-        school = Proposal(id="school", share=1.0, hours_allocated=100.0)
         self.gateway.service.handle_message(
-            RequestSync(revision=revision, proposals=[school], groups=groups)
+            RequestSync(revision=revision, proposals=list(proposals), groups=groups)
         )
 
     def arm(self, who: str = "ada") -> None:

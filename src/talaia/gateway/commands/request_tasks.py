@@ -21,15 +21,15 @@ class RequestTasks:
         """Call ``on_end`` after each."""
         self._on_end = on_end  # Called after each request; the timer of driving is set anew by it.
         # Held until they end: the event loop keeps only weak references to tasks.
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: set[asyncio.Task[object]] = set()
 
-    def spawn_task(self, work: Coroutine[None, None, None]) -> None:
+    def spawn_task(self, work: Coroutine[object, None, object]) -> None:
         """Begin a request."""
         task = asyncio.create_task(work, name="request of the hub")
         self._tasks.add(task)
         task.add_done_callback(self._handle_end)
 
-    def _handle_end(self, task: asyncio.Task[None]) -> None:
+    def _handle_end(self, task: asyncio.Task[object]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and task.exception() is not None:
             log.error("a request failed", exc_info=task.exception())

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import itertools
 import logging
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
@@ -37,6 +36,7 @@ from talaia.gateway.night.night_values import (
     PlanQuestion,
 )
 from talaia.gateway.night.observation_book import ObservationBook
+from talaia.gateway.night.planning.charged_time import seconds_left
 from talaia.gateway.night.planning.planner_process import PlannerProcess
 from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
 from talaia.gateway.night.request_intake import RequestIntake
@@ -133,8 +133,7 @@ class NightService:
         self._book = ObservationBook(self._store.read_observations(), f"{site.site}-{boot[:12]}")
         self._intake = RequestIntake()
         self.planner, self.calls = planner(self._take_plan), NightCalls()
-        arming = self._store.read_arming()
-        self._written_arming = arming
+        arming = self._written_arming = self._store.read_arming()
         self._files = FrameFiles(arrivals, site)
         self._commands = NightCommands(actuation.commands, self._take_answer, self._files)
         self._holds = NightHolds(site, night, actuation.commands, clock)
@@ -158,10 +157,9 @@ class NightService:
         self._plan: NightPlan | None = None
         # Ids of what was asked of it lately: each is done once.
         self._answers: dict[str, str] = {}
-        self._numbers = itertools.count(1)
-        self._hand_over_requests()
         for update in self._book.close_interrupted(self._now_s()):
             log.info("observation %s: %s", update.id, update.why)
+        self._hand_over_requests()
         actuation.interlocks.attend_devices(self._attends)
         if arming.armed_by:
             self.planner.begin_process()
@@ -197,6 +195,7 @@ class NightService:
                     self._book.settle_requests(whole.groups)
                     self._hand_over_requests()
                     self._tasks.spawn_task(self._keep_requests())
+                    self._tasks.spawn_task(self._keep_observations(()))
             case ObservationAck():
                 if self._book.acknowledge_updates(message.number):
                     self._tasks.spawn_task(self._keep_observations(()))
@@ -234,6 +233,9 @@ class NightService:
 
     def _hand_over_requests(self) -> None:
         groups = self._requests.groups
+        # Who pays for each request.
+        self._payers = {one.id: group.proposal for group in groups for one in group.requests}
+        self._hand_over_hours()
         self._executor.chooser.replace_requests(
             groups, self._book.frames_done(groups), self._book.ended
         )
@@ -247,6 +249,10 @@ class NightService:
                 groups=groups,
             )
         )
+
+    def _hand_over_hours(self) -> None:
+        charged = self._book.charged_seconds()
+        self._executor.chooser.take_hours(seconds_left(self._requests.proposals, charged))
 
     # ── the night ──
 
@@ -271,7 +277,7 @@ class NightService:
         if changes:
             self._tasks.spawn_task(self._keep_observations(tuple(changes)))
         if self._executor.arming != self._written_arming:
-            self._tasks.spawn_task(self._write_arming())
+            self._tasks.spawn_task(self._keep_arming())
         if self._executor.night_state() != self._told:
             self._send_state()
 
@@ -304,6 +310,7 @@ class NightService:
                 done=self._book.frames_done(groups),
                 ended=tuple(sorted(self._book.ended)),
                 held=self._executor.chooser.held_requests(),
+                charged=self._book.charged_seconds(),
                 seeing=view.seeing,
                 clouds=view.clouds,
                 parked=view.parked is True,
@@ -315,10 +322,8 @@ class NightService:
             NightChoice(answer.number, answer.request, answer.wait_until, answer.reason)
         )
         if answer.plan is not None:
-            instrument = self._night.times
-            self._plan = NightPlan(
-                plan=answer.plan, why_not=list(answer.why_not), instrument=instrument
-            )
+            why_not, times = list(answer.why_not), self._night.times
+            self._plan = NightPlan(plan=answer.plan, why_not=why_not, instrument=times)
             if self._takes_night:
                 self._send(self._plan)
         self._wake.set()
@@ -328,22 +333,21 @@ class NightService:
 
     def _attends(self, device: str) -> bool:
         """Tell whether the night looks after a device while the hub is away."""
-        return (
-            self._night.link_loss is NightLinkLoss.CONTINUE
-            and device in self._holds.devices
-            and self._executor.phase not in {NightPhase.DISARMED, NightPhase.FAULT}
-        )
+        acts = self._executor.phase not in {NightPhase.DISARMED, NightPhase.FAULT}
+        goes_on = self._night.link_loss is NightLinkLoss.CONTINUE
+        return acts and goes_on and device in self._holds.devices
 
     # ── disk and hub ──
 
     async def _keep_observations(self, changes: tuple[ObservationChange, ...]) -> None:
         time = self._now_s()
         # A frame's file is named with the change that counts the frame.
-        files = self._files.take_names()
+        files = self._files.take_names() if changes else []
         updates = [
-            self._book.record_change(change, time, files if number == 0 else ())
+            self._book.record_change(change, time, files if not number else (), self._payers)
             for number, change in enumerate(changes)
         ]
+        self._hand_over_hours()
         # Encoded now: the book goes on changing while the disk is busy.
         data = msgspec.json.encode(self._book.content)
         await self._write(lambda: self._store.write_observations(data), "what was observed")
@@ -361,9 +365,6 @@ class NightService:
     async def _keep_arming(self) -> str:
         arming = self._written_arming = self._executor.arming
         return await self._write(lambda: self._store.write_arming(arming), "who armed the night")
-
-    async def _write_arming(self) -> None:
-        await self._keep_arming()
 
     async def _write(self, work: Callable[[], None], what: str) -> str:
         """Write; gives what is wrong, if so."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.night.night_values import ObservationChange
+from talaia.gateway.night.planning.charged_time import TimeCharge, add_charge, charged_seconds
 from talaia.model.observing.states import (
     FINAL_OBSERVATION_STATES,
     ObservationState,
@@ -19,7 +20,7 @@ from talaia.model.observing.states import (
 from talaia.wire.frames import ObservationUpdate
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from talaia.model.observing.requests import RequestGroup
 
@@ -38,6 +39,8 @@ class OpenObservation(msgspec.Struct, frozen=True, kw_only=True):
         state: where it stands.
         frames_done: of each configuration.
         block_s: charged before the visit that is under way (s).
+        told_s: charged with it, as was told last (s).
+        proposal: who pays.
 
     """
 
@@ -45,6 +48,8 @@ class OpenObservation(msgspec.Struct, frozen=True, kw_only=True):
     state: ObservationState = _O.IN_PROGRESS
     frames_done: tuple[int, ...] = ()
     block_s: float = 0.0
+    told_s: float = 0.0
+    proposal: str = ""
 
 
 class BookContent(msgspec.Struct, kw_only=True):
@@ -56,6 +61,8 @@ class BookContent(msgspec.Struct, kw_only=True):
         open: by request.
         ended: requests that were completed here, with the update that says so.
         waiting: what the hub has not acknowledged.
+        acked: the newest update that it has.
+        charges: block time that is not in the hours of the newest set of requests.
 
     """
 
@@ -64,6 +71,8 @@ class BookContent(msgspec.Struct, kw_only=True):
     open: dict[str, OpenObservation] = {}
     ended: dict[str, int] = {}
     waiting: list[ObservationUpdate] = []
+    acked: int = 0
+    charges: list[TimeCharge] = []
 
 
 class ObservationBook:
@@ -78,36 +87,52 @@ class ObservationBook:
         """Go on with what an earlier run left; ``gateway`` is part of the ids."""
         self.content = content
         self._gateway = gateway
-        self._acked = 0
 
     def close_interrupted(self, time: float) -> list[ObservationUpdate]:
         """Suspend what an earlier run had under way; give what is to be told."""
         under_way = [
-            request for request, one in self.content.open.items() if one.state is _O.IN_PROGRESS
+            (request, one)
+            for request, one in self.content.open.items()
+            if one.state is _O.IN_PROGRESS
         ]
         return [
             self.record_change(
                 ObservationChange(
                     request,
                     _O.SUSPENDED,
-                    self.content.open[request].frames_done,
+                    one.frames_done,
                     SuspensionCause.FAULT,
                     "the gateway was started anew",
+                    # As far as is known: until it was told last.
+                    max(0.0, one.told_s - one.block_s),
                 ),
                 time,
             )
-            for request in under_way
+            for request, one in under_way
         ]
 
     def record_change(
-        self, change: ObservationChange, time: float, files: Sequence[str] = ()
+        self,
+        change: ObservationChange,
+        time: float,
+        files: Sequence[str] = (),
+        payers: Mapping[str, str] | None = None,
     ) -> ObservationUpdate:
-        """Number a change, with the files since the last one; give what is to be told."""
+        """Number a change, with the files since the last one; give what is to be told.
+
+        Args:
+            change: what happened.
+            time: s since the epoch (UTC).
+            files: digests of files since the last change.
+            payers: who pays for each request; who paid for the try before goes on to.
+
+        """
+        proposal = (payers or {}).get(change.request, "")
         book = self.content
         before = book.open.get(change.request)
         if before is None:
             book.made += 1
-            before = OpenObservation(id=f"{self._gateway}-{book.made:06d}")
+            before = OpenObservation(id=f"{self._gateway}-{book.made:06d}", proposal=proposal)
         spent = before.block_s + change.block_s
         book.number += 1
         update = ObservationUpdate(
@@ -121,6 +146,14 @@ class ObservationBook:
             frames_done=list(change.frames_done[:100]),
             block_s=spent,
             files=list(files),
+        )
+        book.charges = add_charge(
+            book.charges,
+            TimeCharge(
+                number=book.number,
+                proposal=before.proposal or proposal,
+                seconds=spent - before.told_s,
+            ),
         )
         self._keep_open(change, before, spent)
         book.waiting.append(update)
@@ -137,8 +170,12 @@ class ObservationBook:
             return
         # A visit that goes on counts its own time from its beginning.
         kept = spent if change.state is _O.SUSPENDED else before.block_s
-        book.open[change.request] = OpenObservation(
-            id=before.id, state=change.state, frames_done=change.frames_done, block_s=kept
+        book.open[change.request] = msgspec.structs.replace(
+            before,
+            state=change.state,
+            frames_done=change.frames_done,
+            block_s=kept,
+            told_s=max(spent, before.told_s),
         )
 
     def _leave_out_steps(self) -> None:
@@ -158,7 +195,7 @@ class ObservationBook:
 
     def acknowledge_updates(self, number: int) -> bool:
         """Forget what the hub has; tell whether there was any of it."""
-        self._acked = max(self._acked, number)
+        self.content.acked = max(self.content.acked, number)
         before = len(self.content.waiting)
         self.content.waiting = [one for one in self.content.waiting if one.number > number]
         return len(self.content.waiting) < before
@@ -171,8 +208,16 @@ class ObservationBook:
         self.content.ended = {
             request: number
             for request, number in self.content.ended.items()
-            if number in waiting or (request in asked and number > self._acked)
+            if number in waiting or (request in asked and number > self.content.acked)
         }
+        # The hours that came with it have what the hub has acknowledged.
+        self.content.charges = [
+            one for one in self.content.charges if one.number > self.content.acked
+        ]
+
+    def charged_seconds(self) -> dict[str, float]:
+        """Give what each proposal was charged here beyond the hours that the hub told (s)."""
+        return charged_seconds(self.content.charges)
 
     def frames_done(self, groups: Sequence[RequestGroup]) -> dict[str, tuple[int, ...]]:
         """Give what there is of each request: as the hub says, or more by this gateway."""

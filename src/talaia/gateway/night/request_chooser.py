@@ -89,6 +89,10 @@ class RequestChooser:
         """Give what there is of a request, of each configuration."""
         return self._done.get(request, ())
 
+    def take_hours(self, left: Mapping[str, float]) -> None:
+        """Take what each proposal has left (s); one that is not named cannot pay."""
+        self._limits = self._limits._replace(left=dict(left))
+
     def keep_frames(self, request: str, frames: tuple[int, ...]) -> bool:
         """Keep what was read out; tell whether that is more than before."""
         before = self._done.get(request, ())
@@ -170,6 +174,7 @@ class RequestChooser:
             done=self._done,
             ended=frozenset(self._ended),
             held=self._held,
+            left=self._limits.left,
         )
 
     def flats_now(self, view: NightView) -> AskedRequest | None:

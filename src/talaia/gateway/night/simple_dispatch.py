@@ -30,6 +30,7 @@ __all__ = [
     "best_request",
     "block_seconds",
     "frames_left",
+    "hours_veto",
     "pending_requests",
     "standing_veto",
     "urgency_rank",
@@ -50,15 +51,28 @@ class AskedRequest(NamedTuple):
     urgency: Urgency
     # Requests of its sequence that come before it.
     after: tuple[str, ...] = ()
+    # Who pays.
+    proposal: str = ""
 
 
 class NightLimits(NamedTuple):
-    """What a night may do at all; see `talaia.model.night_section.NightSection`."""
+    """What a night may do at all; see `talaia.model.night_section.NightSection`.
+
+    Attributes:
+        place: of the telescope.
+        instrument: how long it takes.
+        observing_sun: targets are observed at or below this altitude of the Sun (°).
+        filters: that there are.
+        left: block time that each proposal has left (s); one that is not named has none. None:
+            nobody has said.
+
+    """
 
     place: Place
     instrument: Instrument
     observing_sun: float
     filters: frozenset[str]
+    left: Mapping[str, float] | None = None
 
 
 def pending_requests(groups: Iterable[RequestGroup]) -> Iterator[AskedRequest]:
@@ -68,7 +82,7 @@ def pending_requests(groups: Iterable[RequestGroup]) -> Iterator[AskedRequest]:
         for request in group.requests:
             if request.state is RequestState.PENDING:
                 after = tuple(before) if group.operator is GroupOperator.SEQUENCE else ()
-                yield AskedRequest(request, group.priority, group.urgency, after)
+                yield AskedRequest(request, group.priority, group.urgency, after, group.proposal)
             if request.state is not RequestState.COMPLETED:
                 before.append(request.id)
 
@@ -86,6 +100,25 @@ def block_seconds(request: Request, done: tuple[int, ...], instrument: Instrumen
     configurations = list(zip(request.configurations, left, strict=True))
     frames = sum(n * (c.exposure + instrument.readout) for c, n in configurations)
     return frames + instrument.filter_change * sum(1 for _, n in configurations if n)
+
+
+def hours_veto(
+    asked: AskedRequest,
+    done: tuple[int, ...],
+    instrument: Instrument,
+    left: Mapping[str, float] | None,
+) -> str:
+    """Say that a proposal cannot pay the frames that are left; empty: it can, or nobody has said.
+
+    Of filters, which are known when they turn, it asks no more than a planner does.
+    """
+    request = asked.request
+    parts = zip(request.configurations, frames_left(request, done), strict=True)
+    seconds = sum(count * (part.exposure + instrument.readout) for part, count in parts)
+    if left is None or seconds <= left.get(asked.proposal, 0.0) + 1.0:
+        return ""
+    minutes = max(0.0, left.get(asked.proposal, 0.0)) / 60.0
+    return f"proposal {asked.proposal} has {minutes:.0f} min left, it needs {seconds / 60.0:.0f}"
 
 
 def urgency_rank(asked: AskedRequest) -> int:
@@ -154,6 +187,8 @@ def veto_reason(
         held_until=held_until,
         slack=slack,
     ):
+        return why
+    if why := hours_veto(asked, done, limits.instrument, limits.left):
         return why
     ends = view.time + seconds
     for configuration in request.configurations:

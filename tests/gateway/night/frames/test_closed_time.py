@@ -123,3 +123,15 @@ def test_the_planner_is_not_asked_for_what_needs_no_sky() -> None:
     world.choice = lambda _question: "dark"
     world.until(lambda: states(world, "dark")[-1:] == [S.COMPLETED])
     assert world.asked("dome/open") == []
+
+
+def test_darks_are_taken_only_of_a_proposal_that_can_pay_for_them() -> None:
+    world = world_with(ImageType.DARK, ImageType.BIAS)
+    world.executor.chooser.take_hours({"school": 30.0})
+    world.pass_time(600.0)
+    # Two darks of half a minute are more than it has left; so are two biases of that time here.
+    assert states(world, "dark") == states(world, "bias") == []
+    # The description's own cost nobody anything.
+    assert world.asked("camera/dark")
+    world.executor.chooser.take_hours({"school": 80.0})
+    world.until(lambda: states(world, "dark")[-1:] == [S.COMPLETED])

@@ -12,7 +12,7 @@ from night_observatory import EVENING, request
 
 from talaia.gateway.night.planning.planner_answers import PlannerAnswers
 from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
-from talaia.model.observing.plan import Instrument
+from talaia.model.observing.plan import Instrument, VetoCause
 from talaia.model.observing.requests import Proposal, RequestGroup
 from talaia.model.observing.targets import IcrsTarget
 from talaia.planner.outlook import WeatherOutlook
@@ -187,3 +187,30 @@ def test_a_request_that_was_taken_back_and_asked_again_is_planned_again() -> Non
     assert ask(answers, 2).request == "b"
     answers.take_setup(setup(groups))
     assert ask(answers, 3).request == "a"
+
+
+def test_time_that_the_gateway_has_charged_itself_is_no_longer_there_to_be_planned() -> None:
+    # Each takes three minutes and its readout; the proposal has forty hours.
+    groups, answers = [request(f"r{n}", frames=3) for n in range(5)], PlannerAnswers()
+    answers.take_setup(setup(groups))
+    first = ask(answers)
+    assert first.plan is not None
+    assert len(first.plan.blocks) == 5
+    # Seven minutes are left: two of them, interrupted ones, failed tries and darks counted.
+    charged = {"school": 40 * 3600.0 - 420.0}
+    later = ask(answers, 2, charged=charged)
+    assert later.plan is not None
+    assert len(later.plan.blocks) == 2
+    # One of the two is done, and the time that it took is in what is charged: no more than one.
+    done = ask(answers, 3, ended=(later.request,), charged={"school": 40 * 3600.0 - 210.0})
+    assert done.plan is not None
+    assert len(done.plan.blocks) == 1
+    # A minute is left: nothing fits, and why is said.
+    spent = ask(answers, 4, ended=(later.request,), charged={"school": 40 * 3600.0 - 60.0})
+    assert spent.request == ""
+    assert {one.cause for one in spent.why_not} == {VetoCause.ALLOCATION}
+    assert answers.sessions == 1
+    # A planner that was begun anew knows of it, too.
+    anew = PlannerAnswers()
+    anew.take_setup(setup(groups))
+    assert ask(anew, 1, charged={"school": 40 * 3600.0}).request == ""

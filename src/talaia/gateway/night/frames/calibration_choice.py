@@ -8,7 +8,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.night.simple_dispatch import block_seconds, standing_veto, urgency_rank
+from talaia.gateway.night.simple_dispatch import (
+    block_seconds,
+    hours_veto,
+    standing_veto,
+    urgency_rank,
+)
 from talaia.model.observing.requests import ImageType
 
 if TYPE_CHECKING:
@@ -43,6 +48,7 @@ def best_calibration(
     done: Mapping[str, tuple[int, ...]],
     ended: frozenset[str],
     held: Mapping[str, float],
+    left: Mapping[str, float] | None = None,
 ) -> AskedRequest | None:
     """Give the most urgent, then the most valuable that may be taken now.
 
@@ -54,6 +60,7 @@ def best_calibration(
         done: frames of each configuration that there are, by request.
         ended: requests that have ended at this gateway.
         held: requests that are not tried before (s since the epoch, UTC).
+        left: what proposals can pay; see `NightLimits`.
 
     """
     wanted = is_of_flats if flats else needs_no_sky
@@ -72,12 +79,14 @@ def best_calibration(
             and any(part.filter not in {"", *filters} for part in parts)
         ):
             return False
-        # Flats come as the sky gives them: how long they take nobody knows before.
-        seconds = 0.0 if flats else block_seconds(one.request, done.get(name, ()), instrument)
+        seconds = block_seconds(one.request, done.get(name, ()), instrument)
+        if hours_veto(one, done.get(name, ()), instrument, left):
+            return False
         return not standing_veto(
             one,
             view.time,
-            seconds,
+            # Flats come as the sky gives them: how long they take nobody knows before.
+            0.0 if flats else seconds,
             done=done.get(name, ()),
             ended=ended,
             held_until=held.get(name, 0.0),

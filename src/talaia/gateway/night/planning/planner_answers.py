@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
-    from talaia.model.observing.requests import RequestGroup
+    from talaia.model.observing.requests import Proposal, RequestGroup
 
 __all__ = ["PlannerAnswers"]
 
@@ -104,6 +104,8 @@ class PlannerAnswers:
             padded = [*base, *([0] * (len(frames) - len(base)))]
             since = (now - then for now, then in zip(frames, padded, strict=False))
             session.suspend_request(request, tuple(max(0, count) for count in since))
+        # Behind what is done now: what is left is told, not reckoned here.
+        session.set_proposals(_proposals_now(setup, question))
         # Rain or the morning has ended the block: the next one begins with unparking.
         if question.parked:
             session.park_telescope()
@@ -118,7 +120,7 @@ class PlannerAnswers:
             place,
             question.time,
             instrument=setup.instrument,
-            proposals=setup.proposals,
+            proposals=_proposals_now(setup, question),
             groups=self._groups_now(setup),
         )
         session = PlanningSession(problem)
@@ -184,6 +186,14 @@ class PlannerAnswers:
             for request in group.requests
         )
         return replace(group, requests=requests)
+
+
+def _proposals_now(setup: PlannerSetup, question: PlannerQuestion) -> list[Proposal]:
+    """Give who pays, with what the gateway has charged since the hub told the hours used."""
+    return [
+        replace(one, hours_used=one.hours_used + question.charged.get(one.id, 0.0) / 3600.0)
+        for one in setup.proposals
+    ]
 
 
 def _pending(groups: Iterable[RequestGroup]) -> Iterable[tuple[str, RequestGroup]]:

@@ -43,6 +43,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
         done: frames of each configuration, by request.
         ended: requests that are done.
         held: requests that are left alone, until (s since the epoch, UTC).
+        charged: what each proposal was charged beyond the hours of the setup (s).
         seeing: FWHM (″).
         clouds: (%).
         parked: the telescope is.
@@ -54,6 +55,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
     done: dict[str, tuple[int, ...]] = {}
     ended: tuple[str, ...] = ()
     held: dict[str, float] = {}
+    charged: dict[str, float] = {}
     seeing: float | None = None
     clouds: float | None = None
     parked: bool = False
