@@ -56,7 +56,13 @@ ROLE_TABLES: dict[type, str] = {
     roles.CommandRole: "roles of commands",
 }
 NIGHT_SHAPES: tuple[type[msgspec.Struct], ...] = (
-    *(night.NightSection, night.SlewCommand, night.FrameCommand, night.FilterCommand),
+    *(
+        night.NightSection,
+        night.SlewCommand,
+        night.PointCommand,
+        night.FrameCommand,
+        night.FilterCommand,
+    ),
     *(night.SettingCommand, night.NightFlats),
     *(night.NightDarks, night.NightSun, night.Instrument),
 )

@@ -47,7 +47,10 @@ SITE_FILE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 EVENING = 1_795_464_000.0
 P = CommandPhase
 EXPOSING = ("camera/expose", "camera/dark", "camera/bias", "camera/flat")
-MOVING = ("dome/open", "telescope/unpark", "telescope/goto", "camera/expose")
+MOVING = (
+    *("dome/open", "telescope/unpark", "telescope/goto", "telescope/goto_altaz"),
+    *("telescope/track", "camera/expose"),
+)
 SAFE = ("telescope/park", "dome/close", "camera/abort", "camera/cooler", "camera/cool")
 
 
@@ -101,12 +104,14 @@ class PureObservatory:
         arming: NightArming | None = None,
         parts: BlockParts | None = None,
         flats: NightFlats | None = None,
+        **night: Any,
     ) -> None:
         """Begin in the evening, closed and parked."""
         site = example_site()
         assert site.night is not None
         assert site.place is not None
         self.night = replace(site.night, flats=flats) if flats is not None else site.night
+        self.night = replace(self.night, **night)
         self.executor = NightExecutor(
             night=self.night,
             enclosure=site.enclosures["dome"],
@@ -118,6 +123,8 @@ class PureObservatory:
         self.shutter, self.telescope = "closed", "parked"
         self.closing = self.barred = self.person = ""
         self.blind = self.mute_planner = False
+        # It follows the sky; and the roof's guard, which is not the night's, is alive.
+        self.tracks, self.guarded = False, True
         # Light of the sky on a flat (counts a second above the pedestal); none: nobody measures.
         self.skylight: Callable[[], float] | None = lambda: 2000.0
         # What the camera says of itself.
@@ -154,6 +161,7 @@ class PureObservatory:
             person=self.person,
             binning=self.binning if known else None,
             gain=self.gain if known else None,
+            tracking=self.tracks if known else None,
         )
 
     def ask(self, *groups: RequestGroup) -> None:
@@ -177,8 +185,9 @@ class PureObservatory:
     def turn(self) -> None:
         """Let everything that is due happen once."""
         # The roof's guard, which is not the night's: it closes whatever the night does.
-        if self.closing and self.shutter != "closed":
+        if self.guarded and self.closing and self.shutter != "closed":
             self.telescope, self.shutter = "parked", "closed"
+            self.tracks = False
         for due, command in [one for one in self._pending if one[0] <= self.now]:
             self._pending.remove((due, command))
             self._end(command)
@@ -233,6 +242,11 @@ class PureObservatory:
                     self.telescope = "idle"
                 case "telescope/park":
                     self.telescope = "parked"
+                    self.tracks = False
+                case "telescope/goto" | "telescope/track":
+                    self.tracks = True
+                case "telescope/goto_altaz":
+                    self.tracks = False
                 case "camera/binning":
                     self.binning = float(command.args["factor"])
                 case "camera/gain":

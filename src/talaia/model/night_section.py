@@ -28,6 +28,7 @@ __all__ = [
     "NightLinkLoss",
     "NightSection",
     "NightSun",
+    "PointCommand",
     "SlewCommand",
 ]
 
@@ -56,6 +57,21 @@ class SlewCommand(Shape, frozen=True, kw_only=True):
     command: str
     ra: str = "ra"
     dec: str = "dec"
+
+
+class PointCommand(Shape, frozen=True, kw_only=True):
+    """How the telescope is sent to a place above the horizon, to stand there.
+
+    Attributes:
+        command: ``<device>/<command>``.
+        altitude: its argument for the altitude (°).
+        azimuth: its argument for the azimuth, from the north by the east (°).
+
+    """
+
+    command: str
+    altitude: str = "alt"
+    azimuth: str = "az"
 
 
 class NightFocuser(Shape, frozen=True, kw_only=True):
@@ -133,6 +149,13 @@ class NightSection(Shape, frozen=True, kw_only=True):
         open: opens the roof.
         unpark: gets the telescope ready, after the roof is open.
         slew: sends it to a target; see `SlewCommand`.
+        point: sends it to a fixed direction, where it stands; see `PointCommand`. None: fixed
+            directions are gone back to between frames, by ``slew``.
+        tracking: it follows the sky when this says so. No frame of what is among the stars begins
+            before, and one during which it ends is taken again; none: nobody looks.
+        track: makes it follow the sky where it does not after a slew; none: it is waited for.
+        flip_after: a mount that turns over at the meridian (``times.meridian_flip``) still tracks
+            so long past it (s): frames that end by then come before the flip.
         light: takes a frame of a target; see `FrameCommand`.
         darks: see `NightDarks`; none: it takes none, and requests of them are refused.
         bias: takes a frame of no length for a request; none: such requests are refused.
@@ -164,6 +187,10 @@ class NightSection(Shape, frozen=True, kw_only=True):
     unpark: Step
     slew: SlewCommand
     light: FrameCommand
+    point: PointCommand | None = None
+    tracking: Sighting | None = None
+    track: Step | None = None
+    flip_after: float = 0.0
     darks: NightDarks | None = None
     bias: FrameCommand | None = None
     flats: NightFlats | None = None
@@ -187,6 +214,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
     def steps(self) -> dict[str, Step]:
         """Give every step with its place in the section."""
         named = {"open": self.open, "unpark": self.unpark}
+        if self.track is not None:
+            named["track"] = self.track
         named |= {f"start[{index}]": step for index, step in enumerate(self.start)}
         return named | {f"end[{index}]": step for index, step in enumerate(self.end)}
 
@@ -213,6 +242,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
     def commands(self) -> frozenset[str]:
         """Name every command that the night gives beside those of its enclosure."""
         more = [self.slew.command, self.light.command]
+        if self.point is not None:
+            more.append(self.point.command)
         if self.darks is not None:
             more.append(self.darks.command.command)
         if self.bias is not None:

@@ -19,6 +19,7 @@ from talaia.gateway.night.block_run import SLEWS_BEFORE_FRAME, BlockParts
 from talaia.gateway.night.imaging.guide_steps import GUIDE_AGAIN_S
 from talaia.gateway.night.night_values import NightView, PlanQuestion
 from talaia.gateway.night.target_place import arcseconds_between
+from talaia.gateway.night.unended_commands import GUARD_S
 from talaia.model.observing.requests import Guiding, Urgency
 from talaia.model.observing.states import ObservationState, SuspensionCause
 from talaia.model.observing.targets import FixedTarget, SolarSystemBody, SolarSystemTarget
@@ -228,6 +229,55 @@ def test_a_roof_of_which_nothing_is_known_is_closed() -> None:
     assert world.shutter == "closed"
 
 
+def leave(world: PureObservatory, cause: str) -> None:
+    match cause:
+        case "dawn":
+            world.sun = -7.5
+        case "weather":
+            world.closing = "Rain: wet"
+        case "nobody may open":
+            world.barred = "Weather: nobody knows the wind"
+        case "unknown":
+            world.blind = True
+        case "disarmed":
+            world.executor.disarm_night("enough", world.view)
+        case "its time is over":
+            world.executor.arm_night("ada", EVENING + world.now + 1.0, world.view)
+        case _:
+            raise AssertionError(cause)
+
+
+@pytest.mark.parametrize(
+    "cause",
+    ["dawn", "weather", "nobody may open", "unknown", "disarmed", "its time is over"],
+)
+def test_the_night_itself_parks_and_closes_though_the_roofs_guard_is_dead(cause: str) -> None:
+    world = planned("m31")
+    world.guarded = False
+    world.until(lambda: len(world.frames) == 1)
+    world.pass_time(20)
+    leave(world, cause)
+    since = world.now
+    roof = example_site().enclosures["dome"]
+    # Where interlocks close, their guard has its own time first.
+    guard = GUARD_S + roof.mount_within + roof.move_within * (1 + roof.retries)
+    world.until(lambda: bool(world.asked("dome/close")), guard + 60.0)
+    asked = world.asked("dome/close")[0]
+    assert world.asked("telescope/park")[0] <= asked
+    # At once; a telescope that says nothing is waited for as long as it may take to park.
+    at_once = {"dawn": 30.0, "disarmed": 30.0, "its time is over": 30.0}
+    at_once["unknown"] = 10.0 + 2 * roof.mount_within
+    assert asked - since < at_once.get(cause, guard + 60.0)
+    if cause == "unknown":
+        world.pass_time(60)
+        world.blind = False
+    world.until(lambda: world.shutter == "closed" and world.telescope == "parked", 120.0)
+    # What was exposed is ended at once, and not before.
+    assert world.asked("camera/abort")[0] - since <= 2.0
+    assert world.changes[-1].state is S.SUSPENDED
+    assert len(world.frames) == 1
+
+
 def test_a_person_who_acts_is_given_way_to_and_it_goes_on_behind_them() -> None:
     world = planned("m31")
     world.until(lambda: len(world.frames) == 1)
@@ -315,6 +365,29 @@ def test_a_planner_that_says_nothing_is_done_without_and_said_once() -> None:
     world.mute_planner = True
     world.until(lambda: len(world.frames) == 6)
     assert [one.kind for one in world.events] == ["night_planner_failed"]
+
+
+def test_the_simplest_planner_spends_no_more_than_a_proposal_has() -> None:
+    world = planned("m31", "m33")
+    world.mute_planner = True
+    # Three frames of a minute with their readout.
+    world.executor.chooser.take_hours({"school": 200.0})
+    world.until(lambda: len(world.frames) == 3)
+    world.executor.chooser.take_hours({"school": 5.0})
+    world.pass_time(900.0)
+    assert world.frames == ["m31"] * 3
+    # One that nobody knows pays nothing.
+    world.executor.chooser.take_hours({"club": 9000.0})
+    world.pass_time(900.0)
+    assert len(world.frames) == 3
+
+
+def test_a_planner_that_chooses_what_nobody_can_pay_is_not_believed() -> None:
+    world = planned("m31")
+    world.executor.chooser.take_hours({"school": 5.0})
+    world.pass_time(300.0)
+    assert world.frames == []
+    assert "school has 0 min left, it needs 3" in world.events[0].message
 
 
 @pytest.mark.parametrize("lie", ["nothing-like-it", "later"])
@@ -504,8 +577,8 @@ def test_the_telescope_goes_after_the_moon_between_two_frames() -> None:
         assert arcseconds_between(where, there) < 90.0
 
 
-def test_a_fixed_direction_is_gone_back_to_before_each_frame_and_not_for_ever() -> None:
-    site = PureObservatory()
+def test_a_fixed_direction_is_gone_back_to_where_no_command_points_at_it_and_not_for_ever() -> None:
+    site = PureObservatory(point=None)
     # Stars pass it by 15″ in each second, so it is gone from wherever a slew ends.
     fixed = FixedTarget(name="pole side", altitude=60.0, azimuth=20.0)
     site.ask(request("fixed", frames=3, target=fixed))
@@ -522,8 +595,11 @@ def test_a_star_is_not_gone_back_to() -> None:
 
 
 def test_a_guide_star_that_was_lost_is_held_again_before_the_next_frame() -> None:
-    lost = iter(["", "the star is lost"])
-    site = PureObservatory(parts=BlockParts(guides=True, guide_lost=lambda: next(lost, "")))
+    def lost() -> str:
+        over = len(site.frames) >= 2 and len(site.asked("part/guide")) < 2
+        return "the star is lost" if over else ""
+
+    site = PureObservatory(parts=BlockParts(guides=True, guide_lost=lost))
     site.ask(request("m31", frames=4, guiding=Guiding.ON))
     observe(site, "m31")
     assert site.frames == ["m31"] * 4
@@ -535,6 +611,8 @@ def test_a_guide_star_that_was_lost_is_held_again_before_the_next_frame() -> Non
 
 def test_a_star_that_stays_lost_fails_a_request_that_must_be_guided() -> None:
     def lost() -> str:
+        if not site.frames:
+            return ""
         # Asked for before the second frame, and from there on no star is found.
         site.faults["part/guide"] = CommandPhase.FAILED
         return "clouds"

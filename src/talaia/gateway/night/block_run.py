@@ -10,22 +10,25 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.night.frames.frame_arguments import frame_arguments
 from talaia.gateway.night.frames.frame_settings import FrameSettings
+from talaia.gateway.night.frames.frame_watch import FrameWatch
 from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
 from talaia.gateway.night.imaging.guide_steps import GuideSteps, dithered_place
 from talaia.gateway.night.night_values import PartRun
 from talaia.gateway.night.simple_dispatch import frames_left
-from talaia.gateway.night.step_runner import NightStep, StepsState
+from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
 from talaia.gateway.night.target_place import arcseconds_between, hour_angle_of, place_of_date
-from talaia.model.observing.targets import IcrsTarget, target_name
+from talaia.model.observing.requests import Guiding
+from talaia.model.observing.targets import FixedTarget, IcrsTarget, target_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from talaia.gateway.night.night_values import NightView, StepAnswer
     from talaia.gateway.night.target_place import EquatorialPlace
     from talaia.model.interlocks.enclosure import Place
-    from talaia.model.night_section import NightSection
+    from talaia.model.night_section import NightSection, PointCommand
     from talaia.model.observing.requests import Configuration, Request
+    from talaia.wire.frames import Scalar
 
 __all__ = ["BlockParts", "BlockRun"]
 
@@ -39,6 +42,10 @@ MOST_OFF_ARCSEC = 60.0
 # A slew to what moves ends where it no longer is; a second, short one brings it there. What a
 # mount cannot reach so is exposed as it is, or the block would slew for ever.
 SLEWS_BEFORE_FRAME = 2
+# What a mount says after a slew comes with its next report.
+TRACKING_S = 30.0
+# An exposure that is ended needs so long until the next may begin (s).
+ABORT_S = 2.0
 
 
 class BlockParts:
@@ -90,6 +97,11 @@ class BlockRun(StepwiseBlock):
         self._settings = FrameSettings(night)
         # On which side of the meridian it points.
         self._east: bool | None = None
+        # A frame that was lost is taken again, as often as a step is tried.
+        self._watch = FrameWatch(parts.guide_lost)
+        self._lost, self._exposing = 0, request.configurations[0]
+        # It stands while the sky goes by.
+        self._stands = isinstance(request.target, FixedTarget)
 
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command or part ended."""
@@ -108,12 +120,62 @@ class BlockRun(StepwiseBlock):
         if self._sent is None or flips or self._has_moved(view, configuration):
             return self._point(view, configuration, flips=flips)
         steps = self._settings.steps_for(configuration, self._night.light)
-        name = configuration.filter
-        if self._parts.focus_due(name, view.time):
-            steps.append(self._part("focusing", "focus", required=False))
-        steps += self._guiding.steps_for(configuration, view.now)
-        steps += self._offset(configuration)
+        steps += self._tracking_steps()
+        # Stars that go by are neither focused on nor held.
+        if not self._stands:
+            if self._parts.focus_due(configuration.filter, view.time):
+                steps.append(self._part("focusing", "focus", required=False))
+            steps += self._guiding.steps_for(configuration, view.now)
+            if offset := self._offset(configuration):
+                steps += [*offset, *self._tracking_steps()]
         return [*steps, self._frame(index, configuration)]
+
+    def _tracking_steps(self) -> list[NightStep]:
+        """Give what makes sure that the mount follows the sky, or stands, before a frame."""
+        night = self._night
+        if night.tracking is None or (self._stands and night.point is None):
+            return []
+        if self._stands:
+            return [
+                NightStep(
+                    words="waiting until it stands",
+                    within=TRACKING_S,
+                    reached=lambda view: view.tracking is False,
+                )
+            ]
+        return [
+            NightStep(
+                words="waiting until it tracks",
+                command=night.track.command if night.track is not None else "",
+                args=night.track.args if night.track is not None else {},
+                within=TRACKING_S,
+                tries=night.step_tries,
+                reached=lambda view: view.tracking is True,
+            )
+        ]
+
+    def lost_frame(self, view: NightView) -> str:
+        """Say why the frame under way is worth nothing: its star, or the sky, is not followed."""
+        if not self._runner.takes_frame:
+            self._watch.forget_frame()
+            return ""
+        return self._watch.lost_reason(
+            view,
+            guided=self._exposing.guiding is Guiding.ON and not self._stands,
+            tracked=not self._stands,
+        )
+
+    def retake_frame(self, why: str) -> None:
+        """Point, guide and expose anew; what is lost again and again fails the block."""
+        self._lost += 1
+        self._watch.forget_frame()
+        if self._lost >= self._night.step_tries:
+            super().retake_frame(f"{why} during {self._lost} exposures of a frame")
+            return
+        # Where it points by now nobody knows.
+        self._sent = None
+        words = f"beginning the frame again, for {why}"
+        self._runner = StepRunner([NightStep(words=words, wait=ABORT_S)], self._next_id)
 
     def _flip_due(self, view: NightView, configuration: Configuration) -> bool:
         """Tell whether the next frame would end on the other side of the meridian."""
@@ -123,11 +185,15 @@ class BlockRun(StepwiseBlock):
         if where is None:
             return False
         hours = hour_angle_of(where, self._place, view.time)
-        return hours + configuration.exposure / _SECONDS_IN_HOUR_ANGLE >= 0.0
+        # A mount that tracks beyond the meridian turns over behind what it can still take there.
+        limit = self._night.flip_after / _SECONDS_IN_HOUR_ANGLE
+        return hours + configuration.exposure / _SECONDS_IN_HOUR_ANGLE >= limit
 
     def _has_moved(self, view: NightView, configuration: Configuration) -> bool:
         """Tell whether the target has gone from where the telescope was sent."""
         if self._slews >= SLEWS_BEFORE_FRAME or isinstance(self.request.target, IcrsTarget):
+            return False
+        if self._stands and self._night.point is not None:
             return False
         where = self._aim(view, configuration)
         if where is None or self._sent is None:
@@ -155,17 +221,27 @@ class BlockRun(StepwiseBlock):
         steps += self._guiding.stop_steps()
         self._sent, self._east = where, hours < 0 and not flips
         self._slews += 1
+        if isinstance(self.request.target, FixedTarget) and self._night.point is not None:
+            return [*steps, self._stand_at(self._night.point, self.request.target)]
         steps.append(self._slew(where, "flipping" if flips else "slewing"))
         if self._parts.solves and isinstance(self.request.target, IcrsTarget):
             steps.append(self._part("centring", "centre", name=configuration.filter))
         return steps
 
+    def _stand_at(self, point: PointCommand, target: FixedTarget) -> NightStep:
+        args = {point.altitude: target.altitude, point.azimuth: target.azimuth}
+        return self._move(point.command, args, "pointing")
+
     def _slew(self, where: EquatorialPlace, words: str) -> NightStep:
-        night, slew = self._night, self._night.slew
+        slew = self._night.slew
+        return self._move(slew.command, {slew.ra: where[0], slew.dec: where[1]}, words)
+
+    def _move(self, command: str, args: Mapping[str, Scalar], words: str) -> NightStep:
+        night = self._night
         return NightStep(
             words=words,
-            command=slew.command,
-            args={slew.ra: where[0], slew.dec: where[1]},
+            command=command,
+            args=args,
             # To the pole and over: 180° of each axis.
             within=180.0 / night.times.slew_rate + night.times.meridian_flip + 120.0,
             tries=night.step_tries,
@@ -193,9 +269,10 @@ class BlockRun(StepwiseBlock):
     def _frame(self, index: int, configuration: Configuration) -> NightStep:
         def read_out() -> None:
             self.frames_done[index] += 1
-            self._slews = 0
+            self._slews = self._lost = 0
             self._guiding.dither_due = True
 
+        self._exposing = configuration
         target = target_name(self.request.target) if self.request.target is not None else ""
         args = frame_arguments(
             self._night.light,

@@ -40,6 +40,7 @@ class NightReadings:
         night, rule = self._night, self._rule
         judge, enclosures = self._interlocks.conditions, self._interlocks.enclosures
         parked = judge.sighting_holds(rule.parked, now_ns) if rule.parked is not None else None
+        tracking = night.tracking
         return NightView(
             now=now_ns / SECOND,
             time=time,
@@ -54,6 +55,7 @@ class NightReadings:
             seeing=self._number(night.seeing, now_ns),
             binning=self._number(night.binning.reading if night.binning else "", now_ns),
             gain=self._number(night.gain.reading if night.gain else "", now_ns),
+            tracking=judge.sighting_holds(tracking, now_ns) if tracking is not None else None,
         )
 
     def _number(self, address: str, now_ns: int) -> float | None:

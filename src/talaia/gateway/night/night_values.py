@@ -41,6 +41,7 @@ class NightView(NamedTuple):
         seeing: FWHM (″).
         binning: of the camera, as it says; none: it does not, or nobody asks.
         gain: of the camera, as it says; none: as for ``binning``.
+        tracking: the telescope follows the sky; none: nobody knows, or nobody asks.
 
     """
 
@@ -57,6 +58,7 @@ class NightView(NamedTuple):
     seeing: float | None = None
     binning: float | None = None
     gain: float | None = None
+    tracking: bool | None = None
 
 
 class NightCommand(NamedTuple):

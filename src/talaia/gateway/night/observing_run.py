@@ -89,7 +89,7 @@ class ObservingRun:
             if asked is None:
                 return actions
             actions.append(self._begin_block(asked, view, next_id))
-        return actions + self._go_on(view)
+        return actions + self._go_on(view, next_id)
 
     def update_indoors(self, view: NightView, next_id: Callable[[], str]) -> list[NightAction]:
         """Take what requests want of darks and biases; the roof is closed."""
@@ -99,11 +99,16 @@ class ObservingRun:
             if asked is None:
                 return actions
             actions.append(self._begin_block(asked, view, next_id))
-        return actions + self._go_on(view)
+        return actions + self._go_on(view, next_id)
 
-    def _go_on(self, view: NightView) -> list[NightAction]:
+    def _go_on(self, view: NightView, next_id: Callable[[], str]) -> list[NightAction]:
         if self.block is None:
             return []
+        if why := self.block.lost_frame(view):
+            self.block.retake_frame(why)
+            # What is exposed goes on for nothing.
+            aborts = abort_commands(self._roof, view, next_id)
+            return [*aborts, *self._judge_block(view, self.block)]
         return [*self.block.update_block(view), *self._judge_block(view, self.block)]
 
     def suspend_block(

@@ -99,6 +99,12 @@ class StepRunner:
         """What is done now, for people."""
         return self._steps[self._index].words if self.state is StepsState.RUNNING else ""
 
+    @property
+    def takes_frame(self) -> bool:
+        """Whether a frame of a request is being taken now."""
+        running = self.state is StepsState.RUNNING and self._asked != ""
+        return running and self._steps[self._index].is_frame
+
     def is_waiting_for(self, step_id: str) -> bool:
         """Tell whether an answer would be one to this."""
         return step_id != "" and step_id == self._asked
@@ -110,8 +116,8 @@ class StepRunner:
 
     def update_steps(self, view: NightView) -> list[NightCommand | PartRun]:
         """Go on; give what is to be asked now."""
-        # Bounded: each turn ends a step, or nothing.
-        for _ in range(len(self._steps) + 1):
+        # Bounded: two turns end a step, or one nothing.
+        for _ in range(2 * len(self._steps) + 1):
             if self.state is not StepsState.RUNNING:
                 return []
             step = self._steps[self._index]

@@ -40,6 +40,11 @@ def night_findings(site: Site) -> Iterator[Finding]:
         remedy = f"write park and parked in enclosures.{night.enclosure}"
         yield Finding("$.night.enclosure", problem, remedy)
     yield from sighting_findings(site, "$.night.opened", night.opened)
+    if night.tracking is not None:
+        yield from sighting_findings(site, "$.night.tracking", night.tracking)
+    elif night.track is not None:
+        problem = "nothing says whether it tracks"
+        yield Finding("$.night.track", problem, "write tracking, by what the mount says")
     for key, step in night.steps().items():
         yield from step_findings(site, f"$.night.{key}", step)
     yield from _commands_fit(site, night)
@@ -57,6 +62,11 @@ def night_findings(site: Site) -> Iterator[Finding]:
 def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
     slew, where = night.slew, "$.night.slew"
     yield from _arguments_fit(site, where, slew.command, {"ra": slew.ra, "dec": slew.dec})
+    if night.point is not None:
+        point, where = night.point, "$.night.point"
+        angles = {"altitude": point.altitude, "azimuth": point.azimuth}
+        yield from _arguments_fit(site, where, point.command, angles)
+    yield from at_least("$.night.flip_after", night.flip_after, 0)
     yield from _frame_fits(site, "$.night.light", night.light)
     if night.darks is not None:
         yield from _frame_fits(site, "$.night.darks.command", night.darks.command)

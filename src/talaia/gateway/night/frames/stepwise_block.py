@@ -55,6 +55,14 @@ class StepwiseBlock(ABC):
         """Take how a command or part ended."""
         self._runner.take_answer(answer)
 
+    def lost_frame(self, view: NightView) -> str:
+        """Say why the frame under way is worth nothing; empty: nothing is wrong with it."""
+        return ""
+
+    def retake_frame(self, why: str) -> None:
+        """Give a lost frame up, and begin it again if it may be; the camera is told elsewhere."""
+        self.state, self.why = StepsState.FAILED, why
+
     def update_block(self, view: NightView) -> list[NightCommand | PartRun]:
         """Go on; give what is to be asked now."""
         if self.state is not StepsState.RUNNING:

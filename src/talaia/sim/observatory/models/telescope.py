@@ -1,7 +1,8 @@
-"""A fork-mounted telescope on two axes, altitude and azimuth. Pure: time is given.
+"""A telescope on two axes, altitude and azimuth, as on a fork. Pure: time is given.
 
 It refuses what would point it below its horizon limit or nearer to the Sun than its limit, on the
-way as well as at the end, and stops by itself where tracking would lead there.
+way as well as at the end, and stops by itself where tracking would lead there. With
+`Limits.past_meridian` it turns over there, as a German mount.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from talaia.model.units.astronomy import (
     equatorial_to_horizontal,
     horizontal_to_equatorial,
     julian_day,
+    sidereal_hours,
     sun_position,
 )
 from talaia.sim.observatory.models.pointing import Offset, PointingError, moved_place
@@ -33,12 +35,16 @@ class Limits(NamedTuple):
         horizon: lowest altitude of a target (°).
         sun: least distance from the Sun while that is up (°).
         rate: of each axis (°/s).
+        past_meridian: it turns over so far beyond the meridian at the latest (h); none: never.
+        flip: turning over takes so long (s).
 
     """
 
     horizon: float = 15.0
     sun: float = 30.0
     rate: float = 5.0
+    past_meridian: float | None = None
+    flip: float = 60.0
 
 
 class Telescope:
@@ -70,6 +76,8 @@ class Telescope:
         self._stand = self.PARK
         self._ticket = Ticket.done("")
         self._error = PointingError()
+        # Of a mount that turns over: its side of the meridian, and how long it still turns (s).
+        self.looks_east, self._turning_s = True, 0.0
 
     @property
     def jd(self) -> float:
@@ -123,7 +131,15 @@ class Telescope:
         self._stand = to
         self.state = "slewing"
         self._ticket = Ticket()
+        if target is not None and self.limits.past_meridian is not None:
+            east = self._hours_past_meridian(target) < 0.0
+            self._turning_s = self.limits.flip if east is not self.looks_east else 0.0
+            self.looks_east = east
         return self._ticket
+
+    def _hours_past_meridian(self, target: tuple[float, float]) -> float:
+        sidereal = sidereal_hours(self.jd, self.place.longitude)
+        return (sidereal - target[0] + 12.0) % 24.0 - 12.0
 
     def _target_problem(self, to: Horizontal) -> str:
         if to.alt < self.limits.horizon:
@@ -228,8 +244,9 @@ class Telescope:
                 to = equatorial_to_horizontal(*self._target, self.place, self.jd)
             if not self.stuck:
                 self.at = _moved_axes(self.at, to, self.limits.rate * seconds)
+            self._turning_s = max(0.0, self._turning_s - seconds)
             # `_moved_axes` ends at the goal itself; the rest is rounding.
-            if _angle_between(self.at, to) < 1e-6:
+            if self._turning_s <= 0.0 and _angle_between(self.at, to) < 1e-6:
                 self._finish_slew()
         elif self.state == "tracking" and self._target is not None:
             to = equatorial_to_horizontal(*self._target, self.place, self.jd)
@@ -246,6 +263,9 @@ class Telescope:
             return "tracking ended at the horizon limit"
         if self.sun.alt > -6.0 and angular_separation(to, self.sun) < self.limits.sun:
             return "tracking ended at the Sun's limit"
+        past = self.limits.past_meridian if self.looks_east else None
+        if past is not None and self._hours_past_meridian(self._target or (0.0, 0.0)) > past:
+            return "tracking ended at the meridian limit"
         return ""
 
     def _finish_slew(self) -> None:

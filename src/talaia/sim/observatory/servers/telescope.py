@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["TelescopeServer"]
 
+# A German mount tracks so far past the meridian (h).
+PAST_MERIDIAN_H = 0.1
+
 
 class TelescopeServer(Server):
     """The mount."""
@@ -71,7 +74,10 @@ class TelescopeServer(Server):
         self.model.step(seconds, unix_s)
 
     def inject_fault(self, word: str) -> str:
-        """See `Server.inject_fault`: stuck."""
+        """See `Server.inject_fault`: stuck; and german, a mount that turns over at the meridian."""
         if word in ("stuck", "ok"):
             self.model.stuck = word == "stuck"
-        return "" if word == "stuck" else super().inject_fault(word)
+        if word in ("german", "ok"):
+            past = PAST_MERIDIAN_H if word == "german" else None
+            self.model.limits = self.model.limits._replace(past_meridian=past)
+        return "" if word in ("stuck", "german") else super().inject_fault(word)
