@@ -30,6 +30,7 @@ from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api.schemas import (
+    ability_schemas,
     account_schemas,
     alarm_schemas,
     alert_notice_schemas,
@@ -79,6 +80,7 @@ SHAPES = (
     archive_schemas,
     description_schemas,
     observatory_schemas,
+    ability_schemas,
     observing_schemas,
     outlook_schemas,
     alarm_schemas,

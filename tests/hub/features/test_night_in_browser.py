@@ -75,8 +75,8 @@ async def ask_for_orion(page, origin: str) -> None:
     await expect(form.get_by_text("Exposure in s: expected 0 to 86400")).to_be_visible()
     await form.get_by_label("Exposure (s)").fill("60")
     await form.locator("[name=target]").fill("M 42")
-    await form.get_by_label("Right ascension").fill("05:35:17")
-    await form.get_by_label("Declination").fill("-05:23:28")
+    await form.locator("[name=ra]").fill("05:35:17")
+    await form.locator("[name=dec]").fill("-05:23:28")
     await expect(
         form.get_by_text(re.compile("It may be observed|Best on|Never above"))
     ).to_be_visible()

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from talaia.hub.observing.site_abilities import site_problems
+from talaia.hub.observing.site_abilities import site_abilities, site_problems
 from talaia.model.night_section import NightGuider
 from talaia.model.observing.requests import (
     Configuration,
@@ -108,3 +108,17 @@ def test_frames_of_the_sky_and_of_a_closed_roof_are_no_one_request() -> None:
     assert problems(site, dark, bias) == []
     assert "not of several of them" in problems(site, dark, part())[0]
     assert "not of several of them" in problems(site, dark, part(type=ImageType.SKY_FLAT))[0]
+
+
+def test_a_form_is_told_what_its_site_can_do() -> None:
+    able = site_abilities(example("observatory"))
+    assert able is not None
+    assert able.filters == ("L", "R", "G", "B", "Ha")
+    assert able.types == tuple(ImageType)
+    assert able.binning is not None
+    assert not able.guides
+    plain = site_abilities(site_with(filter=None, binning=None, gain=None, bias=None, flats=None))
+    assert plain is not None
+    assert (plain.filters, plain.binning, plain.gain) == (None, None, None)
+    assert plain.types == (ImageType.LIGHT, ImageType.DARK)
+    assert site_abilities(example("agv")) is None

@@ -1033,6 +1033,22 @@ export interface StateNeed {
   readonly among: readonly string[];
 }
 
+/** What can be asked of a site; a number without a range cannot be chosen. */
+export interface AbilitiesShape {
+  readonly filters: readonly string[] | null;
+  readonly types: readonly ImageType[];
+  readonly exposure: SettingRangeShape;
+  readonly binning: SettingRangeShape | null;
+  readonly gain: SettingRangeShape | null;
+  readonly guides: boolean;
+}
+
+/** What a number of the camera may be; none: no limit is described. */
+export interface SettingRangeShape {
+  readonly low: number | null;
+  readonly high: number | null;
+}
+
 /** Frames of one kind: ``exposure`` in s, ``dither`` in ″; no ``gain``: as it is. */
 export interface ConfigurationShape {
   readonly type?: ImageType;
@@ -1229,6 +1245,7 @@ export interface ProposalList {
   readonly may_approve: boolean;
   readonly may_arm: boolean;
   readonly may_manage: boolean;
+  readonly abilities: AbilitiesShape | null;
   readonly proposals: readonly ProposalShape[];
 }
 

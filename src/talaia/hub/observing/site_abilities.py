@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.observing.requests import Guiding, ImageType
 
@@ -14,9 +14,63 @@ if TYPE_CHECKING:
     from talaia.model.observing.requests import Configuration, Request, RequestGroup
     from talaia.model.site import Argument, Site
 
-__all__ = ["site_problems"]
+__all__ = ["SettingRange", "SiteAbilities", "site_abilities", "site_problems"]
 
 _INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
+
+
+class SettingRange(NamedTuple):
+    """What a number of the camera may be; none: no limit is described."""
+
+    low: float | None
+    high: float | None
+
+
+class SiteAbilities(NamedTuple):
+    """What can be asked of a site, for whoever fills in a request.
+
+    Attributes:
+        filters: by name; none: there is no wheel, so any name is a note.
+        types: kinds of frames that its nights take.
+        exposure: of a frame of a target (s).
+        binning: none: it cannot be chosen.
+        gain: none: it cannot be chosen.
+        guides: there is a guider.
+
+    """
+
+    filters: tuple[str, ...] | None
+    types: tuple[ImageType, ...]
+    exposure: SettingRange
+    binning: SettingRange | None
+    gain: SettingRange | None
+    guides: bool
+
+
+def site_abilities(site: Site) -> SiteAbilities | None:
+    """Give what its description says can be asked of a site; None: it does not observe."""
+    night = site.night
+    if night is None:
+        return None
+    light = night.light
+    return SiteAbilities(
+        filters=tuple(night.filter.filters) if night.filter is not None else None,
+        types=tuple(kind for kind in ImageType if night.frame_for(kind) is not None),
+        exposure=_range_of(_arguments(site, light.command, [light.seconds]))
+        or SettingRange(None, None),
+        binning=_range_of(_taken_by(site, light, light.binning, night.binning)),
+        gain=_range_of(_taken_by(site, light, light.gain, night.gain)),
+        guides=night.guider is not None,
+    )
+
+
+def _range_of(taken: list[Argument]) -> SettingRange | None:
+    """Give what all arguments take that one number is handed to; None: nothing takes it."""
+    if not taken:
+        return None
+    lows = [argument.minimum for argument in taken if argument.minimum is not None]
+    highs = [argument.maximum for argument in taken if argument.maximum is not None]
+    return SettingRange(max(lows, default=None), min(highs, default=None))
 
 
 def site_problems(group: RequestGroup, site: Site) -> list[str]:

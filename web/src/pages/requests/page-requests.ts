@@ -26,12 +26,13 @@ import { ObservingApi } from "../../wire/observing-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { FILTER_KEYS, NO_FILTER, readRequestsFilter, requestsPageQuery, STATES, writeRequestsFilter, type RequestsFilter } from "./requests-query.js";
 import "../../elements/feedback/empty.js";
+import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/values/time.js";
 import "./request-detail.js";
-import "./request-form.js";
+import "./form/request-form.js";
 import "./request-import.js";
 
 const ROWS = 50;
@@ -75,15 +76,15 @@ export class PageRequests extends LitElement {
     if (sites !== undefined) this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     const api = new ObservingApi(this.api, this.site);
     this.proposals.load(this.site, () => api.listProposals());
-    const group = this.asked("edit");
-    this.edited.load(`${this.site} ${group}`, async () => (group === "" ? null : (await api.requestDetail(group)).group));
+    const opened = this.asked("edit") || this.asked("again");
+    this.edited.load(`${this.site} ${opened}`, async () => (opened === "" ? null : (await api.requestDetail(opened)).group));
     this.list.load(`${this.site}\n${writeRequestsFilter(this.filter())}`);
   }
 
   override render(): TemplateResult {
     const open = this.asked("request");
     const isImport = this.asked("import") !== "";
-    const isForm = isImport || this.asked("new") !== "" || this.asked("edit") !== "";
+    const isForm = isImport || ["new", "edit", "again"].some((name) => this.asked(name) !== "");
     const known = this.proposals.value;
     return html`${renderPageHead(
         "Requests",
@@ -105,26 +106,32 @@ export class PageRequests extends LitElement {
             .place=${this.detail.value?.place ?? null}
             .zone=${this.zone}
             @t-changed=${this.onChanged}
+            .mayAsk=${known?.may_request === true && known.proposals.some(({ may_ask: may, active }) => may && active)}
             @t-edit=${this.openEdit}
+            @t-again=${this.openAgain}
             @t-close=${this.closeAll}
           ></t-request-detail>`}
       ${isForm ? nothing : renderLoaded(this.proposals, "the proposals", (proposals) => this.renderList(proposals))}`;
   }
 
   private renderForm(isImport: boolean): unknown {
-    return renderLoaded(this.proposals, "the proposals", ({ proposals, may_request: may }) =>
+    const opened = this.asked("edit") || this.asked("again");
+    return renderLoaded(this.proposals, "the proposals", ({ proposals, abilities, may_request: may }) =>
       may && proposals.some(({ may_ask: ask }) => ask)
         ? isImport
           ? html`<t-request-import .site=${this.site} .proposals=${proposals} .zone=${this.zone} @t-imported=${this.onImported} @t-cancel=${this.closeAll}></t-request-import>`
           : renderLoaded(
               this.edited,
               "this request",
-              (group) => html`<t-request-form
+              // While it loads, what was open before is still there.
+              (group) => opened !== "" && group?.requests.some(({ id }) => id === opened) !== true ? html`<t-loading what="Loading this request"></t-loading>` : html`<t-request-form
                 .site=${this.site}
                 .proposals=${proposals}
+                .abilities=${abilities}
                 .place=${this.detail.value?.place ?? null}
                 .zone=${this.zone}
                 .group=${group}
+                ?again=${this.asked("again") !== ""}
                 @t-saved=${this.onSaved}
                 @t-cancel=${this.closeAll}
               ></t-request-form>`,
@@ -211,10 +218,15 @@ export class PageRequests extends LitElement {
     this.closeAll();
   };
 
-  /** The form of a group of one request is opened by that request. */
+  /** The form of a group is opened by one of its requests. */
   private readonly openEdit = (): void => {
     this.edited.invalidate();
     this.router.store?.navigate(this.pathOf({ edit: this.asked("request") }));
+  };
+
+  private readonly openAgain = (): void => {
+    this.edited.invalidate();
+    this.router.store?.navigate(this.pathOf({ again: this.asked("request") }));
   };
 
   private readonly closeAll = (): void => {

@@ -21,6 +21,7 @@ import { targetText } from "../../sky/target-place.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi, type GroupStep } from "../../wire/observing-api.js";
+import { constraintsText, motionText } from "./constraint-text.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
@@ -39,6 +40,7 @@ const ORDER: readonly GroupStep[] = ["submit", "approve", "withdraw", "retry", "
 /**
  * @fires t-changed something of it has changed
  * @fires t-edit detail is the group whose form is to be opened
+ * @fires t-again detail is the group that is to be asked for once more
  * @fires t-close
  */
 @customElement("t-request-detail")
@@ -62,13 +64,15 @@ export class RequestDetailView extends LitElement {
         overflow-wrap: anywhere;
       }
       .frames {
-        --t-columns: 6rem 6rem 8rem 6rem minmax(6rem, 1fr) 8rem;
+        --t-columns: 6rem 6rem 8rem 6rem 6rem minmax(6rem, 1fr) 8rem;
       }
     `,
   ];
 
   @property() site = "";
   @property() request = "";
+  /** There is a proposal in whose name the person may ask. */
+  @property({ attribute: false }) mayAsk = false;
   @property({ attribute: false }) place: GeoPlace | null = null;
   @property() zone = "UTC";
 
@@ -151,8 +155,12 @@ export class RequestDetailView extends LitElement {
     const onEdit = (): void => {
       this.dispatchEvent(new CustomEvent("t-edit", { detail: group.id }));
     };
+    const onAgain = (): void => {
+      this.dispatchEvent(new CustomEvent("t-again", { detail: group.id }));
+    };
     return html`<div class="actions">
-      ${group.may.includes("edit") && group.requests.length === 1 ? html`<t-button @click=${onEdit}>Change…</t-button>` : nothing}
+      ${group.may.includes("edit") ? html`<t-button @click=${onEdit}>Change…</t-button>` : nothing}
+      ${this.mayAsk ? html`<t-button @click=${onAgain}>Ask again like this…</t-button>` : nothing}
       ${map(
         ORDER.filter((step) => group.may.includes(step)),
         (step) => html`<t-button kind=${step === "submit" || step === "approve" ? "primary" : "plain"} @click=${this.question.opener(step)}>${STEPS[step].button}</t-button>`,
@@ -166,14 +174,11 @@ export class RequestDetailView extends LitElement {
       <dd>about ${formatDuration(charge)} of its proposal's time</dd>
       <dt>Urgency</dt>
       <dd>${URGENCY_WORDS[group.urgency]}, priority ${group.priority}</dd>
-      ${target?.type === "ICRS" ? html`<dt>J2000</dt><dd>${formatRa(target.ra / 15)} ${formatDec(target.dec)}</dd>` : nothing}
+      ${target?.type === "ICRS" ? html`<dt>J2000</dt><dd>${formatRa(target.ra / 15)} ${formatDec(target.dec)}${motionText(target)}</dd>` : nothing}
       <dt>${windows.length === 1 ? "Window" : "Windows"}</dt>
       <dd>${map(windows, ({ start_us: start, end_us: end }) => html`<div><t-time .us=${start} .zone=${this.zone}></t-time> to <t-time .us=${end} .zone=${this.zone}></t-time></div>`)}</dd>
       <dt>Must hold</dt>
-      <dd>
-        above ${constraints.min_altitude}°, Sun below ${constraints.max_sun_altitude}°, ${constraints.min_moon_distance}° from the
-        Moon${constraints.max_airmass !== undefined && constraints.max_airmass < 10 ? `, airmass below ${String(constraints.max_airmass)}` : ""}${constraints.max_clouds == null ? "" : `, clouds below ${String(constraints.max_clouds)} %`}${constraints.max_seeing == null ? "" : `, seeing below ${String(constraints.max_seeing)}″`}
-      </dd>
+      <dd>${constraintsText(constraints)}</dd>
     </dl>`;
   }
 
@@ -189,6 +194,7 @@ export class RequestDetailView extends LitElement {
           { title: "Filter", titled: true, cell: ({ filter = "" }) => (filter === "" ? "any" : filter) },
           { title: "Exposure", titled: true, cell: ({ exposure }) => `${String(exposure)} s` },
           { title: "Binning", titled: true, cell: ({ binning = 1 }) => `${String(binning)} × ${String(binning)}` },
+          { title: "Gain", titled: true, cell: ({ gain }) => (gain == null ? "as it is" : String(gain)) },
           { title: "Guiding", titled: true, cell: ({ guiding = "OFF" }) => guiding.toLowerCase() },
           { title: "Done", titled: true, cell: ({ done: many, count = 1 }) => `${String(many)} of ${String(count)}` },
         ],

@@ -37,6 +37,10 @@ export class RequestOutlook extends LitElement {
   @property() site = "";
   /** Null while it cannot be asked. */
   @property({ attribute: false }) asked: GroupAsk | null = null;
+  /** What the requests are called. */
+  @property({ attribute: false }) names: readonly string[] = [];
+  /** Which of them is shown: its curve is drawn. */
+  @property({ type: Number }) at = 0;
   /** Whether the hub's curve of the best night is drawn, too. */
   @property({ type: Boolean }) curve = false;
   @property() zone = "UTC";
@@ -76,12 +80,21 @@ export class RequestOutlook extends LitElement {
     return html`<div role="status" aria-busy=${isNow ? "false" : "true"}>
         <p>${chargeText(value)}${isNow ? nothing : html` <span class="muted">(before the last change)</span>`}</p>
         ${value.problems.length === 0 ? nothing : html`<p>It cannot be submitted like this:</p><ul>${map(value.problems, (problem) => html`<li>${problem}</li>`)}</ul>`}
-        ${map(value.requests, ({ message }) => html`<p>With a clear sky: ${message}.</p>`)}
+        ${this.renderOutlooks(value.requests)}
       </div>
-      ${this.curve && isNow ? map(value.requests, (outlook) => this.renderCurve(outlook)) : nothing}`;
+      ${this.curve && isNow ? this.renderCurve(value.requests[this.at]) : nothing}`;
   }
 
-  private renderCurve({ curve, message }: RequestOutlookShape): TemplateResult | typeof nothing {
+  private renderOutlooks(outlooks: readonly RequestOutlookShape[]): TemplateResult {
+    const { names } = this;
+    if (names.length < 2) return html`${map(outlooks, ({ message }) => html`<p>With a clear sky: ${message}.</p>`)}`;
+    const more = names.length - outlooks.length;
+    return html`<p>With a clear sky:</p>
+      <ol>${map(outlooks, ({ message }, i) => html`<li>${names[i]}: ${message}.</li>`)}</ol>
+      ${more > 0 ? html`<p class="muted">Of the first ${outlooks.length} requests; the other ${more} are not looked at.</p>` : nothing}`;
+  }
+
+  private renderCurve({ curve = null, message = "" }: Partial<RequestOutlookShape> = {}): TemplateResult | typeof nothing {
     const drawn = curve === null ? null : curveNight(curve);
     if (drawn === null) return nothing;
     return html`<t-night-curve .night=${drawn.night} .seen=${drawn.seen} .moon=${drawn.moon} .allowed=${drawn.allowed} .ms=${Date.now()} .zone=${this.zone} .words=${message}></t-night-curve>`;

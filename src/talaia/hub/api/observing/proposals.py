@@ -10,6 +10,7 @@ from talaia.hub.api.access import address_of, known_live_of, live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.observing.group_lookup import access_of, role_of
 from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.ability_schemas import AbilitiesShape, SettingRangeShape
 from talaia.hub.api.schemas.observing_schemas import (
     MemberAsk,
     MemberShape,
@@ -22,11 +23,13 @@ from talaia.hub.auth.permissions import Right
 from talaia.hub.errors import NameTaken, UnknownPerson
 from talaia.hub.live.observing.observing_sites import is_observatory
 from talaia.hub.observing.quotas import ProposalLimits
+from talaia.hub.observing.site_abilities import site_abilities
 from talaia.hub.store.observing.proposals import KeptProposal, ProposalInUse
 from talaia.model.observing.requests import Urgency
 
 if TYPE_CHECKING:
     from talaia.hub.live.observing.observing_sites import ObservingNews
+    from talaia.hub.observing.site_abilities import SiteAbilities
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.observing.proposals import ProposalStore
 
@@ -61,12 +64,15 @@ class ProposalPages:
             for kept in await self._store.list_proposals(site)
             if (shape := _proposal_shape(kept, request)) is not None
         ]
+        described = live_of(request).description
+        may_request = grants.has_right(Right.REQUEST, site)
         return ProposalList(
-            observes=is_observatory(live_of(request).description),
-            may_request=grants.has_right(Right.REQUEST, site),
+            observes=is_observatory(described),
+            may_request=may_request,
             may_approve=grants.has_right(Right.APPROVE, site),
             may_arm=grants.has_right(Right.ARM, site),
             may_manage=grants.has_right(Right.ADMIN, site),
+            abilities=_abilities_shape(site_abilities(described)) if may_request else None,
             proposals=found,
         )
 
@@ -126,6 +132,15 @@ class ProposalPages:
 
 def _unknown() -> ApiProblem:
     return ApiProblem(404, "unknown", "there is no such proposal")
+
+
+def _abilities_shape(abilities: SiteAbilities | None) -> AbilitiesShape | None:
+    if abilities is None:
+        return None
+    said = abilities._asdict()
+    for name in ("exposure", "binning", "gain"):
+        said[name] = SettingRangeShape(**said[name]._asdict()) if said[name] is not None else None
+    return AbilitiesShape(**said)
 
 
 def _proposal_shape(kept: KeptProposal, request: Request) -> ProposalShape | None:

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints
 
+from talaia.hub.api.schemas.ability_schemas import AbilitiesShape  # noqa: TC001 - as below
 from talaia.hub.api.schemas.common import Schema
 from talaia.hub.observing.proposal_access import ProposalRole  # noqa: TC001 - pydantic reads it
 from talaia.model.observing.plan import VetoCause  # noqa: TC001 - pydantic reads it
@@ -357,7 +358,8 @@ class ProposalShape(Schema):
 class ProposalList(Schema):
     """A site's proposals that are open to you, and what you may do at its nights.
 
-    ``observes``: it has a telescope; without one nothing can be asked for.
+    ``observes``: it has a telescope; without one nothing can be asked for. ``abilities`` is what
+    can be asked for, for those who may ask.
     """
 
     observes: bool
@@ -365,6 +367,7 @@ class ProposalList(Schema):
     may_approve: bool
     may_arm: bool
     may_manage: bool
+    abilities: AbilitiesShape | None
     proposals: list[ProposalShape]
 
 

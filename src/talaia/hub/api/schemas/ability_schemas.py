@@ -1,0 +1,30 @@
+"""What a site can do for a request, as its form offers it."""
+
+from __future__ import annotations
+
+from talaia.hub.api.schemas.common import Schema
+from talaia.model.observing.requests import ImageType  # noqa: TC001 - pydantic reads it
+
+__all__ = ["AbilitiesShape", "SettingRangeShape"]
+
+
+class SettingRangeShape(Schema):
+    """What a number of the camera may be; none: no limit is described."""
+
+    low: float | None
+    high: float | None
+
+
+class AbilitiesShape(Schema):
+    """What can be asked of a site; a number without a range cannot be chosen.
+
+    ``filters`` is none where there is no wheel: then any name is a note. ``exposure`` in s, of a
+    frame of a target.
+    """
+
+    filters: list[str] | None
+    types: list[ImageType]
+    exposure: SettingRangeShape
+    binning: SettingRangeShape | None
+    gain: SettingRangeShape | None
+    guides: bool
