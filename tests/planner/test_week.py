@@ -38,9 +38,9 @@ def test_what_tonight_misses_has_the_rest_of_its_chances_later() -> None:
     groups = [group("any", 0, 30), group("late", 2, 3), group("gone", -3, -2)]
     found = forecast_nights(
         PLACE, NOON, instrument=Instrument(), proposals=[PROPOSAL], groups=groups, nights=3
-    )
-    assert [round((night.start - NOON) / DAY) for night in found] == [0, 1, 2]
-    assert all(night.end > night.start for night in found)
+    ).nights
+    assert [round((night.plan.night_start - NOON) / DAY) for night in found] == [0, 1, 2]
+    assert all(night.plan.night_end > night.plan.night_start for night in found)
     assert [round(night.chances.get("any", 0.0), 3) for night in found] == [0.7, 0.21, 0.063]
     assert [night.chances.get("late", 0.0) for night in found] == [0.0, 0.0, 0.7]
     assert all("gone" not in night.chances for night in found)
@@ -52,6 +52,6 @@ def test_an_allocation_that_earlier_nights_use_up_is_not_promised_twice() -> Non
     found = forecast_nights(
         PLACE, NOON, instrument=Instrument(), proposals=[short], groups=groups, nights=2,
         open_share=1.0,
-    )  # fmt: skip
+    ).nights  # fmt: skip
     assert [len(night.chances) for night in found] == [1, 0]
     assert sum(sum(night.chances.values()) for night in found) == pytest.approx(1.0)

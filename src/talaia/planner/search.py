@@ -163,6 +163,11 @@ class NightSearch:
         """Begin from an order of visits that was good before."""
         self.plan = tuple(OrderedVisit(row, 0, 0) for row in rows)
 
+    @property
+    def prices(self) -> TimePrices | None:
+        """Of the newest search; None: there was nothing to choose from."""
+        return self._prices
+
     def price_of(self, begin: int, end: int) -> float:
         """Give what a minute costs between two seconds of the night, as priced last."""
         if self._prices is None or end <= begin:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from talaia.model.observing.requests import Proposal, RequestGroup
     from talaia.planner.night_problem import NightProblem, Visit
+    from talaia.planner.prices import TimePrices
 
 __all__ = ["Decision", "PlanningSession"]
 
@@ -297,6 +298,11 @@ class PlanningSession:
             value=float(table.value[planned].sum()),
             bound=self._bound.value(second),
         )
+
+    @property
+    def time_prices(self) -> TimePrices | None:
+        """What the night's time costs, as priced last; None: nothing could be planned."""
+        return self._search.prices
 
     def why_not(self, time: float, requests: Sequence[str] = ()) -> tuple[WhyNot, ...]:
         """Say of requests (none named: of all that wait) why they are not observed now."""

@@ -8,12 +8,15 @@ the chance that the roof is open.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.observing.plan import Plan, WhyNot
 from talaia.planner.from_requests import make_night, visits_of
 from talaia.planner.outlook import CERTAIN
+from talaia.planner.prices import CELL_S
 from talaia.planner.session import PlanningSession
 
 if TYPE_CHECKING:
@@ -21,31 +24,53 @@ if TYPE_CHECKING:
 
     from talaia.model.observing.plan import Instrument
     from talaia.model.observing.requests import Proposal, RequestGroup
+    from talaia.planner.night_problem import NightProblem
     from talaia.planner.sky import TelescopePlace
 
-__all__ = ["NightChances", "forecast_nights"]
+__all__ = ["OPEN_SHARE", "PRICE_S", "NightForecast", "WeekForecast", "forecast_nights"]
 
 _DAY = 86_400.0
 _HOUR = 3600.0
 # What is less likely to be waiting is planned no more.
 _LEAST = 0.02
-# The share of nights' time in which a usual roof is open.
-_OPEN = 0.7
+OPEN_SHARE = 0.7
+"""The share of nights' time in which a usual roof is open."""
+PRICE_S = 300
+"""Prices of a forecast are of stretches of this length (s)."""
 
 
-class NightChances(NamedTuple):
+class NightForecast(msgspec.Struct, frozen=True, kw_only=True):
     """One night of a forecast.
 
     Attributes:
-        start: (s since the epoch, UTC).
-        end: likewise.
+        plan: as it would be with a clear sky.
         chances: that a request is observed in this night (0 to 1); others have none.
+        prices: what each `PRICE_S` of the night costs, as value; empty: nothing is planned.
+        hour_prices: what an hour of a proposal's time costs beside that, by its name.
 
     """
 
-    start: float
-    end: float
-    chances: Mapping[str, float]
+    plan: Plan
+    chances: dict[str, float]
+    prices: tuple[float, ...] = ()
+    hour_prices: dict[str, float] = {}
+
+
+class WeekForecast(msgspec.Struct, frozen=True, kw_only=True):
+    """Tonight and the nights after it.
+
+    Attributes:
+        made_at: from when on (s since the epoch, UTC).
+        open_share: the chance that a visit of a plan can be observed (0 to 1).
+        nights: in order.
+        reasons: why requests that the first night does not plan are not observed in it.
+
+    """
+
+    made_at: float
+    open_share: float
+    nights: tuple[NightForecast, ...]
+    reasons: tuple[WhyNot, ...]
 
 
 def forecast_nights(
@@ -56,8 +81,8 @@ def forecast_nights(
     proposals: Sequence[Proposal] = (),
     groups: Sequence[RequestGroup] = (),
     nights: int = 7,
-    open_share: float = _OPEN,
-) -> list[NightChances]:
+    open_share: float = OPEN_SHARE,
+) -> WeekForecast:
     """Forecast tonight and the nights after it.
 
     Args:
@@ -72,7 +97,8 @@ def forecast_nights(
     """
     waiting: dict[str, float] = {}
     limits = {proposal.id: proposal for proposal in proposals}
-    found: list[NightChances] = []
+    found: list[NightForecast] = []
+    reasons: tuple[WhyNot, ...] = ()
     time = now
     for _ in range(nights):
         problem = make_night(place, time, instrument=instrument, proposals=list(limits.values()))
@@ -83,12 +109,15 @@ def forecast_nights(
                 if waiting.get(visit.id, 1.0) >= _LEAST
             )
         )
-        end = problem.unix(problem.length_s)
         session = PlanningSession(problem, outlook=CERTAIN)
+        begin = max(time, problem.start)
+        plan = _plan_night(problem, session, begin)
+        if not found and len(problem.table):
+            planned = {block.request for block in plan.blocks}
+            said = session.why_not(begin) if problem.length_s else ()
+            reasons = tuple(one for one in said if one.request not in planned)
         chances: dict[str, float] = {}
-        # Where the Sun does not set there is nothing to plan, and a day is counted all the same.
-        blocks = session.plan(max(time, problem.start)).blocks if problem.length_s else ()
-        for block in blocks:
+        for block in plan.blocks:
             left = waiting.get(block.request, 1.0)
             chances[block.request] = left * open_share
             waiting[block.request] = left * (1.0 - open_share)
@@ -98,6 +127,32 @@ def forecast_nights(
                 hours = (block.end - block.start) / _HOUR * chances[block.request]
                 used = min(200_000.0, limit.hours_used + hours)
                 limits[limit.id] = msgspec.structs.replace(limit, hours_used=used)
-        found.append(NightChances(problem.start, end, chances))
-        time = max(end, time + _DAY / 2) + _HOUR
-    return found
+        found.append(_forecast(problem, session, plan, chances))
+        time = max(plan.night_end, time + _DAY / 2) + _HOUR
+    return WeekForecast(made_at=now, open_share=open_share, nights=tuple(found), reasons=reasons)
+
+
+def _plan_night(problem: NightProblem, session: PlanningSession, begin: float) -> Plan:
+    """Plan it; where the Sun does not set there is nothing to plan, and a day is counted."""
+    if not problem.length_s:
+        return Plan(made_at=begin, night_start=problem.start, night_end=problem.start)
+    return session.plan(begin)
+
+
+def _forecast(
+    problem: NightProblem, session: PlanningSession, plan: Plan, chances: Mapping[str, float]
+) -> NightForecast:
+    prices = session.time_prices
+    if prices is None:
+        return NightForecast(plan=plan, chances=dict(chances))
+    summed = prices.summed[:: PRICE_S // CELL_S]
+    costs = (after - before for before, after in pairwise(summed))
+    return NightForecast(
+        plan=plan,
+        chances=dict(chances),
+        prices=tuple(round(float(cost), 6) for cost in costs),
+        hour_prices={
+            limit.id: round(float(price) * _HOUR, 6)
+            for limit, price in zip(problem.proposals, prices.proposals, strict=False)
+        },
+    )

@@ -1374,7 +1374,7 @@ export interface ForecastReason {
   readonly why_not: WhyNotShape;
 }
 
-/** The night to come as the planner would have it now, with a clear sky. */
+/** The night to come as the planner would have it, with a clear sky, as of ``plan.made_us``. */
 export interface ForecastShape {
   readonly plan: PlanShape;
   readonly reasons: readonly ForecastReason[];
@@ -1413,6 +1413,8 @@ export interface RequestOutlookShape {
   readonly best_us: number | null;
   readonly message: string;
   readonly curve: SkyCurveShape | null;
+  readonly tonight: number | null;
+  readonly week: number | null;
 }
 
 /** A night for a chart: altitudes (°) every ten minutes, and whether all constraints hold. */
@@ -1430,19 +1432,25 @@ export interface ValidationShape {
   readonly charge_s: number;
   readonly left_s: number;
   readonly person_left_s: number | null;
+  readonly forecast_us: number | null;
+  readonly forecast_nights: number;
   readonly requests: readonly RequestOutlookShape[];
 }
 
-/** One night; ``planned``: requests in its plan, of others too. */
+/** One night; ``planned``: requests in its plan, of others too, which it shows as such. */
 export interface WeekNightShape {
   readonly start_us: number;
   readonly end_us: number;
   readonly planned: number;
+  readonly plan: PlanShape;
   readonly chances: readonly RequestChanceShape[];
 }
 
-/** Tonight and six nights more, with a usual share of open time. */
+/** Tonight and six nights more, as of ``made_us``, with a usual share of open time (0 to 1). */
 export interface WeekShape {
+  readonly made_us: number;
+  readonly renewing: boolean;
+  readonly open_share: number;
   readonly nights: readonly WeekNightShape[];
 }
 

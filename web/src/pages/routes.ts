@@ -46,8 +46,10 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   archive: { tag: "t-page-archive", title: "Archive", load: () => import("./archive/page-archive.js") },
   cameras: { tag: "t-page-cameras", title: "Cameras", load: () => import("./cameras/page-cameras.js") },
   night: { tag: "t-page-night", title: "Night", load: () => import("./night/page-night.js") },
+  forecast: { tag: "t-page-forecast", title: "Forecast", load: () => import("./forecast/page-forecast.js") },
   requests: { tag: "t-page-requests", title: "Requests", load: () => import("./requests/page-requests.js") },
   proposals: { tag: "t-page-proposals", title: "Proposals", load: () => import("./proposals/page-proposals.js") },
+  alertrules: { tag: "t-page-alert-rules", title: "Alert rules", load: () => import("./alert-rules/page-alert-rules.js") },
   gallery: { tag: "t-page-gallery", title: "Gallery", load: () => import("./gallery/page-gallery.js") },
   missing: { tag: "t-page-missing", title: "Not found", load: () => import("./missing/page-missing.js") },
 };
@@ -61,7 +63,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night" || page === "forecast") return !seesOnlyPublic(person);
   return true;
 }
 

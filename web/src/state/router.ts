@@ -22,8 +22,10 @@ export type PageName =
   | "archive"
   | "cameras"
   | "night"
+  | "forecast"
   | "requests"
   | "proposals"
+  | "alertrules"
   | "people"
   | "roles"
   | "gateways"
@@ -43,7 +45,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "requests", "proposals"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -84,7 +86,7 @@ export function routeOf(path: string): Route {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "requests" | "proposals",
+  page: "live" | "topics" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }

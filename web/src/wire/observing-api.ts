@@ -1,8 +1,8 @@
 /** What may be asked of a site's nights, of its proposals and of the requests for them. */
 
 import type {
-  GroupAsk, GroupShape, ImportAnswer, ImportAsk, NightAnswer, SiteNightShape, ProposalAsk, ProposalChange, ProposalList, ProposalRole, RequestDetail, RequestList,
-  ValidationShape,
+  ForecastShape, GroupAsk, GroupShape, ImportAnswer, ImportAsk, NightAnswer, SiteNightShape, ProposalAsk, ProposalChange, ProposalList, ProposalRole, RequestDetail, RequestList,
+  ValidationShape, WeekShape,
 } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
@@ -17,6 +17,15 @@ export class ObservingApi {
 
   nightOverview(): Promise<SiteNightShape> {
     return this.hub.request("GET", this.url("night"));
+  }
+
+  /** Tonight as it is planned with what waits, and why the rest is not in it. */
+  nightForecast(): Promise<ForecastShape> {
+    return this.hub.request("GET", this.url("night/forecast"));
+  }
+
+  weekForecast(): Promise<WeekShape> {
+    return this.hub.request("GET", this.url("night/week"));
   }
 
   /** @param untilUs 0: until somebody disarms it */
@@ -78,11 +87,6 @@ export class ObservingApi {
 
   replaceGroup(group: string, asked: GroupAsk): Promise<GroupShape> {
     return this.hub.request("PUT", this.url(`request-groups/${encodeURIComponent(group)}`), asked);
-  }
-
-  /** Makes a draft of one's own that asks the same once more. */
-  cloneGroup(group: string): Promise<GroupShape> {
-    return this.hub.request("POST", this.url(`request-groups/${encodeURIComponent(group)}/clone`), {});
   }
 
   changeGroup(group: string, step: GroupStep, why = ""): Promise<GroupShape> {

@@ -148,6 +148,7 @@ export class PageNight extends LitElement {
 
   override render(): TemplateResult {
     const links = html`<div class="actions">
+      <a href=${sitePath(this.site, "forecast")}>Forecast</a>
       <a href=${sitePath(this.site, "requests")}>Requests</a>
       <a href=${sitePath(this.site, "proposals")}>Proposals</a>
       <a href=${sitePath(this.site, "archive")}>Archive</a>

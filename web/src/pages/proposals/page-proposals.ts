@@ -59,6 +59,7 @@ export class PageProposals extends LitElement {
           ${known?.may_manage === true && known.observes
             ? html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.form.opener("new")}>New proposal</t-button>`
             : nothing}
+          <a href=${sitePath(this.site, "alertrules")}>Alert rules</a>
           <a href=${sitePath(this.site, "night")}>Night</a>
           <a href=${sitePath(this.site, "requests")}>Requests</a>
         </div>`,

@@ -7,6 +7,7 @@ import { map } from "lit/directives/map.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { formatChance } from "../../format/chance.js";
 import { formatDuration } from "../../format/duration.js";
 import { adviceFor } from "../../format/error-advice.js";
 import type { GroupAsk, RequestOutlookShape, ValidationShape } from "../../generated/api.js";
@@ -18,6 +19,8 @@ import "../../elements/observatory/night-curve.js";
 
 /** So long nothing may be typed before the hub is asked (ms). */
 const PAUSE_MS = 600;
+/** Without a forecast of the week it is asked again so much later (ms). */
+const FORECAST_MS = 5000;
 
 @customElement("t-request-outlook")
 export class RequestOutlook extends LitElement {
@@ -51,6 +54,7 @@ export class RequestOutlook extends LitElement {
   private readonly answer = new LoadController<ValidationShape | null>(this);
   private typed = "";
   private timer: ReturnType<typeof setTimeout> | undefined;
+  private forecastTimer: ReturnType<typeof setTimeout> | undefined;
 
   override willUpdate(): void {
     const typed = this.asked === null ? "" : JSON.stringify(this.asked);
@@ -63,11 +67,20 @@ export class RequestOutlook extends LitElement {
     }
     const { asked, question } = this;
     if (question === typed) this.answer.load(`${this.site} ${question}`, async () => (asked === null ? null : new ObservingApi(this.api, this.site).validateGroup(asked)));
+    // The hub makes one beside its other work, once somebody has asked.
+    if (this.answer.value?.forecast_us === null && this.answer.result.state === "ready") {
+      this.forecastTimer ??= setTimeout(() => {
+        this.forecastTimer = undefined;
+        this.answer.invalidate();
+      }, FORECAST_MS);
+    }
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     clearTimeout(this.timer);
+    clearTimeout(this.forecastTimer);
+    this.forecastTimer = undefined;
     this.typed = "";
   }
 
@@ -80,18 +93,23 @@ export class RequestOutlook extends LitElement {
     return html`<div role="status" aria-busy=${isNow ? "false" : "true"}>
         <p>${chargeText(value)}${isNow ? nothing : html` <span class="muted">(before the last change)</span>`}</p>
         ${value.problems.length === 0 ? nothing : html`<p>It cannot be submitted like this:</p><ul>${map(value.problems, (problem) => html`<li>${problem}</li>`)}</ul>`}
-        ${this.renderOutlooks(value.requests)}
+        ${this.renderOutlooks(value)}
       </div>
       ${this.curve && isNow ? this.renderCurve(value.requests[this.at]) : nothing}`;
   }
 
-  private renderOutlooks(outlooks: readonly RequestOutlookShape[]): TemplateResult {
+  private renderOutlooks(value: ValidationShape): TemplateResult {
     const { names } = this;
-    if (names.length < 2) return html`${map(outlooks, ({ message }) => html`<p>With a clear sky: ${message}.</p>`)}`;
-    const more = names.length - outlooks.length;
+    const { requests, forecast_us: made } = value;
+    const aside =
+      made === null
+        ? html`<p class="muted">How likely it is observed is shown once the week is worked out.</p>`
+        : html`<p class="muted">Beside what waits already, as worked out ${formatDuration(Math.max(0, Date.now() / 1000 - made / 1e6))} ago, with a roof that is open as often as usual.</p>`;
+    if (names.length < 2) return html`${map(requests, (one) => html`<p>With a clear sky: ${one.message}.</p><p>${chanceText(one, value)}</p>`)} ${aside}`;
+    const more = names.length - requests.length;
     return html`<p>With a clear sky:</p>
-      <ol>${map(outlooks, ({ message }, i) => html`<li>${names[i]}: ${message}.</li>`)}</ol>
-      ${more > 0 ? html`<p class="muted">Of the first ${outlooks.length} requests; the other ${more} are not looked at.</p>` : nothing}`;
+      <ol>${map(requests, (one, i) => html`<li>${names[i]}: ${one.message}. ${chanceText(one, value)}</li>`)}</ol>
+      ${more > 0 ? html`<p class="muted">Of the first ${requests.length} requests; the other ${more} are not looked at.</p>` : nothing} ${aside}`;
   }
 
   private renderCurve({ curve = null, message = "" }: Partial<RequestOutlookShape> = {}): TemplateResult | typeof nothing {
@@ -99,6 +117,15 @@ export class RequestOutlook extends LitElement {
     if (drawn === null) return nothing;
     return html`<t-night-curve .night=${drawn.night} .seen=${drawn.seen} .moon=${drawn.moon} .allowed=${drawn.allowed} .ms=${Date.now()} .zone=${this.zone} .words=${message}></t-night-curve>`;
   }
+}
+
+/** How likely it is observed, tonight and in all nights that are forecast. */
+function chanceText({ tonight, week, possible }: RequestOutlookShape, { forecast_us: made, forecast_nights: nights }: ValidationShape): string {
+  if (made === null) return "";
+  if (tonight === null || week === null) return "It is taken when the roof is closed or in a twilight: no plan says when.";
+  if (possible === 0) return "Chance: none.";
+  const more = nights > 1 ? `, ${formatChance(week)} within ${String(nights)} nights` : "";
+  return `Chance: ${formatChance(tonight)} tonight${more}.`;
 }
 
 function chargeText({ charge_s: charge, left_s: left, person_left_s: own }: ValidationShape): string {

@@ -168,7 +168,7 @@ export class Navigation extends LitElement {
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
       (page === "live" && this.page === "topics") ||
       (page === "history" && this.page === "recordings") ||
-      (page === "night" && (this.page === "requests" || this.page === "proposals")) ||
+      (page === "night" && ["forecast", "requests", "proposals", "alertrules"].includes(this.page)) ||
       (page === "alarms" && (this.page === "logbook" || this.page === "sightings"))
     );
   }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
 from fastapi import APIRouter, Request
 
 from talaia.hub.api.access import live_of, who_of
@@ -28,25 +29,34 @@ from talaia.hub.api.schemas.outlook_schemas import (
     WeekShape,
 )
 from talaia.hub.errors import HubBusy
+from talaia.hub.live.observing.forecast_service import ForecastFailed
 from talaia.hub.live.observing.observing_sites import instrument_of, is_observatory
 from talaia.hub.observing.charging import request_charge
+from talaia.hub.observing.newcomer import NewcomerChances
 from talaia.hub.observing.quotas import quota_problems
 from talaia.hub.request_files.imported import ImportDefaults
 from talaia.hub.request_files.readers import read_request_file
 from talaia.model.observing.states import RequestState
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from talaia.hub.api.observing.group_lookup import GroupLookup
+    from talaia.hub.live.observing.forecast_service import ForecastService, KeptForecast
     from talaia.hub.live.observing.outlook_service import OutlookService
     from talaia.hub.observing.outlook import RequestOutlook
     from talaia.hub.store.observing.proposals import ProposalStore
+    from talaia.hub.store.observing.request_queries import PlannedRequest
     from talaia.hub.store.observing.request_store import RequestStore
+    from talaia.planner.week import NightForecast
 
 __all__ = ["OutlookPages"]
 
 _HOUR = 3600.0
 # Reasons that one forecast gives.
 _MOST_REASONS = 500
+# Who asks for the first forecast of a site waits so long for it, and then comes again (s).
+_PATIENCE_S = 20.0
 
 
 class OutlookPages:
@@ -56,12 +66,14 @@ class OutlookPages:
         self,
         *,
         outlooks: OutlookService,
+        forecasts: ForecastService,
         proposals: ProposalStore,
         requests: RequestStore,
         lookup: GroupLookup,
     ) -> None:
-        """Ask ``outlooks`` for the sky, and the stores for what else is promised."""
+        """Ask ``outlooks`` for the sky, ``forecasts`` for plans, stores for what is promised."""
         self._outlooks = outlooks
+        self._forecasts = forecasts
         self._proposals = proposals
         self._requests = requests
         self._lookup = lookup
@@ -89,8 +101,14 @@ class OutlookPages:
         problems = quota_problems(
             group, sum(charges), limits, proposal=used, person=person
         ) + group_problems(group, described, now)
+        kept = await self._forecasts.look_up(described) if is_observatory(described) else None
         try:
             outlooks = await self._outlooks.work_out(described, group.requests)
+            chances = (
+                await self._outlooks.weigh_chances(described, group, kept)
+                if kept is not None
+                else [NewcomerChances(None)] * len(outlooks)
+            )
         except HubBusy as error:
             raise ApiProblem(429, "busy", str(error), 3) from error
         return ValidationShape(
@@ -100,9 +118,11 @@ class OutlookPages:
             person_left_s=max(0.0, limits.person_hours * _HOUR - person.used - person.promised)
             if limits.person_hours
             else None,
+            forecast_us=_to_us(kept.week.made_at) if kept is not None else None,
+            forecast_nights=len(kept.week.nights) if kept is not None else 0,
             requests=[
-                _outlook_shape(outlook, charge)
-                for outlook, charge in zip(outlooks, charges, strict=False)
+                _outlook_shape(outlook, charge, chance)
+                for outlook, charge, chance in zip(outlooks, charges, chances, strict=False)
             ],
         )
 
@@ -137,76 +157,86 @@ class OutlookPages:
         )
 
     async def forecast(self, request: Request) -> ForecastShape:
-        """Plan the night to come with what waits now, as if the sky were clear."""
-        described = live_of(request).description
-        if not is_observatory(described):
-            raise ApiProblem(409, "no_night", "this site does not observe by itself")
-        try:
-            found = await self._outlooks.forecast_night(described)
-        except HubBusy as error:
-            raise ApiProblem(429, "busy", str(error), 3) from error
-        if found is None:
-            raise ApiProblem(409, "no_place", "the description does not say where the site is")
-        ids = [block.request for block in found.plan.blocks]
-        ids += [reason.request for reason in found.reasons]
+        """Give the night to come as it is planned with what waits, as if the sky were clear."""
+        week = (await self._find_forecast(request)).week
+        plan = week.nights[0].plan
+        ids = [block.request for block in plan.blocks] + [one.request for one in week.reasons]
         seen = await seen_requests(self._proposals, self._requests, request, ids)
         reasons = [
             ForecastReason(request=one.request, target=seen[one.request].target, why_not=said)
-            for one in found.reasons
+            for one in week.reasons
             if one.request in seen and (said := why_not_shape(one)) is not None
         ]
         return ForecastShape(
-            plan=plan_shape(found.plan, seen),
+            plan=plan_shape(msgspec.structs.replace(plan, made_at=week.made_at), seen),
             reasons=reasons[:_MOST_REASONS],
             more=len(reasons) > _MOST_REASONS,
         )
 
     async def week(self, request: Request) -> WeekShape:
         """Tell the chance of each request that waits, for tonight and six nights more."""
+        week = (await self._find_forecast(request)).week
+        ids = {name for night in week.nights for name in night.chances}
+        seen = await seen_requests(self._proposals, self._requests, request, sorted(ids))
+        return WeekShape(
+            made_us=_to_us(week.made_at),
+            renewing=self._forecasts.is_pending(live_of(request).name),
+            open_share=week.open_share,
+            nights=[_night_shape(night, week.made_at, seen) for night in week.nights],
+        )
+
+    async def _find_forecast(self, request: Request) -> KeptForecast:
         described = live_of(request).description
         if not is_observatory(described):
             raise ApiProblem(409, "no_night", "this site does not observe by itself")
-        try:
-            nights = await self._outlooks.forecast_week(described)
-        except HubBusy as error:
-            raise ApiProblem(429, "busy", str(error), 3) from error
-        if nights is None:
+        if described.place is None:
             raise ApiProblem(409, "no_place", "the description does not say where the site is")
-        ids = {name for night in nights for name in night.chances}
-        seen = await seen_requests(self._proposals, self._requests, request, sorted(ids))
-        return WeekShape(
-            nights=[
-                WeekNightShape(
-                    start_us=round(night.start * 1e6),
-                    end_us=round(night.end * 1e6),
-                    # Of what is not one's own only how much of it there is.
-                    planned=len(night.chances),
-                    chances=[
-                        RequestChanceShape(
-                            request=name,
-                            proposal=seen[name].proposal,
-                            target=seen[name].target,
-                            chance=chance,
-                        )
-                        for name, chance in night.chances.items()
-                        if name in seen
-                    ],
-                )
-                for night in nights
-            ]
-        )
+        try:
+            kept = await self._forecasts.wait_for(described, _PATIENCE_S)
+        except ForecastFailed as error:
+            raise ApiProblem(409, "no_forecast", str(error)) from error
+        if kept is None:
+            raise ApiProblem(429, "busy", "the week is still being worked out", 3)
+        return kept
 
 
-def _outlook_shape(outlook: RequestOutlook, charge: float) -> RequestOutlookShape:
+def _night_shape(
+    night: NightForecast, made_at: float, seen: Mapping[str, PlannedRequest]
+) -> WeekNightShape:
+    plan = msgspec.structs.replace(night.plan, made_at=made_at)
+    return WeekNightShape(
+        start_us=_to_us(plan.night_start),
+        end_us=_to_us(plan.night_end),
+        # Of what is not one's own only how much of it there is, and when.
+        planned=len(night.chances),
+        plan=plan_shape(plan, seen),
+        chances=[
+            RequestChanceShape(
+                request=name,
+                proposal=seen[name].proposal,
+                target=seen[name].target,
+                chance=chance,
+            )
+            for name, chance in night.chances.items()
+            if name in seen
+        ],
+    )
+
+
+def _outlook_shape(
+    outlook: RequestOutlook, charge: float, chances: NewcomerChances
+) -> RequestOutlookShape:
     curve = outlook.curve
     return RequestOutlookShape(
         charge_s=charge,
         nights=outlook.nights,
         possible=outlook.possible,
-        best_us=round(outlook.best * 1e6) if outlook.best is not None else None,
+        best_us=_to_us(outlook.best) if outlook.best is not None else None,
         message=outlook.sentence,
+        tonight=chances.tonight,
+        week=chances.week,
         curve=SkyCurveShape(
-            times_us=[round(time * 1e6) for time in curve.times],
+            times_us=[_to_us(time) for time in curve.times],
             altitude=curve.altitude,
             sun_altitude=curve.sun_altitude,
             moon_altitude=curve.moon_altitude,
@@ -215,3 +245,7 @@ def _outlook_shape(outlook: RequestOutlook, charge: float) -> RequestOutlookShap
         if curve is not None
         else None,
     )
+
+
+def _to_us(seconds: float) -> int:
+    return round(seconds * 1e6)

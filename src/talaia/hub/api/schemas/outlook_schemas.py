@@ -45,7 +45,9 @@ class SkyCurveShape(Schema):
 class RequestOutlookShape(Schema):
     """When a request can be observed: in ``possible`` of ``nights`` that were looked at.
 
-    ``message`` says it in words; ``curve`` is of the best night.
+    ``message`` says it in words; ``curve`` is of the best night. ``tonight`` and ``week`` are the
+    chances (0 to 1) that it is observed tonight, and in the nights of the forecast, beside what
+    waits already and with a usual share of open time; none: no forecast yet, or no plan holds it.
     """
 
     charge_s: float
@@ -54,6 +56,8 @@ class RequestOutlookShape(Schema):
     best_us: int | None
     message: str
     curve: SkyCurveShape | None
+    tonight: float | None
+    week: float | None
 
 
 class ValidationShape(Schema):
@@ -62,12 +66,16 @@ class ValidationShape(Schema):
     ``problems`` keep it from being handed in; what can never be observed is no problem of that
     kind, and said in the outlook. ``requests`` holds the outlooks of the first few. ``left_s`` is
     what the proposal has left, ``person_left_s`` your part of it (none: there are no parts).
+    ``forecast_us`` is when the forecast was made that chances go by (none: there is none yet), and
+    ``forecast_nights`` how many nights it has.
     """
 
     problems: list[str]
     charge_s: float
     left_s: float
     person_left_s: float | None
+    forecast_us: int | None
+    forecast_nights: int
     requests: list[RequestOutlookShape]
 
 
@@ -108,7 +116,7 @@ class ForecastReason(Schema):
 
 
 class ForecastShape(Schema):
-    """The night to come as the planner would have it now, with a clear sky.
+    """The night to come as the planner would have it, with a clear sky, as of ``plan.made_us``.
 
     ``reasons``: of requests that you see and that are not planned; ``more``: of others, too.
     """
@@ -128,15 +136,22 @@ class RequestChanceShape(Schema):
 
 
 class WeekNightShape(Schema):
-    """One night; ``planned``: requests in its plan, of others too."""
+    """One night; ``planned``: requests in its plan, of others too, which it shows as such."""
 
     start_us: int
     end_us: int
     planned: int
+    plan: PlanShape
     chances: list[RequestChanceShape]
 
 
 class WeekShape(Schema):
-    """Tonight and six nights more, with a usual share of open time."""
+    """Tonight and six nights more, as of ``made_us``, with a usual share of open time (0 to 1).
 
+    ``renewing``: a newer one is being made.
+    """
+
+    made_us: int
+    renewing: bool
+    open_share: float
     nights: list[WeekNightShape]

@@ -13,6 +13,7 @@ from talaia.hub.api.observing.proposals import ProposalPages
 from talaia.hub.api.observing.request_groups import RequestPages
 from talaia.hub.api.observing.short_nights import ShortNightPages
 from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.live.observing.forecast_service import ForecastService
 from talaia.hub.live.observing.night_board import NightBoard
 from talaia.hub.live.observing.night_link import NightLink
 from talaia.hub.live.observing.night_notifier import NightNotifier
@@ -70,7 +71,8 @@ class ObservingFeature(Feature):
         )
         notifier = NightNotifier(database, clock, deliver)
         self.link = NightLink(board=self.board, sender=sender, intake=intake, notifier=notifier)
-        outlooks = OutlookService(self.requests, self.proposals, clock)
+        outlooks = OutlookService(clock)
+        forecasts = ForecastService(self.requests, self.proposals, clock)
         lookup = GroupLookup(self.proposals, self.requests)
         pages = (
             ProposalPages(self.proposals, sender, audit),
@@ -88,7 +90,11 @@ class ObservingFeature(Feature):
                 requests=self.requests, lookup=lookup, news=sender, audit=audit, clock=clock
             ),
             OutlookPages(
-                outlooks=outlooks, proposals=self.proposals, requests=self.requests, lookup=lookup
+                outlooks=outlooks,
+                forecasts=forecasts,
+                proposals=self.proposals,
+                requests=self.requests,
+                lookup=lookup,
             ),
             ObservedFramePages(
                 archive=archive,
@@ -121,4 +127,5 @@ class ObservingFeature(Feature):
             BackgroundTask(name="keep", run=intake.run),
             BackgroundTask(name="expire", run=intake.expire_requests),
             BackgroundTask(name="notify", run=notifier.run),
+            BackgroundTask(name="forecast", run=forecasts.run),
         ]

@@ -335,6 +335,11 @@ class RequestStore:
                 last = int(page[-1].group.id)
         return PendingSet(revision, found)
 
+    async def newest_revision(self, site: str) -> int:
+        """Give the revision of a site's requests; 0: nothing was ever asked."""
+        async with self._database.read() as connection:
+            return await read_revision(connection, site)
+
     async def raise_revision(self, site: str, beyond: int) -> int:
         """Raise a site's revision above what its gateway says that it has."""
         async with self._database.write() as connection:
