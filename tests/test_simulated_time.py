@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import threading
 import time
 from collections.abc import Callable, Coroutine
 from typing import Any
@@ -116,3 +117,34 @@ def test_time_stands_while_something_real_is_waited_for() -> None:
 
     run_on(clock, live)
     assert clock.monotonic_ns() >= 60 * SECOND
+
+
+def test_a_paced_loop_is_no_faster_than_it_is_told() -> None:
+    clock, began = HandClock(), time.monotonic()
+
+    async def live() -> None:
+        loop = asyncio.get_running_loop()
+        assert isinstance(loop, SimulatedLoop)
+        loop.pace_time(1000.0)
+        await pass_time(100.0)
+
+    run_on(clock, live, least=1.0)
+    assert clock.monotonic_ns() >= 100 * SECOND
+    assert time.monotonic() - began >= 0.1
+
+
+def test_who_speaks_from_another_thread_is_heard_at_once_by_a_paced_loop() -> None:
+    clock = HandClock()
+
+    async def live() -> None:
+        loop, heard = asyncio.get_running_loop(), asyncio.Event()
+        assert isinstance(loop, SimulatedLoop)
+        # An hour of its time takes a real hour.
+        loop.pace_time(1.0)
+        resting = asyncio.ensure_future(pass_time(3600.0))
+        threading.Thread(target=loop.call_soon_threadsafe, args=(heard.set,)).start()
+        await heard.wait()
+        assert clock.monotonic_ns() < 3600 * SECOND
+        resting.cancel()
+
+    run_on(clock, live)

@@ -25,6 +25,8 @@ GLOSSARY = {
     "since": "since when (s since the epoch, UTC)",
     "state": "where the observation stands now",
     "step": "the step of the block, in words",
+    "site_time": "what time it is at a simulated site that lives faster (s, UTC); 0: as here",
+    "speed": "so many times as fast it lives while its night is armed; 0: as everybody",
     "time": "of the change (s since the epoch, UTC)",
     "until": "it disarms itself then (s since the epoch, UTC); 0: until somebody disarms it",
     "why_not": "why the requests that are not in the plan are not observed now",

@@ -4,6 +4,9 @@ The loop's time is its `HandClock`'s. When nothing is ready it does not wait, bu
 to what is due next. What sleeps, has a time-out or asks the clock lives on one time that way:
 simulator, gateway, planner's questions and the night's executor.
 
+It may be paced, for people who look on: then time passes at most so many times as fast as it does
+for them.
+
 What is real stays real: a thread, a child process or a socket does not run faster. While
 `real_work` is held, and while a thread works for the loop, time stands. So a slow machine makes a
 run longer, and never another one.
@@ -16,6 +19,7 @@ import asyncio
 import contextlib
 import math
 import selectors
+import time
 from typing import TYPE_CHECKING, Any
 
 from talaia.clock import SECOND
@@ -31,6 +35,8 @@ __all__ = ["SimulatedLoop"]
 PART_S = 0.4
 # For real work that is under way nobody waits longer in one go (s, real).
 REAL_WAIT_S = 1.0
+# A paced loop that falls behind by more does not make up for it (s, real).
+BEHIND_S = 0.5
 
 
 class SimulatedLoop(asyncio.SelectorEventLoop):
@@ -56,12 +62,31 @@ class SimulatedLoop(asyncio.SelectorEventLoop):
         self.passing: Callable[[], None] = _nothing
         # Threads that work for it, and waits for something real: while there are any, time stands.
         self._real_works = 0
+        # How many times as fast as real time it may be, and since when it is counted.
+        self._speed = math.inf
+        self._paced_from = 0.0, 0.0
         # With another selector the base class would wait in real time.
         super().__init__(_LeapingSelector(self))
 
     def time(self) -> float:
         """Give the clock's monotonic time (s)."""
         return self.clock.monotonic_ns() / SECOND
+
+    def pace_time(self, speed: float) -> None:
+        """Let time pass at most so many times as fast as it really does; infinite: at once."""
+        self._speed = speed
+        self._paced_from = self.time(), time.monotonic()
+
+    def real_wait(self, seconds: float) -> float:
+        """Say how long is really to be waited until so much later (s) is now."""
+        if math.isinf(self._speed):
+            return 0.0
+        from_s, real_s = self._paced_from
+        then = self.time() + max(seconds, self._least_s)
+        wait = real_s + (then - from_s) / self._speed - time.monotonic()
+        if wait < -BEHIND_S:
+            self._paced_from = then, time.monotonic()
+        return max(0.0, wait)
 
     @contextlib.contextmanager
     def real_work(self) -> Iterator[None]:
@@ -118,6 +143,12 @@ class _LeapingSelector(selectors.BaseSelector):
         # Nothing is due before a file or a thread speaks: that is waited for in real time.
         if timeout is None or self._loop.stands:
             return self._real.select(REAL_WAIT_S)
+        wait = self._loop.real_wait(timeout)
+        if wait > 0.0:
+            # Most of it at once; what is left is waited for in the next turn, or what came is read.
+            ready = self._real.select(min(wait, REAL_WAIT_S))
+            if ready or wait > REAL_WAIT_S:
+                return ready
         # The base class looks at its timers behind this, by the time that it is then.
         self._loop.leap(timeout)
         return ready

@@ -23,7 +23,7 @@ from talaia.model.connection import (
     ProcessSource,
     source_as,
 )
-from talaia.model.derived_signals import detection_setup_of
+from talaia.model.derived_signals import camera_meaning
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -171,4 +171,4 @@ def _safety_meaning(site: Site, address: str) -> tuple[object, ...] | None:
     plain = {"name": "", "decimals": -1, "keep": 0.0}
     # What only changes how it looks is set to one value in both.
     looks = msgspec.structs.replace(signal, **plain, primary=True, was="")
-    return looks, detection_setup_of(site, device, source_as(signal.source, DetectionSource).stream)
+    return looks, camera_meaning(site, device, source_as(signal.source, DetectionSource).stream)

@@ -20,6 +20,8 @@ __all__ = ["FocusFit", "FocusPoint", "fit_focus"]
 LEAST_POINTS = 5
 # Part of the spread that the curve must explain.
 LEAST_QUALITY = 0.8
+# Where fewer than this part of the stars are seen, the rest is noise or their brightest middle.
+LEAST_SHARE = 0.15
 
 
 class FocusPoint(NamedTuple):
@@ -61,6 +63,8 @@ class FocusFit(NamedTuple):
 def fit_focus(points: Sequence[FocusPoint]) -> FocusFit:
     """Fit the hyperbola, and say what is wrong with it in words."""
     seen = [point for point in points if point.stars > 0 and math.isfinite(point.hfr)]
+    most = max((point.stars for point in seen), default=0)
+    seen = [point for point in seen if point.stars >= LEAST_SHARE * most]
     if len(seen) < LEAST_POINTS:
         said = "no stars were seen" if not seen else f"stars were seen at {len(seen)} positions"
         return FocusFit(

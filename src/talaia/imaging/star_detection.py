@@ -20,6 +20,9 @@ __all__ = ["DetectedStars", "detect_stars"]
 THRESHOLD, LEAST_AREA = 5.0, 5
 # A half-flux radius (pixels) below which it is a hot pixel or a cosmic ray.
 SHARPEST = 0.75
+# A star lights the pixels beside its brightest one by this part of it and more; a weak hot pixel,
+# whose radius is that of the noise around it, does not.
+BESIDE = 0.25
 # Most that are measured: a picture of the Milky Way has enough with these.
 MOST = 500
 
@@ -101,6 +104,7 @@ def detect_stars(
         & (found["y"] < height - 1 - 2 * size)
     )
     clean = (found["peak"] + sky.globalback < saturation) & (radius >= SHARPEST)
+    clean &= _light_beside(bare, found) >= BESIDE
     kept = np.flatnonzero(whole & clean)[:MOST]
     stars, hfr = found[kept], np.asarray(radius)[kept]
     # One circle for all, so that fluxes compare; the outline of a faint star loses its wings.
@@ -116,6 +120,14 @@ def detect_stars(
         background=float(sky.globalback),
         noise=noise,
     )
+
+
+def _light_beside(bare: NDArray[np.float32], found: NDArray[Any]) -> NDArray[np.float64]:
+    """Give the mean of the four pixels beside each one's brightest, as a part of that."""
+    edged = np.pad(bare, 1, mode="edge")
+    x, y = found["xpeak"] + 1, found["ypeak"] + 1
+    beside = (edged[y, x - 1] + edged[y, x + 1] + edged[y - 1, x] + edged[y + 1, x]) / 4.0
+    return np.asarray(beside / np.maximum(edged[y, x], 1e-6), float)
 
 
 def _widths_of(

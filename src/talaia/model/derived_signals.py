@@ -11,22 +11,24 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.model.coco_classes import COCO
-from talaia.model.detection import Detect, DetectionSource
+from talaia.model.detection import CLOUDS, Detect, DetectionSource
 from talaia.model.site import Signal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import ObjectModel
+    from talaia.model.detection import ObjectModel, SkyLens
     from talaia.model.site import Device, Site, Source, Stream
 
 __all__ = [
     "DetectionSetup",
+    "camera_meaning",
     "classes_of",
     "counts_of",
     "detect_of",
     "detecting_cameras",
     "detection_setup_of",
+    "sky_cameras",
     "with_counts",
 ]
 
@@ -76,6 +78,20 @@ def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
     return counts
 
 
+def sky_cameras(site: Site) -> dict[str, tuple[str, SkyLens]]:
+    """Give by the address of each signal of clouds: its camera, and where the sky is on it."""
+    told = {}
+    for device_id, device in site.devices.items():
+        for signal_id, signal in device.signals.items():
+            source = signal.source
+            if not isinstance(source, DetectionSource) or source.sees != CLOUDS:
+                continue
+            stream = device.streams.get(source.stream)
+            if stream is not None and stream.sky is not None:
+                told[f"{device_id}/{signal_id}"] = (f"{device_id}/{source.stream}", stream.sky)
+    return told
+
+
 class DetectionSetup(NamedTuple):
     """All that decides what is seen on a camera."""
 
@@ -94,6 +110,14 @@ def detection_setup_of(site: Site, device: str, stream: str) -> DetectionSetup |
     return DetectionSetup(
         described.source, described.max_rate, detect, site.object_models.get(detect.model)
     )
+
+
+def camera_meaning(site: Site, device: str, stream: str) -> tuple[object, ...]:
+    """Give all that decides what a camera tells, of things and of the sky."""
+    described = site.devices[device].streams.get(stream)
+    lens = None if described is None else described.sky
+    at = None if described is None or lens is None else described.source
+    return detection_setup_of(site, device, stream), lens, at
 
 
 def with_counts(site: Site) -> Site:

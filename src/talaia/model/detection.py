@@ -6,7 +6,18 @@ from enum import StrEnum
 
 from talaia.model.base import Shape, SourceShape
 
-__all__ = ["Detect", "DetectAt", "DetectionSource", "ModelKind", "ObjectModel"]
+__all__ = [
+    "CLOUDS",
+    "Detect",
+    "DetectAt",
+    "DetectionSource",
+    "ModelKind",
+    "ObjectModel",
+    "SkyLens",
+]
+
+# What a signal ``sees`` on a camera that looks at all of the sky: how much is covered (%).
+CLOUDS = "clouds"
 
 
 class DetectAt(StrEnum):
@@ -70,12 +81,40 @@ class ObjectModel(Shape, frozen=True, kw_only=True):
     blue_first: bool = False
 
 
+class SkyLens(Shape, frozen=True, kw_only=True):
+    """Where the sky is on the pictures of a camera that looks at all of it, to the zenith.
+
+    A fisheye of the usual kind: the distance from the zenith on the picture is as the angle.
+
+    Attributes:
+        x: column of the zenith (pixels from the left, as the picture comes).
+        y: row of the zenith (pixels from the top).
+        radius: from the zenith to the horizon (pixels).
+        turned: azimuth that is up on the picture (°).
+        mirrored: east is at the right when north is up.
+        lowest: what stands lower is not looked at (°).
+        faintest: stars to this magnitude are looked for.
+        every: it is looked so often (s).
+
+    """
+
+    x: float
+    y: float
+    radius: float
+    turned: float = 0.0
+    mirrored: bool = False
+    lowest: float = 25.0
+    faintest: float = 4.5
+    every: float = 30.0
+
+
 class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
     """Where a signal comes from that counts what a camera sees, whatever the connection.
 
     Attributes:
         stream: a camera of the same device, by its name.
-        sees: how many of this class are on its newest picture; goes with ``stream``.
+        sees: how many of this class are on its newest picture; goes with ``stream``. ``clouds`` of
+            a camera that looks at all of the sky (`SkyLens`): how much of it is covered (%).
         within: only those whose feet (the middle of the box's lower edge) are in this part of the
             picture: left, top, right, bottom, each 0 to 1; the drive path, say.
 

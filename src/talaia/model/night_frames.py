@@ -41,12 +41,19 @@ class FilterCommand(Shape, frozen=True, kw_only=True):
         command: ``<device>/<command>``.
         argument: of the command.
         filters: the argument's value for each filter, by the name that requests call it.
+        longer: pictures for focus and centring are exposed so many times as long through a filter
+            that lets little through, by its name.
 
     """
 
     command: str
     argument: str
     filters: dict[str, float | int | str]
+    longer: dict[str, float] = {}
+
+    def exposure_factor(self, name: str) -> float:
+        """Give how many times as long pictures for focus and centring are exposed through it."""
+        return self.longer.get(name, 1.0)
 
 
 class SettingCommand(Shape, frozen=True, kw_only=True):

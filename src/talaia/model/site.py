@@ -37,7 +37,7 @@ from talaia.model.connection import (
     Source,
     topic_of,
 )
-from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec reads them
+from talaia.model.detection import Detect, ObjectModel, SkyLens  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
@@ -148,6 +148,7 @@ class Stream(Shape, frozen=True, kw_only=True):
         kbits: H.264 takes at most this (kbit/s); 0 goes by the size: 1 500 for 640×480 at 30 Hz.
         width: pictures wider than this are made smaller (px); 0 leaves them.
         detect: what is to be seen on its pictures; see `Detect`.
+        sky: it looks at all of the sky: a signal of its device may tell the clouds; see `SkyLens`.
 
     """
 
@@ -158,6 +159,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     kbits: int = 0
     width: int = 0
     detect: Detect | None = None
+    sky: SkyLens | None = None
     visibility: Visibility = Visibility.VIEW
 
 

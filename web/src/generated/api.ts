@@ -1166,6 +1166,8 @@ export interface NightStateShape {
   readonly frames_done: number;
   readonly frames: number;
   readonly heard_us: number;
+  readonly site_time_us: number;
+  readonly speed: number;
 }
 
 /** One try at a request; ``frames_done`` of each configuration, in all tries. */
@@ -1343,6 +1345,7 @@ export interface RequestShape {
 export interface SiteNightShape {
   readonly online: boolean;
   readonly simulated: boolean;
+  readonly time_lapse: string;
   readonly state: NightStateShape | null;
   readonly plan: PlanShape | null;
 }

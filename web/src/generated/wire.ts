@@ -354,6 +354,8 @@ export interface NightUpdate {
   readonly step: string;
   readonly frames_done: number;
   readonly frames: number;
+  readonly site_time: number;
+  readonly speed: number;
   readonly site: string;
 }
 
@@ -599,7 +601,7 @@ export const DEFAULTS = {
   sighting: { ended_us: 0 },
   anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, learning: 0 },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
-  night: { armed_by: "", armed_until: 0.0, why: "", since: 0.0, request: "", step: "", frames_done: 0, frames: 0 },
+  night: { armed_by: "", armed_until: 0.0, why: "", since: 0.0, request: "", step: "", frames_done: 0, frames: 0, site_time: 0.0, speed: 0.0 },
   night_plan: {},
   observing_request: {},
   pong: {},

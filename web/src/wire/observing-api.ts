@@ -33,7 +33,7 @@ export class ObservingApi {
     return this.hub.request("POST", this.url("night/arm"), { until_us: untilUs });
   }
 
-  /** Asks for a few short frames and arms, where the site is a simulator. */
+  /** Asks for a few short frames and arms, where the site is a simulator; a whole night of one that lives faster. */
   beginShortNight(): Promise<NightAnswer> {
     return this.hub.request("POST", this.url("night/short"));
   }

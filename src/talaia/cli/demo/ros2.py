@@ -1,4 +1,7 @@
-"""``talaia demo``: a simulated vehicle and observatory, their gateways, the hub, its dashboard."""
+"""``talaia demo``: a simulated vehicle and observatory, their gateways, the hub, its dashboard.
+
+Beside them the observatory once more, which lives through its nights at high speed when asked to.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,8 @@ from talaia.cli.demo.session import (
     print_greeting,
     write_description,
 )
+from talaia.cli.demo.time_lapse import main as time_lapse
+from talaia.cli.demo.time_lapse.lapse_site import TIME_LAPSE, lapse_site
 from talaia.cli.errors import PartMissing
 from talaia.cli.local_machine import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
@@ -49,6 +54,9 @@ READY_S = 120.0
 
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; everything it started is ended and removed again."""
+    # It has options of its own, and is started by the demo.
+    if argv and argv[0] == "time-lapse":
+        return time_lapse.main(argv[1:])
     options = _parse_options(argv)
     for module in ("rclpy", "mujoco"):
         if importlib.util.find_spec(module) is None:
@@ -73,6 +81,9 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     parser.add_argument("--no-camera", action="store_true", help="simulate without pictures")
     parser.add_argument("--no-observatory", action="store_true", help="only the vehicle")
+    parser.add_argument(
+        "--no-time-lapse", action="store_true", help="without the nights at high speed"
+    )
     return parser.parse_args(argv)
 
 
@@ -93,7 +104,7 @@ async def _start_robots(
     )
     logins = await make_logins(settings)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
-    hub += ["--simulated-site", OBSERVATORY]
+    hub += ["--simulated-site", OBSERVATORY, "--simulated-site", TIME_LAPSE]
     gateways = [await _gateway_command(robot, settings) for robot in robots]
     parts.append(await start_talaia("hub", hub, data / "hub.log", restart=True))
     for robot, words in zip(robots, gateways, strict=True):
@@ -107,6 +118,11 @@ async def _start_robots(
         *(part.wait_line("ready", READY_S) for part in parts[:ready]),
         *(part.wait_line("linked to", READY_S) for part in parts[ready:]),
     )
+    if not options.no_observatory and not options.no_time_lapse:
+        # Not waited for: nobody needs it before the first look around.
+        words = await _time_lapse_command(options, settings)
+        log = data / "time-lapse.log"
+        parts.append(await start_talaia("time lapse", words, log, {}, restart=True))
     changed = [robot.description for robot in robots if robot.changed]
     blind = [
         sight
@@ -123,6 +139,15 @@ async def _start_robots(
     )
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, address)
+
+
+async def _make_key(settings: Settings, site: str) -> Path:
+    suffix = "" if site == VEHICLE else f"-{site}"
+    key = settings.data / f"gateway{suffix}.key"
+    key.write_text(await accounts.create_gateway(settings, site))
+    # Whoever can read it can speak as this gateway.
+    key.chmod(0o600)
+    return key
 
 
 class _Robot(NamedTuple):
@@ -211,13 +236,22 @@ def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
     )
 
 
+async def _time_lapse_command(options: argparse.Namespace, settings: Settings) -> list[str]:
+    """Write its description and its key, and give the words that start it."""
+    data = settings.data
+    description = data / f"{TIME_LAPSE}.yaml"
+    site = lapse_site(read_site(find_example(OBSERVATORY)), time.time())
+    description.write_text(dump_site(site))
+    key = await _make_key(settings, TIME_LAPSE)
+    words = ["demo", "time-lapse", str(description), "--hub", f"ws://127.0.0.1:{settings.port}"]
+    words += ["--key-file", str(key), "--data", str(data / f"gateway-{TIME_LAPSE}")]
+    return [*words, "--seed", str(options.seed)]
+
+
 async def _gateway_command(robot: _Robot, settings: Settings) -> list[str]:
     """Make a gateway's key and give the words that start it."""
     suffix = "" if robot.site == VEHICLE else f"-{robot.site}"
-    key = settings.data / f"gateway{suffix}.key"
-    key.write_text(await accounts.create_gateway(settings, robot.site))
-    # Whoever can read it can speak as this gateway.
-    key.chmod(0o600)
+    key = await _make_key(settings, robot.site)
     return [
         "gateway",
         str(robot.description),

@@ -11,6 +11,7 @@ from talaia.gateway.detection.camera_detection import (
     ReadingsWithDetections,
 )
 from talaia.gateway.detection.sighting_reports import DetectionReporter
+from talaia.gateway.detection.sky_watch import SkyWatch
 from talaia.objects.worker import Worker
 
 if TYPE_CHECKING:
@@ -61,13 +62,26 @@ class DetectionPart(GatewayPart):
             ),
             clock=base.clock,
         )
+        self._sky = SkyWatch(
+            site=site,
+            numbers=description.numbering.numbers_of(site),
+            pictures=video.frames,
+            publish=self.detection.publish_counts,
+            clock=base.clock,
+        )
         self._numbering = description.numbering
         self.readings = ReadingsWithDetections(adapters.adapter, self.detection)
 
     def redescribe(self, site: Site) -> None:
         """Look at the cameras of another description."""
-        self.detection.redescribe(site, self._numbering.numbers_of(site))
+        numbers = self._numbering.numbers_of(site)
+        self.detection.redescribe(site, numbers)
+        self._sky.redescribe(site, numbers)
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Look at cameras, and tell the hub."""
-        return {"detect": self.detection.run, "report": self.reporter.run}
+        return {
+            "detect": self.detection.run,
+            "report": self.reporter.run,
+            "sky": self._sky.run,
+        }

@@ -123,8 +123,10 @@ class BlockRun(StepwiseBlock):
         steps += self._tracking_steps()
         # Stars that go by are neither focused on nor held.
         if not self._stands:
-            if self._parts.focus_due(configuration.filter, view.time):
-                steps.append(self._part("focusing", "focus", required=False))
+            name = configuration.filter
+            if self._parts.focus_due(name, view.time):
+                # The filter's step has not been done yet: its name is not that of the one before.
+                steps.append(self._part("focusing", "focus", required=False, name=name))
             steps += self._guiding.steps_for(configuration, view.now)
             if offset := self._offset(configuration):
                 steps += [*offset, *self._tracking_steps()]
@@ -221,6 +223,8 @@ class BlockRun(StepwiseBlock):
         steps += self._guiding.stop_steps()
         self._sent, self._east = where, hours < 0 and not flips
         self._slews += 1
+        # Before the field is centred: pictures of it are taken through that filter, too.
+        steps += self._settings.steps_for(configuration, self._night.light)
         if isinstance(self.request.target, FixedTarget) and self._night.point is not None:
             return [*steps, self._stand_at(self._night.point, self.request.target)]
         steps.append(self._slew(where, "flipping" if flips else "slewing"))

@@ -17,7 +17,7 @@ from talaia.gateway.safety.derived_conditions import judge_dew_point, judge_diff
 from talaia.gateway.safety.interlock_state import InterlockVerdict
 from talaia.gateway.safety.value_validity import ValueValidity, within_sighting
 from talaia.model.connection import DetectionSource, source_as
-from talaia.model.derived_signals import detection_setup_of
+from talaia.model.derived_signals import camera_meaning
 from talaia.model.interlocks.interlock import Condition
 from talaia.model.site import SignalType
 
@@ -281,7 +281,7 @@ def signal_meaning(site: Site, address: str) -> tuple[object, ...] | None:
     if signal is None:
         return None
     # Names are for people: a signal that is only renamed goes on with its dwell times.
-    return msgspec.structs.replace(signal, name="", was=""), detection_setup_of(
+    return msgspec.structs.replace(signal, name="", was=""), camera_meaning(
         site, device, source_as(signal.source, DetectionSource).stream
     )
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.gateway.uplink.catchup import CatchUp
-from talaia.gateway.uplink.connection import HubLink, run_media
+from talaia.gateway.uplink.connection import HubLink, HubMessageHandler, run_media
 from talaia.gateway.uplink.dialling import OutageLog, beside_link, keep_dialling
 from talaia.gateway.uplink.files import TransferCallbacks, send_files
 from talaia.gateway.uplink.newest_samples import NewestSamplesSender
@@ -21,36 +21,73 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
-    from talaia.gateway.reload.apply import DescriptionReload
+    from talaia.gateway.reload.current_description import PreparedDescription
     from talaia.gateway.samples.batching import Batcher
     from talaia.gateway.settings import GatewaySettings
     from talaia.gateway.spool.spool_thread import SpoolThread
     from talaia.gateway.uplink.files import FileLane
-    from talaia.gateway.uplink.message_dispatcher import MessageDispatcher
     from talaia.gateway.uplink.pictures import PictureUplink
     from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import FileOffer, FilmOffer, Hello, Welcome
 
-__all__ = ["HubConnection", "keep_files", "keep_link", "keep_media"]
+__all__ = [
+    "CountingDescription",
+    "HubConnection",
+    "HubDispatcher",
+    "keep_files",
+    "keep_link",
+    "keep_media",
+]
 
 log = logging.getLogger(__name__)
 
 
+class HubDispatcher(HubMessageHandler, Protocol):
+    """Acts on what the hub says, and knows whether the link stands.
+
+    Attributes:
+        linked: set while it does; files and pictures wait for it.
+        links: counts links.
+
+    """
+
+    linked: asyncio.Event
+    links: int
+
+
+class CountingDescription(Protocol):
+    """The description that counts."""
+
+    @property
+    def now(self) -> PreparedDescription:
+        """What counts."""
+        ...
+
+    @property
+    def turn(self) -> int:
+        """How often it was replaced."""
+        ...
+
+    def report_since(self, turn: int) -> None:
+        """Tell a hub that was greeted with an earlier description which one counts now."""
+        ...
+
+
 class HubConnection(NamedTuple):
-    """The hub to the hub, and who acts on what it says."""
+    """The way to the hub, and who acts on what it says."""
 
     settings: GatewaySettings
     trust: HubTrust
     clock: Clock
-    dispatcher: MessageDispatcher
+    dispatcher: HubDispatcher
 
 
 async def keep_link(
     *,
     hub: HubConnection,
     boot: str,
-    reload: DescriptionReload,
+    reload: CountingDescription,
     lanes: SendLanes,
     wake: asyncio.Event,
     batcher: Batcher,

@@ -1,4 +1,8 @@
-"""A night in minutes for a simulated observatory: short frames of what is high now. Pure."""
+"""A night in minutes for a simulated observatory: what is asked of it by a button. Pure.
+
+In real time, short frames of what is high now; of one that lives faster than people do, a whole
+night.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +23,25 @@ from talaia.model.observing.targets import IcrsTarget
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["PROPOSAL", "SHORT_NIGHT_S", "high_targets", "short_night_group"]
+__all__ = [
+    "PROPOSAL",
+    "SHORT_NIGHT_S",
+    "high_targets",
+    "night_targets",
+    "short_night_group",
+    "whole_night_group",
+]
 
 # It is armed for so long; three targets take about a third of it (s).
 SHORT_NIGHT_S = 30 * 60.0
 PROPOSAL = "SHORT-NIGHT"
 _TARGETS, _FRAMES, _EXPOSURE_S = 3, 2, 5.0
 _LOWEST = 25.0
+# Of a whole night: its longest, what its targets rise above (°), and how they are observed.
+_NIGHT_S, _HIGH = 14 * 3600.0, 40.0
+_NIGHT_TARGETS, _NIGHT_FRAMES, _NIGHT_EXPOSURE_S = 12, 6, 120.0
+# Several nights may be lived through one after the other, all of them ahead of the time here.
+_AHEAD_S = 30 * 86_400.0
 _J2000_S = 946_728_000.0
 
 
@@ -87,6 +103,55 @@ def high_targets(latitude: float, longitude: float, time: float) -> list[IcrsTar
     kept = [one for one in best if heights[one] > _LOWEST]
     kept.sort(key=lambda one: -_hour_angle(one, longitude, time))
     return [IcrsTarget(name=one.name, ra=one.ra, dec=one.dec) for one in kept]
+
+
+def night_targets(latitude: float, longitude: float, time: float) -> list[IcrsTarget]:
+    """Give the targets that rise highest in the night that begins about now, by right ascension.
+
+    Args:
+        latitude: (°).
+        longitude: (°, east).
+        time: (s since the epoch, UTC).
+
+    """
+    hours = range(0, round(_NIGHT_S), 3600)
+    heights = {
+        one: max(_altitude(one, latitude, longitude, time + hour) for hour in hours) for one in _SKY
+    }
+    best = sorted(heights, key=lambda one: -heights[one])[:_NIGHT_TARGETS]
+    kept = sorted((one for one in best if heights[one] > _HIGH), key=lambda one: one.ra)
+    return [IcrsTarget(name=one.name, ra=one.ra, dec=one.dec) for one in kept]
+
+
+def whole_night_group(
+    targets: Sequence[IcrsTarget], filters: Sequence[str], requester: str, time: float
+) -> RequestGroup:
+    """Ask for some frames of each target, in a filter of its own, in any of the next nights."""
+    return RequestGroup(
+        id="new",
+        proposal=PROPOSAL,
+        name="A night at high speed",
+        requester=requester,
+        operator=GroupOperator.MANY,
+        requests=tuple(
+            Request(
+                id="new",
+                target=target,
+                state=RequestState.PENDING,
+                configurations=(
+                    Configuration(
+                        # The last one lets so little through that stars are few.
+                        filter=filters[at % max(1, len(filters) - 1)] if filters else "",
+                        exposure=_NIGHT_EXPOSURE_S,
+                        count=_NIGHT_FRAMES,
+                    ),
+                ),
+                constraints=Constraints(min_altitude=25.0, min_moon_distance=0.0),
+                windows=(Window(start=time, end=time + _AHEAD_S),),
+            )
+            for at, target in enumerate(targets)
+        ),
+    )
 
 
 def short_night_group(

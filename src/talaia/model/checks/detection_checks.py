@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from talaia.model.checks.identifiers import Finding, check_above, id_fits, name_fits
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
-from talaia.model.detection import DetectAt, DetectionSource
+from talaia.model.detection import CLOUDS, DetectAt, DetectionSource
 from talaia.model.errors import UnknownWord
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import ObjectModel
+    from talaia.model.detection import ObjectModel, SkyLens
     from talaia.model.interlocks.interlock import Condition
     from talaia.model.site import Device, Signal, Site, Stream
 
@@ -108,6 +108,9 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
     if stream is None:
         yield _finding_of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
         return
+    if source.sees == CLOUDS and stream.sky is not None:
+        yield from _clouds_fit(site, where, signal, stream.sky)
+        return
     detect = detect_of(site, stream)
     if detect is None:
         problem = f"nothing is detected on {source.stream}"
@@ -117,6 +120,28 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
     known = classes_of(site, detect.model)
     if known and source.sees not in known:
         yield _finding_of(UnknownWord(f"{where}.sees", "class", source.sees, known))
+
+
+def _clouds_fit(site: Site, where: str, signal: Signal, lens: SkyLens) -> Iterator[Finding]:
+    if site.place is None:
+        problem = "which stars stand in the sky is not known without a place"
+        yield Finding(where, problem, "write: place: {latitude: 42.05, longitude: 0.73}")
+    if 0.0 < signal.max_age < lens.every:
+        problem = f"it is looked every {lens.every:g} s, and is old after {signal.max_age:g} s"
+        yield Finding(where, problem, f"write: max_age: {3 * lens.every:g}")
+
+
+def sky_fits(where: str, stream: Stream) -> Iterator[Finding]:
+    """List what is wrong with where the sky is on a camera's pictures."""
+    lens = stream.sky
+    if lens is None:
+        return
+    for key in ("x", "y", "radius", "every"):
+        yield from check_above(f"{where}.{key}", getattr(lens, key), 0)
+    # Written so that NaN is found as well.
+    for key, least, most in (("lowest", 0, 80), ("faintest", 1, 8), ("turned", -360, 360)):
+        if not least <= getattr(lens, key) <= most:
+            yield Finding(f"{where}.{key}", f"expected {least} to {most}")
 
 
 def _check_area(where: str, within: tuple[float, float, float, float]) -> Iterator[Finding]:

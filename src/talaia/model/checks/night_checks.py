@@ -21,6 +21,8 @@ __all__ = ["night_findings"]
 
 # Civil dusk: above it the Sun may shine into an open roof.
 _LIGHT = -6.0
+# A picture for focus is exposed so many times as long at the most.
+_MOST_LONGER = 100.0
 _NUMBERS = frozenset({ArgumentType.NUMBER, ArgumentType.INTEGER})
 
 
@@ -82,6 +84,14 @@ def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
         yield from _arguments_fit(site, where, night.filter.command, {}, others=others)
         if not night.filter.filters:
             yield Finding(f"{where}.filters", "no filter has a name", "name each, with its value")
+        for name, factor in night.filter.longer.items():
+            if name not in night.filter.filters:
+                known = ", ".join(night.filter.filters)
+                yield Finding(
+                    f"{where}.longer.{name}", "no filter has this name", f"one of {known}"
+                )
+            elif not 0.0 < factor <= _MOST_LONGER:
+                yield Finding(f"{where}.longer.{name}", f"expected over 0, to {_MOST_LONGER:g}")
     for key in ("binning", "gain"):
         yield from _setting_fits(site, f"$.night.{key}", getattr(night, key))
 

@@ -21,6 +21,7 @@ from talaia.model.checks.detection_checks import (
     detect_fits,
     hub_sight_findings,
     models_findings,
+    sky_fits,
 )
 from talaia.model.checks.enclosure_checks import enclosure_findings
 from talaia.model.checks.extension_rules import NO_RULES, extension_findings
@@ -191,6 +192,7 @@ def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         yield from id_fits(at, stream_id)
         yield from _check_stream(at, stream)
         yield from detect_fits(site, f"{at}.detect", stream)
+        yield from sky_fits(f"{at}.sky", stream)
         if rules is not None:
             yield from rules.stream_findings(f"{at}.source", stream)
     for command_id, command in device.commands.items():

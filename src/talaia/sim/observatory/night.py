@@ -1,4 +1,4 @@
-"""Where on Earth it is night now: an observatory that observes by night can be shown by day. Pure.
+"""Where on Earth it is night, or evening, now: what observes by night is shown by day. Pure.
 
 Its place is moved along its parallel, in steps of the time zones, so that its clock is right, too.
 """
@@ -12,9 +12,11 @@ from msgspec.structs import replace
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
-__all__ = ["at_night", "longitude_of_night"]
+__all__ = ["at_dusk", "at_night", "longitude_of_night"]
 
 _HOUR_S = 3600.0
+# Dusk comes about so long before midnight (h).
+_DUSK_H = 7.0
 
 
 def longitude_of_night(unix_s: float) -> float:
@@ -26,6 +28,11 @@ def _hours_east(unix_s: float) -> int:
     # Midnight is where UTC's hour and the hours east make 24; past 12 it is nearer to the west.
     east = round(24.0 - unix_s / _HOUR_S % 24.0)
     return east if east <= 12 else east - 24
+
+
+def at_dusk(site: Site, unix_s: float) -> Site:
+    """Give a site where the evening begins; one without a place stays where it is."""
+    return at_night(site, unix_s + _DUSK_H * _HOUR_S)
 
 
 def at_night(site: Site, unix_s: float) -> Site:

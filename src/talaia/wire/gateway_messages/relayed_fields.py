@@ -136,6 +136,9 @@ class NightFields(Message, frozen=True, kw_only=True):
         step: of its block, in words: *slewing*, *centring*, *exposing*.
         frames_done: of the request that is observed.
         frames: of it in all.
+        site_time: of a simulated site that lives faster than people do: what time it is there (s
+            since the epoch, UTC); 0: the time is everybody's.
+        speed: so many times as fast it lives while the night is armed; 0: as everybody.
 
     """
 
@@ -148,3 +151,5 @@ class NightFields(Message, frozen=True, kw_only=True):
     step: Word = ""
     frames_done: Count = 0
     frames: Count = 0
+    site_time: _UnixSeconds = 0.0
+    speed: Annotated[float, Meta(ge=0, le=1e6)] = 0.0

@@ -77,7 +77,7 @@ async def test_a_part_that_does_what_it_is_for_has_succeeded() -> None:
     sky, told = Sky(PartOutcome(good=True, message="centred to 2.0″")), Told()
     answer = await answer_of(parts_of(sky, told), "centre")
     assert answer == StepAnswer("n1", CommandPhase.SUCCEEDED, "centred to 2.0″")
-    assert sky.asked == [FieldCentre(40.0, 60.0)]
+    assert sky.asked == [FieldCentre(40.0, 60.0, filter="R")]
     assert told.events == []
 
 

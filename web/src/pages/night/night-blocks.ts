@@ -6,6 +6,8 @@ import type { NightBlock } from "../../series/plan-layout.js";
 /** Frames of one target that lie further apart belong to two visits (ms). */
 const PAUSE_MS = 900_000;
 const HIDDEN = "another's request";
+/** What the night calls the pictures that it takes for itself: they belong to the block around them. */
+const FOR_ITSELF = "focus or centring";
 
 interface KnownRequest {
   readonly id: string;
@@ -15,7 +17,7 @@ interface KnownRequest {
 
 /** What was taken in a night; the proposal is that of the request of its target, where only one has it. */
 export function takenBlocks(frames: readonly FrameShape[], requests: readonly KnownRequest[]): readonly NightBlock[] {
-  const lights = [...frames].filter(({ target }) => target !== "").sort((a, b) => a.time_us - b.time_us);
+  const lights = [...frames].filter(({ target }) => target !== "" && target !== FOR_ITSELF).sort((a, b) => a.time_us - b.time_us);
   const visits: { target: string; frames: FrameShape[]; endMs: number }[] = [];
   for (const frame of lights) {
     const startMs = frame.time_us / 1000;

@@ -11,6 +11,7 @@ import { PHASE_WORDS } from "../../format/observing-words.js";
 import { formatClock, zoneName } from "../../format/time.js";
 import type { NightAnswer, NightStateShape } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
 import { Refused, type HubApi } from "../../wire/hub-api.js";
 import { ObservingApi } from "../../wire/observing-api.js";
 import "../../elements/feedback/status.js";
@@ -61,6 +62,10 @@ export class NightStatePanel extends LitElement {
   @property({ attribute: false }) mayArm = false;
   /** It is a simulator: a night in minutes can be tried. */
   @property({ type: Boolean }) simulated = false;
+  /** The simulated site at which a whole night can be lived through at high speed, or empty. */
+  @property() timeLapse = "";
+  /** So many times as fast does this site live; 0: as everybody. */
+  @property({ attribute: false }) speed = 0;
   /** Its gateway is there. */
   @property({ type: Boolean }) online = false;
   @property() zone = "UTC";
@@ -87,12 +92,17 @@ export class NightStatePanel extends LitElement {
         </div>
         ${this.mayArm
           ? html`<div class="actions">
-              ${this.simulated ? html`<t-button ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("short")}>A night in minutes…</t-button>` : nothing}
-              <t-button kind="primary" ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("arm")}>Arm…</t-button>
+              ${this.simulated ? html`<t-button ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("short")}>${this.lapses ? "A whole night at high speed…" : "A night in minutes…"}</t-button>` : nothing}
+              ${this.lapses ? nothing : html`<t-button kind="primary" ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("arm")}>Arm…</t-button>`}
               <t-button kind="danger" ?hidden=${!armed} ?disabled=${!this.online} @click=${this.question.opener("disarm")}>Disarm…</t-button>
             </div>`
           : nothing}
       </div>
+      ${this.lapses || this.timeLapse === ""
+        ? nothing
+        : html`<p class="muted">
+            <a href=${sitePath(this.timeLapse, "night")}>A whole night at high speed</a>: the same observatory once more, in a time lapse.
+          </p>`}
       ${night === null || night.step === "" ? nothing : this.renderBlock(night)} ${this.renderQuestions()}
     </section>`;
   }
@@ -121,6 +131,14 @@ export class NightStatePanel extends LitElement {
       ...(this.morningUs > 0 ? [{ id: "night", label: `For this night, to ${morning}` }] : []),
       { id: "longer", label: "Until disarmed" },
     ];
+    if (this.question.subject === "short" && this.lapses) {
+      return renderQuestion(this.question, () => ({
+        heading: "Run a whole night at high speed?",
+        action: "Run",
+        text: `This observatory is simulated, and so is its time: its next night passes ${this.speed.toFixed(0)} times as fast as one does. A dozen targets are asked for, and the night is armed to the morning: the roof opens when the sky is dark, the telescope focuses, centres and observes, closes when the weather wants it, and parks at dawn. Plan, sky, pictures and log follow below.`,
+        kind: "primary",
+      }));
+    }
     if (this.question.subject === "short") {
       return renderQuestion(this.question, () => ({
         heading: "Run a night in minutes?",
@@ -145,6 +163,10 @@ export class NightStatePanel extends LitElement {
           }
         : { heading: "Disarm the night?", action: "Disarm", text: "The exposure is aborted; telescope and roof park and close. Frames that were read out are kept." },
     );
+  }
+
+  private get lapses(): boolean {
+    return this.speed > 0;
   }
 
   private get chosenFor(): ArmedFor {

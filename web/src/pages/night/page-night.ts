@@ -153,7 +153,7 @@ export class PageNight extends LitElement {
       <a href=${sitePath(this.site, "proposals")}>Proposals</a>
       <a href=${sitePath(this.site, "archive")}>Archive</a>
     </div>`;
-    return html`${renderPageHead("Night", html`What ${this.sites.store?.siteRow(this.site)?.name ?? this.site} observes by itself. <t-clock zone=${this.zone}></t-clock>`, links)}
+    return html`${renderPageHead("Night", html`What ${this.sites.store?.siteRow(this.site)?.name ?? this.site} observes by itself. ${(this.overview.value?.state?.site_time_us ?? 0) > 0 ? nothing : html`<t-clock zone=${this.zone}></t-clock>`}`, links)}
     ${this.proposals.value?.observes === false
       ? html`<t-empty heading="This site does not observe by itself" icon="live">
           <p>Its description has no section night: with a telescope and a camera. How to write one is in the docs: <em>Observe by itself</em>.</p>
@@ -162,12 +162,12 @@ export class PageNight extends LitElement {
   }
 
   private renderNight(overview: SiteNightShape): TemplateResult {
-    const ms = Date.now();
+    const ms = siteMs(overview);
     const blocks = nightBlocks(this.takenTonight(ms), plannedBlocks(overview.plan, overview.state, ms));
     const marks = proposalMarks([...(this.proposals.value?.proposals ?? []).map(({ id }) => id), ...blocks.map(({ proposal }) => proposal)].filter((id) => id !== ""));
     const current = blocks.find(({ state }) => state === "current");
     const observed = this.waiting.value?.requests.find(({ id }) => id === overview.state?.request);
-    return html`${this.renderStale(overview)}
+    return html`${this.renderStale(overview)} ${this.renderSimulatedTime(overview)}
       <t-night-state
         .site=${this.site}
         .night=${overview.state}
@@ -175,6 +175,8 @@ export class PageNight extends LitElement {
         .morningUs=${this.morningUs(overview, ms)}
         .mayArm=${this.proposals.value?.may_arm === true}
         ?simulated=${overview.simulated}
+        .timeLapse=${this.timeLapse(overview)}
+        .speed=${overview.state?.speed ?? 0}
         ?online=${this.isOnline(overview)}
         .zone=${this.zone}
         @t-changed=${this.overview.invalidate}
@@ -205,6 +207,20 @@ export class PageNight extends LitElement {
       >The site's gateway cannot be reached: what is shown is old, as it was said <t-time .us=${since} .zone=${this.zone}></t-time>. An armed night goes on
       without the hub.</t-banner
     >`;
+  }
+
+  /** The time there is not the time here. */
+  private renderSimulatedTime({ state }: SiteNightShape): unknown {
+    if (state === null || state.site_time_us === 0) return nothing;
+    return html`<t-banner
+      >Time lapse: the time of this simulated observatory is not that of the clock on your wall. It is <t-time .us=${state.site_time_us} .zone=${this.zone}></t-time>
+      there; while its night is armed, time passes ${state.speed.toFixed(0)} times as fast. All times below are its own, but for those of the log.</t-banner
+    >`;
+  }
+
+  /** The site that lives through nights at high speed, as far as the person may see it. */
+  private timeLapse({ time_lapse: name }: SiteNightShape): string {
+    return this.sites.store?.siteRow(name) === undefined ? "" : name;
   }
 
   private renderPlan(overview: SiteNightShape, blocks: readonly NightBlock[], marks: ReadonlyMap<string, ProposalMark>, ms: number): TemplateResult {
@@ -405,6 +421,11 @@ export class PageNight extends LitElement {
       for (const load of [this.overview, this.waiting, this.frames, this.events, this.proposals]) load.invalidate();
     }, REFRESH_MS);
   }
+}
+
+/** What time it is at the site: of a simulated one that lives faster, as it said last. */
+function siteMs({ state }: SiteNightShape): number {
+  return state !== null && state.site_time_us > 0 ? state.site_time_us / 1000 : Date.now();
 }
 
 /** How near the plan is to the best there can be. */

@@ -19,7 +19,7 @@ const PLAN: PlanShape = {
   ],
 };
 const STATE: NightStateShape = {
-  phase: "observing", armed_by: "ada", armed_until_us: 0, why: "", since_us: 0, request: "7", step: "exposing", frames_done: 1, frames: 3, heard_us: 0,
+  phase: "observing", armed_by: "ada", armed_until_us: 0, why: "", since_us: 0, request: "7", step: "exposing", frames_done: 1, frames: 3, heard_us: 0, site_time_us: 0, speed: 0,
 };
 
 test("frames of one target in a row are one visit, and after a pause another", () => {
@@ -30,6 +30,11 @@ test("frames of one target in a row are one visit, and after a pause another", (
     ["M 33", 42, 43, "1 frame (R)."],
   ]);
   expect(visits.map(({ request, proposal }) => [request, proposal])).toEqual([["3", "P2"], ["3", "P2"], ["", ""]]);
+});
+
+test("pictures for focus and centring are no visit of their own", () => {
+  const visits = takenBlocks([frame(10, "focus or centring"), frame(11, "M 31"), frame(12, "M 31"), frame(13, "focus or centring")], []);
+  expect(visits.map(({ name }) => name)).toEqual(["M 31"]);
 });
 
 test("of a plan what is over is left away, what is observed is current, and another's block has no name", () => {

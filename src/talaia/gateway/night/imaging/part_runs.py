@@ -145,7 +145,9 @@ class PartRuns:
             case "focus":
                 return await self._focuser.run_focus(run.filter)
             case "centre":
-                return await self._solver.centre_field(FieldCentre(run.ra, run.dec))
+                return await self._solver.centre_field(
+                    FieldCentre(run.ra, run.dec, filter=run.filter)
+                )
             case "guide":
                 self._guides = self._guider.present
                 return await self._guider.begin_guiding()

@@ -40,11 +40,12 @@ class PartOutcome(NamedTuple):
 
 
 class FieldCentre(NamedTuple):
-    """Where a field is to be centred (ICRS, °), and how well (″)."""
+    """Where a field is to be centred (ICRS, °), how well (″), and through which filter."""
 
     ra: float
     dec: float
     within: float = 5.0
+    filter: str = ""
 
 
 class AutoFocuser(Protocol):

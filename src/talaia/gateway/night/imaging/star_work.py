@@ -16,12 +16,17 @@ from talaia.imaging.frame_tasks import measure_focus, solve_frame
 from talaia.model.units.astronomy import J2000, julian_day, precess_coordinates
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from concurrent.futures import Executor
 
     from talaia.clock import Clock
     from talaia.gateway.night.imaging.star_parts import FieldCentre
 
 __all__ = ["CentringSolver", "FocusRules", "FocusRunner", "StarDevices"]
+
+
+def _as_long(_filter_name: str) -> float:
+    return 1.0
 
 
 class StarDevices(Protocol):
@@ -57,20 +62,30 @@ class CentringSolver:
     present = True
 
     def __init__(
-        self, devices: StarDevices, work: Executor, clock: Clock, *, seconds: float = 5.0
+        self,
+        devices: StarDevices,
+        work: Executor,
+        clock: Clock,
+        *,
+        seconds: float = 5.0,
+        longer: Callable[[str], float] = _as_long,
     ) -> None:
-        """Take the devices, who reckons, the time, and how long each picture is exposed (s)."""
+        """Take the devices, who reckons, and the time.
+
+        Each picture is exposed so many ``seconds``, and ``longer`` times that through a filter.
+        """
         self._devices, self._work, self._clock = devices, work, clock
-        self._seconds = seconds
+        self._seconds, self._longer = seconds, longer
 
     async def centre_field(self, centre: FieldCentre) -> PartOutcome:
         """See `PlateSolver.centre_field`; the telescope tracks the field already."""
         centring = Centring(centre.ra, centre.dec, tolerance=centre.within)
         loop = asyncio.get_running_loop()
         place: tuple[float, float] | None = None
+        seconds = self._seconds * self._longer(centre.filter)
         while True:
             try:
-                data = await self._devices.take_frame(self._seconds)
+                data = await self._devices.take_frame(seconds)
             except DeviceFailed as error:
                 return PartOutcome(good=False, message=f"no picture to solve: {error}")
             solved = await loop.run_in_executor(
@@ -99,6 +114,7 @@ class FocusRules(NamedTuple):
         every: after so long (s).
         degrees: after the tube has changed by so much (°C).
         seconds: each picture is exposed.
+        longer: gives so many times as long, for a filter.
         settings: see `FocusSettings`.
 
     """
@@ -106,6 +122,7 @@ class FocusRules(NamedTuple):
     every: float = 7200.0
     degrees: float = 1.5
     seconds: float = 4.0
+    longer: Callable[[str], float] = _as_long
     settings: FocusSettings = FocusSettings()
 
 
@@ -148,11 +165,11 @@ class FocusRunner:
             return PartOutcome(good=False, message="no focus: where the focuser stands is unknown")
         run = FocusRun(start, self._rules.settings)
         try:
-            return await self._follow_run(run)
+            return await self._follow_run(run, self._rules.longer(filter_name))
         except DeviceFailed as error:
             return PartOutcome(good=False, message=f"no focus: {error}")
 
-    async def _follow_run(self, run: FocusRun) -> PartOutcome:
+    async def _follow_run(self, run: FocusRun, longer: float) -> PartOutcome:
         loop = asyncio.get_running_loop()
         while True:
             step = run.next_step()
@@ -160,7 +177,7 @@ class FocusRunner:
                 await self._devices.move_focuser(position)
             if not step.measure:
                 break
-            data = await self._devices.take_frame(self._rules.seconds)
+            data = await self._devices.take_frame(self._rules.seconds * longer)
             seen = await loop.run_in_executor(self._work, measure_focus, data)
             if seen.problem:
                 raise DeviceFailed(f"the picture cannot be read: {seen.problem}")

@@ -34,6 +34,8 @@ def night_state_shape(state: NightState, heard_us: int) -> NightStateShape:
         frames_done=state.frames_done,
         frames=state.frames,
         heard_us=heard_us,
+        site_time_us=_to_us(state.site_time),
+        speed=state.speed,
     )
 
 

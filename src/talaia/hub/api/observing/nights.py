@@ -71,9 +71,18 @@ class NightPages:
         return SiteNightShape(
             online=live_of(request).online,
             simulated=site in self._simulated,
+            time_lapse=self._time_lapse() if site in self._simulated else "",
             state=night_state_shape(night.state, night.state_us) if night.state else None,
             plan=plan_shape(plan, seen) if plan is not None else None,
         )
+
+    def _time_lapse(self) -> str:
+        """Name the simulated site whose gateway says that it lives faster than people do."""
+        for name in self._simulated:
+            state = self._board.night_of(name).state
+            if state is not None and state.speed > 0.0:
+                return name
+        return ""
 
     async def arm(self, asked: NightArmAsk, request: Request) -> NightAnswer:
         """Let the night run by itself; the gateway's own rules still say when a roof opens."""

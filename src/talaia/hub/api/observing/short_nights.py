@@ -19,7 +19,9 @@ from talaia.hub.observing.short_night import (
     PROPOSAL,
     SHORT_NIGHT_S,
     high_targets,
+    night_targets,
     short_night_group,
+    whole_night_group,
 )
 from talaia.hub.store.observing.proposals import KeptProposal
 from talaia.hub.store.observing.request_rows import KeptGroup
@@ -35,6 +37,9 @@ if TYPE_CHECKING:
     from talaia.hub.store.observing.request_store import RequestStore
 
 __all__ = ["ShortNightPages"]
+
+
+_SHORT = high_targets, short_night_group
 
 
 class ShortNightPages:
@@ -70,7 +75,10 @@ class ShortNightPages:
         return router
 
     async def begin(self, site: str, request: Request) -> NightAnswer:
-        """Ask for a few short frames of what is high now, and arm the night for half an hour."""
+        """Ask for a few short frames of what is high now, and arm the night for half an hour.
+
+        Where the site lives faster than people do it is a whole night.
+        """
         live, who = live_of(request), who_of(request)
         if site not in self._simulated:
             raise ApiProblem(409, "not_simulated", "only a simulated site has nights in minutes")
@@ -80,9 +88,11 @@ class ShortNightPages:
         if live.link is None:
             raise ApiProblem(409, "offline", "the site's gateway is not connected")
         now = self._clock.wall_ns() / 1e9
-        targets = high_targets(place.latitude, place.longitude, now)
-        filters = filters_of(live.description) or ()
-        group = short_night_group(targets, filters, who.name, now)
+        state = self._board.night_of(site).state
+        whole = state is not None and state.speed > 0.0
+        choose, ask = (night_targets, whole_night_group) if whole else _SHORT
+        targets = choose(place.latitude, place.longitude, now)
+        group = ask(targets, filters_of(live.description) or (), who.name, now)
         instrument = instrument_of(live.description)
         await self._make_proposal(site, who.name)
         await self._requests.add_group(
@@ -97,7 +107,8 @@ class ShortNightPages:
             lambda _proposal, _person: [],
         )
         self._news.requests_changed(site)
-        until = now + SHORT_NIGHT_S
+        # A time lapse is armed to the end of its own night, of which nobody here knows the times.
+        until = 0.0 if whole else now + SHORT_NIGHT_S
         answer = await self._board.ask_gateway(live, who.name, armed=True, until=until)
         refused = answer.refused if answer is not None else "the gateway has not answered"
         self._audit.append_record(

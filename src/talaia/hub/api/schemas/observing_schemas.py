@@ -372,7 +372,11 @@ class ProposalList(Schema):
 
 
 class NightStateShape(Schema):
-    """How the night stands, as the gateway said at ``heard_us``; see `NightUpdate`."""
+    """How the night stands, as the gateway said at ``heard_us``; see `NightUpdate`.
+
+    ``site_time_us``: what time it is at a simulated site that lives faster than people do, and
+    ``speed``: so many times as fast; 0 both: its time is everybody's.
+    """
 
     phase: NightPhase
     armed_by: str
@@ -384,6 +388,8 @@ class NightStateShape(Schema):
     frames_done: int
     frames: int
     heard_us: int
+    site_time_us: int
+    speed: float
 
 
 class PlanBlockShape(Schema):
@@ -413,11 +419,13 @@ class PlanShape(Schema):
 class SiteNightShape(Schema):
     """A site's night: how it stands and what its gateway plans, as it said last.
 
-    ``simulated``: its hub was told that the site is a simulator.
+    ``simulated``: its hub was told that the site is a simulator. ``time_lapse``: the simulated site
+    at which a whole night can be lived through at high speed; empty: there is none.
     """
 
     online: bool
     simulated: bool
+    time_lapse: str
     state: NightStateShape | None
     plan: PlanShape | None
 

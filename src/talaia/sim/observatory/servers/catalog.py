@@ -13,6 +13,7 @@ from talaia.sim.observatory.models.focuser import Focuser
 from talaia.sim.observatory.models.power import Power
 from talaia.sim.observatory.models.telescope import Telescope
 from talaia.sim.observatory.models.weather import Weather
+from talaia.sim.observatory.servers.all_sky import AllSkyServer
 from talaia.sim.observatory.servers.camera import CameraServer
 from talaia.sim.observatory.servers.cctv import CctvServer
 from talaia.sim.observatory.servers.dome import ClamshellServer, DomeServer
@@ -44,6 +45,7 @@ DEVICES = (
     "wheel",
     "pdu",
     "cctv",
+    "allsky",
     "observatory",
 )
 
@@ -84,6 +86,8 @@ def make_server(
             return FilterWheelServer(FilterWheel())
         case "pdu":
             return PowerServer(Power())
+        case "allsky":
+            return AllSkyServer(place, seed)
         case "cctv":
             return CctvServer(place, slit=turns)
         case _:

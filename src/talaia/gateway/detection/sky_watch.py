@@ -1,0 +1,148 @@
+"""Looks at the cameras that see all of the sky, and tells how much of it is covered.
+
+A picture is looked at every half minute or so, on a thread: a tenth of a second of numbers. Where
+nothing can be told (by day, or of a camera that sends nothing) nothing is said, and what was said
+grows old: for interlocks it is unknown then.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from talaia.clock import SECOND
+from talaia.gateway.ports import ChannelReading
+from talaia.imaging.sky_clouds import SkyMoment, measure_clouds
+from talaia.model.derived_signals import sky_cameras
+from talaia.wire.columns import Columns
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.clock import Clock
+    from talaia.gateway.ports import CameraFrame, CameraFrames
+    from talaia.imaging.sky_clouds import CloudMeasure
+    from talaia.model.detection import SkyLens
+    from talaia.model.interlocks.enclosure import Place
+    from talaia.model.site import Site
+
+__all__ = ["SkyWatch"]
+
+log = logging.getLogger(__name__)
+# For a picture is waited so long at a time.
+WAIT_S = 0.5
+# A lens that gets dusty is no cloud for ever: so much less is expected of each next picture (mag).
+FADE_MAG = 0.0005
+
+
+class SkyWatch:
+    """All cameras of a site that look at the sky. Event loop only."""
+
+    def __init__(
+        self,
+        *,
+        site: Site,
+        numbers: Mapping[str, int],
+        pictures: CameraFrames,
+        publish: Callable[[Columns, Mapping[str, ChannelReading]], None],
+        clock: Clock,
+    ) -> None:
+        """Look at nothing yet.
+
+        Args:
+            site: the description.
+            numbers: of channels, by address.
+            pictures: of the cameras.
+            publish: takes what is measured, as samples and as newest readings.
+            clock: pictures are as old as it says.
+
+        """
+        self._site, self._numbers = site, numbers
+        self._pictures, self._publish, self._clock = pictures, publish, clock
+        self._tasks: dict[str, tuple[tuple[str, SkyLens], asyncio.Task[None]]] = {}
+        self._running = False
+        # What was last wrong with each: said once.
+        self._problems: dict[str, str] = {}
+
+    async def run(self) -> None:
+        """Look until cancelled."""
+        self._running = True
+        self._begin_cameras()
+        try:
+            await asyncio.Event().wait()
+        finally:
+            self._running = False
+            tasks = [task for _, task in self._tasks.values()]
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    def redescribe(self, site: Site, numbers: Mapping[str, int]) -> None:
+        """Look at what another description says; a camera that is the same goes on."""
+        self._site, self._numbers = site, numbers
+        if self._running:
+            self._begin_cameras()
+
+    def _begin_cameras(self) -> None:
+        wanted = sky_cameras(self._site)
+        for address, (camera, task) in list(self._tasks.items()):
+            if wanted.get(address) != camera:
+                task.cancel()
+                del self._tasks[address]
+        for address, camera in wanted.items():
+            if address not in self._tasks:
+                task = asyncio.ensure_future(self._watch_camera(address, *camera))
+                self._tasks[address] = camera, task
+
+    async def _watch_camera(self, address: str, stream: str, lens: SkyLens) -> None:
+        release = self._pictures.hold(stream)
+        since_us, zero = 0, math.nan
+        try:
+            while True:
+                came_us = await asyncio.to_thread(self._pictures.arrived, stream, since_us, WAIT_S)
+                if not came_us:
+                    continue
+                since_us = came_us
+                look = await asyncio.to_thread(self._pictures.newest, stream)
+                place = self._site.place
+                if look is None or place is None:
+                    continue
+                try:
+                    seen = await asyncio.to_thread(partial(_measure, look, lens, place, zero))
+                except Exception:
+                    # Whatever one picture brings, the next is looked at, and the roof is guarded.
+                    log.exception("%s: a picture of the sky cannot be measured", address)
+                    continue
+                if not math.isnan(seen.zero):
+                    # Of the clearest sky so far: one that is covered all over does not tell it.
+                    zero = seen.zero if math.isnan(zero) else max(seen.zero, zero - FADE_MAG)
+                self._tell(address, look, seen)
+                await asyncio.sleep(lens.every)
+        finally:
+            release()
+
+    def _tell(self, address: str, look: CameraFrame, seen: CloudMeasure) -> None:
+        if seen.problem != self._problems.get(address, ""):
+            self._problems[address] = seen.problem
+            log.info("%s: %s", address, seen.problem or "clouds are measured again")
+        if seen.problem or address not in self._numbers:
+            return
+        columns = Columns(
+            np.array([self._numbers[address]], np.uint16),
+            np.array([look.time_us], np.int64),
+            np.array([seen.cover], np.float64),
+            {},
+        )
+        self._publish(columns, {address: ChannelReading(seen.cover, look.mono_us * 1000)})
+
+
+def _measure(look: CameraFrame, lens: SkyLens, place: Place, zero: float) -> CloudMeasure:
+    # One colour: the eye's weights matter little for stars.
+    pixels = look.rgb.mean(axis=2)
+    moment = SkyMoment(place.latitude, place.longitude, look.time_us * 1000 / SECOND)
+    return measure_clouds(pixels, lens, moment, zero)
