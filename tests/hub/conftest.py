@@ -415,6 +415,8 @@ def settings_in(folder: Path) -> Settings:
         # Each time asks the database about each socket: more often is a good part of a busy core.
         check_s=0.4,
         linger_s=0.05,
+        # The tests' own people are not asked anew, however slow the machine is.
+        confirm_s=86_400.0,
     )
 
 

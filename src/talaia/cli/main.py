@@ -55,6 +55,7 @@ COMMANDS = {
     "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
     "account": Subcommand("talaia.cli.account", "create or change an account", "hub"),
     "enrol": Subcommand("talaia.cli.enrol", "create a gateway's key", "hub"),
+    "audit": Subcommand("talaia.cli.auditing.main", "verify a hub's audit log", "hub"),
     "import": Subcommand(
         "talaia.cli.importing.main",
         "import recordings and tables into the history",

@@ -17,9 +17,10 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Mapping
 
     from talaia.hub.settings import Settings
+    from talaia.hub.store.audit import Chain
 
 __all__ = [
     "append_audit_record",
@@ -29,6 +30,7 @@ __all__ = [
     "make_data_folder",
     "remove_factor",
     "set_password",
+    "verify_audit",
 ]
 
 # Who is named in the audit log; a person of this name would have done it by the pages.
@@ -114,6 +116,17 @@ async def gateway_site(settings: Settings, key: str) -> str | None:
     async with _open_database(settings) as database:
         found = await SiteRegistry(database, SystemClock()).gateway_of(key)
     return None if found is None else found.site
+
+
+async def verify_audit(settings: Settings, heads: Mapping[int, str]) -> Chain:
+    """Hold the audit log against its chain, and against what signed heads say of rows.
+
+    Raises:
+        HubError: the database cannot be opened.
+
+    """
+    async with _open_database(settings) as database:
+        return await Audit(database, SystemClock()).verify_chain(heads)
 
 
 def make_data_folder(settings: Settings) -> None:

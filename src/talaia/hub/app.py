@@ -57,8 +57,6 @@ class Hub(AssembledHub):
         self.history = HistoryFeature(core, store=history, registry=registry)
         store = self.history.store
         self.taps = TapsFeature(core, admission=admission, seats=seats, audit=log)
-        self.media = MediaFeature(core, admission=admission, seats=seats, links=links)
-        streams = self.media.streams
         # Before whatever finds something: detectors, cameras and gateways all speak to the engine.
         self.alarms = AlarmsFeature(core, people=self.people.accounts, history=store, audit=log)
         alarms = self.alarms.engine
@@ -66,7 +64,11 @@ class Hub(AssembledHub):
             core, alarms=alarms, outbox=self.alarms.outbox, audit=log
         )
         self.robot_events = RobotEventsFeature(core, alarms=alarms, audit=log)
-        reporting = self.robot_events.reporting
+        reporting, flood_guard = self.robot_events.reporting, self.robot_events.flood_guard
+        self.media = MediaFeature(
+            core, admission=admission, seats=seats, links=links, flood_guard=flood_guard
+        )
+        streams = self.media.streams
         self.anomalies = AnomaliesFeature(
             core, history=store, reporting=reporting, alarms=alarms, audit=log
         )
@@ -82,7 +84,12 @@ class Hub(AssembledHub):
         )
         self.archive = ArchiveFeature(core, audit=log)
         self.recordings = RecordingsFeature(
-            core, admission=admission, links=links, uploads=self.archive.uploads, audit=log
+            core,
+            admission=admission,
+            links=links,
+            flood_guard=flood_guard,
+            uploads=self.archive.uploads,
+            audit=log,
         )
         self.observing = ObservingFeature(
             core, deliver=self.notifications.wake_up, archive=self.archive.frames, audit=log
@@ -104,17 +111,13 @@ class Hub(AssembledHub):
             gateways=self.gateways,
             describing=self.descriptions.describing,
             reporting=reporting,
+            flood_guard=flood_guard,
             samples=self.detection.samples,
             sightings=self.sightings.journal,
             media=streams,
             nights=self.observing.link,
             history=store,
         )
-        self.imports = ImportsFeature(
-            core, registry=registry, history=store, alarms=alarms, audit=log
-        )
-        self.extensions = ExtensionsFeature(core)
-        self.storage = StorageFeature(core, history=store)
         self._add_connections()
         # The limits go last: they count by the person that one of the others finds.
         self.serve_features(
@@ -128,6 +131,15 @@ class Hub(AssembledHub):
     def _add_connections(self) -> None:
         """Build what serves pages and clients of other tools, from all that was built before."""
         core, log = self.core, self.audit.log
+        self.imports = ImportsFeature(
+            core,
+            registry=self.gateways.registry,
+            history=self.history.store,
+            alarms=self.alarms.engine,
+            audit=log,
+        )
+        self.extensions = ExtensionsFeature(core)
+        self.storage = StorageFeature(core, history=self.history.store)
         self.connections = ConnectionsFeature(
             core,
             seats=self.people.seats,

@@ -32,6 +32,7 @@ __all__ = [
     "BY_SCRIPT",
     "CLIENT_ROUTES",
     "CLIENT_SOCKETS",
+    "CONFIRMED",
     "FROM_BROWSER",
     "FROM_GATEWAY",
     "NOT_BY_SCRIPT",
@@ -195,6 +196,19 @@ BY_SCRIPT = frozenset(
         # To approve and to arm is a person's decision.
         AccessNeed.REQUEST,
         AccessNeed.CLIENT,
+    }
+)
+
+# What gives rights away: besides its need, the password (and the factor) was given anew a short
+# while ago. No script can do that.
+CONFIRMED = frozenset(
+    {
+        ("POST", "/api/me/tokens"),
+        ("POST", "/api/people"),
+        ("PATCH", "/api/people/{person}"),
+        ("DELETE", "/api/people/{person}/factor"),
+        ("POST", "/api/roles"),
+        ("PUT", "/api/roles/{role}"),
     }
 )
 

@@ -63,6 +63,8 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # Whoever has the token that the hub wrote at its start; it is used up by the first admin.
         ("POST", "/api/setup"): AccessNeed.OPEN,
         ("POST", "/api/logout"): AccessNeed.OWN,
+        # The password is in it, and wrong tries are counted as those of a sign-in.
+        ("POST", "/api/me/confirm"): AccessNeed.OWN,
         ("GET", "/api/me"): AccessNeed.SESSION,
         # A token that got out must not be able to take the account over.
         ("POST", "/api/me/password"): AccessNeed.OWN,

@@ -29,6 +29,7 @@ from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.dead_peers import drop_dead_peers
 from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.api.server.large_messages import HubSocketProtocol
+from talaia.hub.api.server.silent_connections import SilentConnections
 from talaia.hub.app import build_hub
 from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
@@ -74,9 +75,13 @@ class _MaskingFormatter(logging.Formatter):
 class HubServer(uvicorn.Server):
     """uvicorn, which leaves signals and accepting to us and says when it is ready."""
 
-    def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
-        """Call ``on_ready`` once requests are taken."""
+    def __init__(
+        self, config: uvicorn.Config, on_ready: Callable[[], None], proxies: Sequence[Network] = ()
+    ) -> None:
+        """Call ``on_ready`` once requests are taken; behind ``proxies`` there are many."""
         super().__init__(config)
+        # Counted over all listening sockets.
+        self._silent = SilentConnections(proxies)
         # Called once, when the doors are open: whoever started the hub may rely on it then.
         self._on_ready = on_ready
         # One for each listening socket; they are closed before uvicorn's own end.
@@ -95,7 +100,7 @@ class HubServer(uvicorn.Server):
         if not self.started:
             return
         for listener in sockets or ():
-            doorway = AcceptQueue(listener, self._make_protocol, self.config.ssl)
+            doorway = AcceptQueue(listener, self._make_protocol, self.config.ssl, self._silent)
             doorway.open()
             self._doorways.append(doorway)
         self._on_ready()
@@ -147,7 +152,7 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
         timeout_graceful_shutdown=1,
         timeout_keep_alive=30,
     )
-    return HubServer(config, on_ready)
+    return HubServer(config, on_ready, settings.proxies)
 
 
 def main(argv: Sequence[str]) -> int:
@@ -288,6 +293,20 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
         help="names a command or webhook to which each new picture is handed over",
     )
     parser.add_argument(
+        "--audit-heads",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="signed heads of the audit log are appended to it every hour: a file on another"
+        " machine or on a medium that is only appended to; may repeat",
+    )
+    parser.add_argument(
+        "--audit-syslog",
+        action="store_true",
+        help="they go to the machine's log, too, and with it to a log server",
+    )
+    parser.add_argument(
         "--simulated-site",
         action="append",
         default=[],
@@ -335,6 +354,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         alpaca=options.alpaca,
         alerts=options.alerts,
         archive_hook=options.archive_hook,
+        audit_heads=tuple(options.audit_heads),
+        audit_syslog=options.audit_syslog,
         simulated_sites=tuple(options.simulated_site),
     )
 

@@ -43,11 +43,14 @@ class Settings:
         alpaca: file that says where the hub answers as an Alpaca server; none: it does not.
         alerts: folder of notices of transients that become rapid requests; none: nobody looks.
         archive_hook: file that says to what each new picture is handed over; none: to nothing.
+        audit_heads: files to which signed heads of the audit log are appended, besides its own.
+        audit_syslog: heads go to the machine's log, too.
         simulated_sites: short names of sites that are simulators; they have nights in minutes.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
         life_s: a session ends this long after its start, used or not (s).
         warn_s: a person is told this long before the session ends (s).
+        confirm_s: who gave the password this long ago may give rights away (s).
         unsure_s: when sessions could not be checked for this long, commands are refused (s).
         setup_s: the set-up link is good for this long (s).
         commit_s: samples are gathered this long before each commit (s).
@@ -79,11 +82,14 @@ class Settings:
     alpaca: Path | None = None
     alerts: Path | None = None
     archive_hook: Path | None = None
+    audit_heads: tuple[Path, ...] = ()
+    audit_syslog: bool = False
     simulated_sites: tuple[str, ...] = ()
     password_cost: int = 12
     idle_s: float = 12 * 3600.0
     life_s: float = 7 * 86400.0
     warn_s: float = 300.0
+    confirm_s: float = 300.0
     unsure_s: float = 2.0
     setup_s: float = 86400.0
     max_body: int = 1024 * 1024  # of a request (bytes)

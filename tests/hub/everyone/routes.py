@@ -575,6 +575,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/me/password"): Recipe(
         plain(json={"old": PASSWORD, "new": OTHER_PASSWORD}, done=(204,))
     ),
+    ("POST", "/api/me/confirm"): Recipe(plain(json={"password": PASSWORD}, done=(204,))),
     ("GET", "/api/me/sessions"): Recipe(plain()),
     ("DELETE", "/api/me/sessions"): Recipe(plain(done=(204,))),
     ("DELETE", "/api/me/sessions/{session}"): Recipe(_session, OWN_AND_FOREIGN, _own),

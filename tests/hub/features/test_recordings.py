@@ -113,7 +113,7 @@ async def test_a_recording_comes_in_is_listed_downloaded_in_ranges_and_deleted(
     assert (await bringing.ask(offer())).done
     (row,) = (await listed(hub))["recordings"]
     assert (row["state"], row["have"], row["why"], row["who"]) == (
-        "complete", len(BODY), "STOP (software)", "ada",
+        "complete", len(BODY), "STOP (software)", "gateway: ada",
     )  # fmt: skip
     whole = await operator.get(f"{AT}/{row['id']}/file")
     assert whole.content == BODY
@@ -390,7 +390,7 @@ async def test_films_that_the_list_has_lost_are_listed_again(recorded_hub) -> No
     hub = recorded_hub
     assert (await bring_film(hub)).done
     recordings = hub.hub.recordings.files
-    folder = recordings._folder / "agv"
+    folder = recordings._files._folder / "agv"
     (folder / "20260101T120000Z-f00009.mp4").write_bytes(b"nobody knows whose")
     await recordings._rows.remove_recording("agv", "20260101T120000Z-f00001")
     await recordings.open()

@@ -31,6 +31,8 @@ export interface AuditChain {
   readonly ok: boolean;
   readonly rows: number;
   readonly broken: number;
+  readonly heads?: number;
+  readonly problem?: string;
 }
 
 /** Rows, newest first; with ``more``, ask again with the last one's id as ``before``. */
@@ -325,6 +327,12 @@ export interface StreamShape {
 /** A code from the authenticator. */
 export interface CodeOnly {
   readonly code: string;
+}
+
+/** Prove anew that it is you; ``code`` of the second factor, where you have one. */
+export interface Confirmation {
+  readonly password: string;
+  readonly code?: string;
 }
 
 /** All devices that are open to you, by site. */

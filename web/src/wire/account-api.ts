@@ -6,6 +6,11 @@ import type { HubApi } from "./hub-api.js";
 export class AccountApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 
+  /** Proves anew that it is the person; for minutes they may give rights away. */
+  async confirm(password: string, code: string): Promise<void> {
+    await this.hub.request("POST", "/api/me/confirm", code === "" ? { password } : { password, code });
+  }
+
   /** Every other session ends with it. */
   async changePassword(old: string, fresh: string): Promise<void> {
     await this.hub.request("POST", "/api/me/password", { old, new: fresh });

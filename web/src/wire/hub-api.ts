@@ -44,6 +44,9 @@ export interface RequestOptions {
 }
 
 export class HubApi {
+  /** Asks the person for their password anew; gives whether the hub has taken it. */
+  confirmPerson: (() => Promise<boolean>) | null = null;
+
   constructor(private readonly fetcher: typeof fetch = fetch.bind(globalThis)) {}
 
   /**
@@ -139,10 +142,30 @@ export class HubApi {
   /**
    * Asks the hub for anything; what is asked for often has a function of its own.
    *
+   * What gives rights away the hub does only after the password was given a short while ago: the person is asked
+   * for it, and then the same is asked once more.
+   *
    * @throws Refused when the hub says no
    * @throws Unreachable when there is no hub, or something else answers in its place
    */
   async request<T>(method: HttpMethod, path: string, body?: object, options: RequestOptions = {}): Promise<T> {
+    try {
+      return await this.requestOnce<T>(method, path, body, options);
+    } catch (error) {
+      if (!(error instanceof Refused) || error.code !== "confirm" || this.confirmPerson === null) throw error;
+      if (!(await this.confirmPerson())) {
+        throw new Refused(403, "confirm", "You did not confirm that it is you; nothing was changed.");
+      }
+      return await this.requestOnce<T>(method, path, body, options);
+    }
+  }
+
+  private async requestOnce<T>(
+    method: HttpMethod,
+    path: string,
+    body: object | undefined,
+    options: RequestOptions,
+  ): Promise<T> {
     // A touch of the page keeps the session (state/touched.ts); what pages ask for again and again does not.
     const { signal, background = method === "GET" } = options;
     const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });

@@ -8,7 +8,7 @@ from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem_response
 from talaia.hub.errors import HubBusy, StoreDown
-from talaia.hub.policy import BY_SCRIPT, SOCKETS, AccessNeed, allows, need_of_route
+from talaia.hub.policy import BY_SCRIPT, CONFIRMED, SOCKETS, AccessNeed, allows, need_of_route
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
 from talaia.hub.store.accounts.tokens import MARK
 
@@ -151,11 +151,26 @@ class Access:
         described = live.description if live else None
         if allows(need, who.grants, described):
             request.state.live = live
+            self._require_confirmation(request, who)
             return
         # The same words whether it is hidden or not there at all.
         if site and not allows(AccessNeed.SEE, who.grants, described):
             raise ApiProblem(404, "unknown", "there is no such site")
         raise ApiProblem(403, "forbidden", "you do not have the right to do this")
+
+    def _require_confirmation(self, request: Request, who: Who) -> None:
+        """Ask for the password anew before rights are given away.
+
+        Raises:
+            ApiProblem: 403 ``confirm``, it was not given lately; for scripts 403 ``forbidden``.
+
+        """
+        if (request.method, request.scope["route"].path) not in CONFIRMED:
+            return
+        if who.script:
+            raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
+        if not self._sessions.is_confirmed(who.session):
+            raise ApiProblem(403, "confirm", "confirm first that it is you: POST /api/me/confirm")
 
     async def admit_socket(self, socket: WebSocket) -> Who | None:
         """Tell who opens a socket; None when they were sent away before the upgrade."""

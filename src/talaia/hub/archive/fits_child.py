@@ -7,7 +7,6 @@ takes all memory or time ends this process, and the hub goes on.
 from __future__ import annotations
 
 import os
-import struct
 import sys
 from pathlib import Path
 from typing import Literal
@@ -15,11 +14,11 @@ from typing import Literal
 import msgspec
 
 from talaia.hub.archive.child_limits import limit_this_process
+from talaia.hub.archive.child_pipes import read_question, write_answer
 from talaia.hub.archive.fits_reader import Facts, Looks, NotKept, facts_of, looks_of, preview_of
 
-__all__ = ["LENGTH", "FitsAnswer", "FitsQuestion", "main"]
+__all__ = ["FitsAnswer", "FitsQuestion", "main"]
 
-LENGTH = struct.Struct(">I")
 # It writes none but what Python itself may want to.
 _MOST_WRITTEN = 1024 * 1024
 
@@ -55,13 +54,9 @@ def main() -> None:
     # Whoever looks after robots on this machine goes first.
     os.nice(5)
     asked, answers = sys.stdin.buffer, sys.stdout.buffer
-    while len(head := asked.read(LENGTH.size)) == LENGTH.size:
-        body = asked.read(LENGTH.unpack(head)[0])
-        answer = msgspec.msgpack.encode(
-            answer_question(msgspec.msgpack.decode(body, type=FitsQuestion))
-        )
-        answers.write(LENGTH.pack(len(answer)) + answer)
-        answers.flush()
+    while (body := read_question(asked)) is not None:
+        question = msgspec.msgpack.decode(body, type=FitsQuestion)
+        write_answer(answers, msgspec.msgpack.encode(answer_question(question)))
 
 
 def answer_question(asked: FitsQuestion) -> FitsAnswer:

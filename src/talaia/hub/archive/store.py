@@ -131,6 +131,12 @@ class Archive:
         self.arrived.set()
         return kept
 
+    async def count_bytes(self, site: str) -> int:
+        """Count what the pictures of a site take (bytes)."""
+        query = select(func.coalesce(func.sum(table.c.bytes), 0)).where(table.c.site == site)
+        async with self._database.read() as connection:
+            return int((await connection.execute(query)).scalar_one())
+
     async def list_nights(self, site: str, devices: Collection[str]) -> list[Night]:
         """List nights, newest first, with what these cameras brought."""
         async with self._database.read() as connection:

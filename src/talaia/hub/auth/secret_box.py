@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from cryptography.exceptions import InvalidTag
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 
+from talaia.hub.auth.key_file import read_or_make_key
 from talaia.hub.errors import CannotStart
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def seal_of(path: Path) -> Seal:
 
     """
     try:
-        key = _read_or_make(path)
+        key = read_or_make_key(path, os.urandom(_KEY_BYTES))
     except OSError as error:
         raise CannotStart(
             f"the key {path} cannot be read: {error.strerror}", "check who owns the data folder"
@@ -69,26 +70,3 @@ def seal_of(path: Path) -> Seal:
             "bring back the one of your backup, or remove it; second factors must then be set anew",
         )
     return Seal(key)
-
-
-def _read_or_make(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        key = os.urandom(_KEY_BYTES)
-    # Written aside and linked: of two that start at once one wins, and no half key is ever seen.
-    # Named by the process, so that two do not write the same one.
-    fresh = path.with_name(f"{path.name}.{os.getpid()}")
-    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
-        file.write(key)
-        # On the disk before it has its name: after a power cut there is a whole key, or none.
-        file.flush()
-        os.fsync(file.fileno())
-    try:
-        # Unlike a rename, a link replaces nothing.
-        os.link(fresh, path)
-    except FileExistsError:
-        return path.read_bytes()
-    finally:
-        fresh.unlink()
-    return key

@@ -12,6 +12,7 @@ from talaia.hub.archive.hook import ArchiveHook, HookCommand, HookPost
 from talaia.hub.archive.hook_settings import read_archive_hook
 from talaia.hub.archive.store import Archive
 from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.live.files.disk_share import DiskShare
 from talaia.hub.live.files.fits_archiver import FitsArchiver
 from talaia.hub.live.files.uploads import Uploads
 from talaia.hub.notify.senders import Sender
@@ -47,7 +48,17 @@ class ArchiveFeature(Feature):
         self.frames = Archive(core.database, folder, hooked=settings.archive_hook is not None)
         # By the kind that a gateway's offer names; what has no keeper is refused.
         keepers = {"fits": FitsArchiver(core.sites, self.frames, audit)}
-        self.uploads = Uploads(settings.data / "uploads", keepers, settings.file_bytes)
+        share = DiskShare(
+            settings.data,
+            held=self.frames.count_bytes,
+            sites=lambda: sum(1 for _ in core.sites),
+        )
+        self.uploads = Uploads(
+            settings.data / "uploads",
+            keepers,
+            most_bytes=settings.file_bytes,
+            share=share.may_take,
+        )
         self.routers = [ArchivePages(self.frames).make_router(), SkyPages().make_router()]
         queues = FrameQueues(core.database, self.frames)
         self.tasks = [BackgroundTask(name="measure", run=FrameMeasurer(queues).run)]

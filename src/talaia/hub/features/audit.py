@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.audit import AuditPages
+from talaia.hub.auth.audit_heads import head_key
 from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.notify.audit_heads import HEADS_FILE, AuditHeads, read_heads
 from talaia.hub.store.audit import Audit
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ class AuditFeature(Feature):
 
     Attributes:
         log: what other features write to.
+        heads: sends signed heads out; None before it is open.
 
     """
 
@@ -26,12 +29,31 @@ class AuditFeature(Feature):
 
     def __init__(self, core: Core) -> None:
         """Keep the log in the hub's database."""
+        self._core = core
         self.log = Audit(core.database, core.clock)
-        self.routers = [AuditPages(self.log).make_router()]
+        self.heads: AuditHeads | None = None
+        self.routers = [AuditPages(self.log, self._read_heads).make_router()]
         # Rows are chained, so one task writes them, one after the other.
         self.tasks = [
-            BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing)
+            BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing),
+            BackgroundTask(name="heads", run=self._send_heads, stop=self._stop_sending),
         ]
+
+    async def open(self) -> None:
+        """Read the key that signs heads.
+
+        Raises:
+            CannotStart: it cannot be read.
+
+        """
+        settings = self._core.settings
+        self.heads = AuditHeads(
+            audit=self.log,
+            key=head_key(settings.data),
+            files=[settings.data / HEADS_FILE, *settings.audit_heads],
+            syslog=settings.audit_syslog,
+            clock=self._core.clock,
+        )
 
     async def _write_records(self) -> None:
         self.log.append_record("hub started")
@@ -41,3 +63,20 @@ class AuditFeature(Feature):
         # Before the stop, which lets what waits be written once more.
         self.log.append_record("hub stopped")
         self.log.stop()
+
+    async def _send_heads(self) -> None:
+        if self.heads is not None:
+            await self.log.wait_written()
+            await self.heads.run()
+
+    def _stop_sending(self) -> None:
+        if self.heads is not None:
+            self.heads.stop()
+
+    def _read_heads(self) -> dict[int, str]:
+        """Read the heads that lie in the data folder; called in a thread."""
+        file = self._core.settings.data / HEADS_FILE
+        if not file.exists():
+            return {}
+        with file.open(encoding="utf-8", errors="replace") as lines:
+            return read_heads(lines, head_key(self._core.settings.data).public)

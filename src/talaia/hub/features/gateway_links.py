@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from talaia.hub.features.gateways import GatewaysFeature
     from talaia.hub.live.detection.sightings import SightingJournal
     from talaia.hub.live.gateways.description_intake import DescriptionIntake
+    from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.live_samples import LiveSamples
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.observing.night_link import NightLink
@@ -37,6 +38,7 @@ class GatewayLinksFeature(Feature):
         gateways: GatewaysFeature,
         describing: DescriptionIntake,
         reporting: RobotEvents,
+        flood_guard: FloodGuard,
         samples: LiveSamples,
         sightings: SightingJournal,
         media: PictureFanout,
@@ -58,8 +60,11 @@ class GatewayLinksFeature(Feature):
             links=gateways.links,
             # Turns for the hello; those for the key are `PeopleFeature`'s.
             admission=JoinQueue(),
+            flood_guard=flood_guard,
             settings=core.settings,
             clock=core.clock,
         )
-        socket = GatewaySocket("/gateway/link", admission=admission, server=links)
+        socket = GatewaySocket(
+            "/gateway/link", admission=admission, flood_guard=flood_guard, server=links
+        )
         self.sockets = [socket.router()]

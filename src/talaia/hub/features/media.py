@@ -13,6 +13,7 @@ from talaia.hub.live.pictures.picture_fanout import PictureFanout
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
+    from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.pages.session_registry import SocketSessions
 
@@ -30,9 +31,18 @@ class MediaFeature(Feature):
     name = "media"
 
     def __init__(
-        self, core: Core, *, admission: SocketAdmission, seats: SocketSessions, links: OpenLinks
+        self,
+        core: Core,
+        *,
+        admission: SocketAdmission,
+        seats: SocketSessions,
+        links: OpenLinks,
+        flood_guard: FloodGuard,
     ) -> None:
-        """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended."""
+        """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended.
+
+        ``flood_guard`` slows gateways that say too much.
+        """
         # One copy of each stream comes from its gateway, however many look at it.
         self.streams = PictureFanout(core.sites, core.clock, core.settings.linger_s)
         pages = PictureSockets(
@@ -45,11 +55,13 @@ class MediaFeature(Feature):
         gateways = GatewaySocket(
             "/gateway/media",
             admission=admission,
+            flood_guard=flood_guard,
             server=MediaLinks(
                 sites=core.sites,
                 media=self.streams,
                 taps=core.taps,
                 links=links,
+                flood_guard=flood_guard,
                 clock=core.clock,
             ),
         )

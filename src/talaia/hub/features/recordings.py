@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.recordings import RecordingPages
 from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
-from talaia.hub.features.feature import Feature
-from talaia.hub.live.files.recordings import FileLinks, Recordings
+from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.live.files.file_links import FileLinks
+from talaia.hub.live.files.recordings import Recordings
+from talaia.hub.live.files.standstill import end_standing_for_ever
 from talaia.hub.store.sites.recordings import RecordingList
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.live.files.uploads import Uploads
+    from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.store.audit import Audit
 
@@ -36,10 +40,14 @@ class RecordingsFeature(Feature):
         *,
         admission: SocketAdmission,
         links: OpenLinks,
+        flood_guard: FloodGuard,
         uploads: Uploads,
         audit: Audit,
     ) -> None:
-        """Write down in ``audit`` what comes and goes; other files go to ``uploads``."""
+        """Write down in ``audit`` what comes and goes; other files go to ``uploads``.
+
+        ``flood_guard`` slows gateways that say too much.
+        """
         # The list is in the database and the files on the disk; `open` makes the two fit.
         self.files = Recordings(
             rows=RecordingList(core.database),
@@ -50,10 +58,19 @@ class RecordingsFeature(Feature):
         gateways = GatewaySocket(
             "/gateway/files",
             admission=admission,
-            server=FileLinks(links=links, recordings=self.files, uploads=uploads),
+            flood_guard=flood_guard,
+            server=FileLinks(
+                sites=core.sites,
+                links=links,
+                flood_guard=flood_guard,
+                recordings=self.files,
+                uploads=uploads,
+            ),
         )
         self.sockets = [gateways.router()]
         self.routers = [RecordingPages(self.files, audit).make_router()]
+        ends = [self.files.end_standing_uploads, uploads.end_standing_uploads]
+        self.tasks = [BackgroundTask(name="standstill", run=partial(end_standing_for_ever, ends))]
 
     async def open(self) -> None:
         """Bring files and their list together."""

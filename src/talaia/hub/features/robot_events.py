@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import Feature
+from talaia.hub.live.gateways.flood_guard import FloodGuard
 from talaia.hub.live.gateways.robot_events import RobotEvents
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ class RobotEventsFeature(Feature):
 
     Attributes:
         reporting: takes them.
+        flood_guard: slows gateways that say too much.
 
     """
 
@@ -34,3 +36,4 @@ class RobotEventsFeature(Feature):
             audit=audit,
             clock=core.clock,
         )
+        self.flood_guard = FloodGuard(core.sites, self.reporting, core.clock)

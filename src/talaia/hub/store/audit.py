@@ -17,6 +17,7 @@ import json
 import logging
 from collections import deque
 from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import func, insert, or_, select, update
@@ -26,7 +27,7 @@ from talaia.hub.store.safe_text import safe_text
 from talaia.hub.store.tables import audit, audit_head
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Collection, Sequence
+    from collections.abc import AsyncIterator, Collection, Mapping, Sequence
 
     from sqlalchemy import ColumnElement
     from sqlalchemy.ext.asyncio import AsyncConnection
@@ -53,6 +54,7 @@ _RETRY_S = 1.0
 _PAGE = 1000
 # The number of the only row of `audit_head`.
 _HEAD = 1
+_NO_HEADS: Mapping[int, str] = MappingProxyType({})
 
 
 class AuditEntry(NamedTuple):
@@ -138,10 +140,18 @@ class AuditFilter:
 
 
 class Chain(NamedTuple):
-    """What a walk along the chain has found: rows that fit, and the first that does not (or 0)."""
+    """What a walk along the chain has found.
+
+    Attributes:
+        rows: that follow each from the one before.
+        broken: the number of the first that does not, or that a signed head names otherwise; or 0.
+        heads: signed heads that the chain passes.
+
+    """
 
     rows: int
     broken: int
+    heads: int = 0
 
 
 def chain_hash(before: str, entry: AuditEntry) -> str:
@@ -156,8 +166,9 @@ def chain_hash(before: str, entry: AuditEntry) -> str:
 class Audit:
     """Takes notes at once and writes them down soon."""
 
-    def __init__(self, database: Database, clock: Clock) -> None:
-        """Work on ``database``; ``clock`` stamps each note."""
+    def __init__(self, database: Database, clock: Clock, most_waiting: int = _MOST_WAITING) -> None:
+        """Work on ``database``; ``clock`` stamps each note; ``most_waiting`` are in memory."""
+        self._most_waiting = most_waiting
         self._database = database
         self._clock = clock
         # Not in the database yet. What is written stays until the commit is sure: the same rows
@@ -172,6 +183,9 @@ class Audit:
         self._failing = False
         # What waits is written, once; the hub must be able to end without its database.
         self._stopping = False
+        # Notes for which memory had no room: of those that are not told of yet, and of all.
+        self._untold = 0
+        self.lost = 0
 
     def append_record(
         self,
@@ -201,8 +215,13 @@ class Audit:
             good,
             source,
         )
-        if len(self._waiting) < _MOST_WAITING:
+        if len(self._waiting) < self._most_waiting:
             self._waiting.append(entry)
+        else:
+            if not self._untold:
+                _LOG.error("the audit log loses notes: %d wait already", self._most_waiting)
+            self._untold += 1
+            self.lost += 1
         self._written.clear()
         self._news.set()
         return entry
@@ -240,6 +259,10 @@ class Audit:
             # They are still in front: others were only appended meanwhile.
             for _ in batch:
                 self._waiting.popleft()
+        if self._untold:
+            lost, self._untold = self._untold, 0
+            said = f"{lost} notes were not kept, for the database was away too long"
+            self.append_record("notes lost", message=said, good=False)
         if not self._waiting:
             self._written.set()
 
@@ -271,9 +294,21 @@ class Audit:
                 # By number, not by offset: what is added meanwhile shifts nothing.
                 wanted = replace(wanted, before=rows[-1].id)
 
-    async def verify_chain(self) -> Chain:
-        """Walk the chain from its beginning to its end, with few rows in memory."""
+    async def read_head(self) -> tuple[int, str]:
+        """Give the number and the hash of the newest row; 0 where there is none."""
+        async with self._database.read() as connection:
+            query = select(audit_head.c.row_id, audit_head.c.hash)
+            head = (await connection.execute(query)).first()
+        return (int(head.row_id or 0), str(head.hash)) if head else (0, "")
+
+    async def verify_chain(self, heads: Mapping[int, str] = _NO_HEADS) -> Chain:
+        """Walk the chain from its beginning to its end, with few rows in memory.
+
+        ``heads`` are hashes that rows had at some time, by their numbers: whoever has made the
+        chain anew has others.
+        """
         before, last, count = "", 0, 0
+        passed: set[int] = set()
         async with self._database.read() as connection:
             # Asked first: what is appended during the walk lies behind it.
             head = (
@@ -290,15 +325,22 @@ class Audit:
                 )
                 rows = found.all()
             for row in rows:
-                if chain_hash(before, AuditEntry(*row[2:])) != row.hash:
-                    return Chain(count, int(row.id))
+                fits = chain_hash(before, AuditEntry(*row[2:])) == row.hash
+                if not fits or heads.get(row.id, row.hash) != row.hash:
+                    return Chain(count, int(row.id), len(passed))
                 before, last, count = row.hash, row.id, count + 1
+                if row.id in heads:
+                    passed.add(row.id)
             if not rows:
                 break
             # A long log must not keep the others waiting.
             await asyncio.sleep(0)
         # Another end than the head's: rows at the end were cut off.
-        return Chain(count, 0 if before == end_hash else end or 1)
+        if before != end_hash:
+            return Chain(count, end or 1, len(passed))
+        # Signed heads of rows that are not there, though all that are fit.
+        missing = heads.keys() - passed
+        return Chain(count, min(missing, default=0), len(passed))
 
 
 _COLUMNS = tuple(audit.c[name] for name in AuditEntry._fields)

@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
+import hashlib
+from zlib import crc32
+
+import msgspec
 import pytest
+import websockets
 
 from talaia.hub.live.gateways import frame_limits
-from talaia.wire.browser import EventUpdate, PageCommand
+from talaia.wire.browser import EventUpdate, NightUpdate, PageCommand
 from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
     Ack,
+    ArchiveOffer,
     Bye,
     CommandPhase,
     CommandRequest,
     CommandState,
+    DetectedBoxes,
     DeviceState,
     DriveState,
     Event,
+    FileOffer,
+    FilePiece,
     InterlockState,
     LeaseState,
+    NightPhase,
+    NightState,
     StopState,
 )
 
@@ -125,6 +137,121 @@ async def test_flood_is_slowed_then_cut_off_and_an_admin_sees_it(hub, gateway) -
     again = await hub.gateway()
     await again.say(again.hello_message())
     assert 0 < (await again.hear(Bye)).after_s <= frame_limits.HELD_S
+
+
+# ── what it says on its other connections ──
+
+FEW = frame_limits.Allowance(rate=50.0, burst=100.0)
+BOXES = DetectedBoxes(stream="camera/front", seq=1, time_us=1, things=[])
+# A hub of a later version would know it.
+UNKNOWN = msgspec.msgpack.encode({"t": "of_a_later_version"})
+
+
+def hold_short(hub, **others: frame_limits.Allowance) -> frame_limits.FrameLimits:
+    """Give the site little, so that a flood of a test is one."""
+    live = hub.hub.core.sites.find_site("agv")
+    live.frame_limits = frame_limits.FrameLimits(longest_over_s=0.5, others=others)
+    return live.frame_limits
+
+
+async def test_flood_of_unknown_messages_is_slowed_then_cut_off(hub, gateway) -> None:
+    hold_short(hub, **{frame_limits.UNKNOWN: FEW})
+    page = await hub.page("admin")
+    for _ in range(1_000):
+        await gateway.connection.send(UNKNOWN)
+    assert await gateway.closed() == 1013
+    assert not (await page.hear(EventUpdate, lambda news: news.kind == "gateway slowed")).good
+    told = await page.hear(EventUpdate, lambda news: news.kind == "gateway cut off")
+    assert "unknown" in told.message
+
+
+async def test_flood_on_the_media_connection_is_cut_off_and_nobody_is_let_in_for_a_while(
+    hub, gateway
+) -> None:
+    hold_short(hub, boxes=FEW)
+    page, camera = await hub.page("admin"), await hub.camera()
+    for _ in range(1_000):
+        await camera.say(BOXES)
+    assert await camera.closed() == 1013
+    told = await page.hear(EventUpdate, lambda news: news.kind == "gateway cut off")
+    assert "boxes" in told.message
+    again = await hub.camera()
+    assert 0 < (await again.hear(Bye)).after_s <= frame_limits.HELD_S
+    # The link itself stands: STOP goes by it.
+    await until_read(gateway)
+
+
+async def test_flood_of_offers_of_files_is_cut_off(hub, gateway) -> None:
+    del gateway
+    hold_short(hub, **{"pictures for the archive": FEW})
+    page = await hub.page("admin")
+    files = await hub.dial("/gateway/files", {"Authorization": f"Bearer {hub.keys['agv']}"})
+    offer = ArchiveOffer(id="0" * 32, kind="none", device="camera", size=1, digest="0" * 64)
+    for _ in range(1_000):
+        try:
+            await files.send(FILES_FROM_GATEWAY.encode(offer))
+            await files.recv()
+        except websockets.ConnectionClosed:
+            break
+    assert files.close_code == 1013
+    told = await page.hear(EventUpdate, lambda news: news.kind == "gateway cut off")
+    assert "archive" in told.message
+
+
+async def test_gateway_that_dials_without_end_is_sent_away_before_it_is_heard(hub, gateway) -> None:
+    del gateway
+    hold_short(hub, **{frame_limits.DIALS: frame_limits.Allowance(rate=0.1, burst=3.0)})
+    refused = None
+    for _ in range(10):
+        try:
+            await (await hub.camera()).close()
+        except websockets.InvalidStatus as error:
+            refused = error.response
+            break
+    assert refused is not None
+    assert refused.status_code == 503
+    assert int(refused.headers["Retry-After"]) >= 1
+
+
+async def test_site_that_never_said_what_it_is_has_allowances_as_well(hub) -> None:
+    guard = hub.hub.robot_events.flood_guard
+    assert [guard.admit_dial("other") for _ in range(300)] == [0.0] * 300
+    assert guard.admit_dial("other") >= 1.0
+    # And no other site pays for it.
+    assert guard.admit_dial("agv") == 0.0
+
+
+# ── in whose name its files and its night stand ──
+
+
+async def test_recording_and_change_of_the_description_in_a_strange_name_are_its_own_word(
+    hub, gateway
+) -> None:
+    files = await hub.dial("/gateway/files", {"Authorization": f"Bearer {hub.keys['agv']}"})
+    body = b"recording"
+    offer = FileOffer(
+        id="20260101T120000Z-abcdef",
+        size=len(body),
+        digest=hashlib.sha256(body).hexdigest(),
+        why="login by admin",
+        who="admin",
+        begin_us=1,
+        end_us=2,
+    )
+    await files.send(FILES_FROM_GATEWAY.encode(offer))
+    await files.recv()
+    piece = FilePiece(id=offer.id, at=0, check=crc32(body), data=body)
+    await files.send(FILES_FROM_GATEWAY.encode(piece))
+    await files.recv()
+    admin = await hub.client("admin")
+    (found,) = (await admin.get("/api/sites/agv/recordings")).json()["recordings"]
+    assert found["who"] == "gateway: admin"
+    (row,) = await audit_rows(hub, kind="recording stored")
+    assert row["source"] == "gateway"
+    state = NightState(phase=NightPhase.WAITING, armed_by="admin")
+    await gateway.say(state)
+    page = await hub.page("admin")
+    assert (await page.hear(NightUpdate)).armed_by == "gateway: admin"
 
 
 @pytest.mark.parametrize("frames_sent", [30_000])

@@ -84,8 +84,15 @@ export class PageAudit extends LitElement {
     const { check } = this;
     if (check === null) return nothing;
     const rows = check.rows === 1 ? "1 row" : `${String(check.rows)} rows`;
+    const heads = check.heads === 1 ? "1 signed head" : `${String(check.heads)} signed heads`;
+    if (check.problem !== "" && check.broken === 0) {
+      return html`<t-problem
+        what="The signed heads of the log cannot be used."
+        how=${`${check.problem} Hold the log against the heads that you keep elsewhere: talaia audit verify --heads FILE.`}
+      ></t-problem>`;
+    }
     return check.ok
-      ? html`<t-status kind="ok" word=${`The chain holds: ${rows}, each follows from the one before.`}></t-status>`
+      ? html`<t-status kind="ok" word=${`The chain holds: ${rows}, each follows from the one before; ${heads} fit.`}></t-status>`
       : html`<t-problem
           what=${`The chain is broken at row ${String(check.broken)}.`}
           how=${`${rows} before it hold. Somebody has changed the database by hand, or it is damaged: keep a copy of it, and compare it with your exports and backups.`}

@@ -2,7 +2,7 @@
 
 import { ContextProvider } from "@lit/context";
 import { html, LitElement, type TemplateResult } from "lit";
-import { customElement, state } from "lit/decorators.js";
+import { customElement, query, state } from "lit/decorators.js";
 import {
   alarmsContext,
   alarmSoundContext,
@@ -35,6 +35,8 @@ import { HubApi, Unreachable } from "../../wire/hub-api.js";
 import { socketUrl } from "../../wire/media-socket.js";
 import { onOpened } from "../../wire/web-push.js";
 import { firstPage, isOpen } from "../routes.js";
+import type { ConfirmPerson } from "./confirm-person.js";
+import "./confirm-person.js";
 import "./shell.js";
 
 /** A session that was taken up again this long ago (ms) may be at once. */
@@ -43,6 +45,7 @@ const RESUME_PAUSE_MS = 10_000;
 @customElement("t-app")
 export class App extends LitElement {
   @state() private unreachable = false;
+  @query("t-confirm-person") private readonly question!: ConfirmPerson;
 
   private readonly api = new HubApi();
   private readonly touched = new UserActivity(window);
@@ -112,6 +115,10 @@ export class App extends LitElement {
     void this.refreshSession();
   }
 
+  override firstUpdated(): void {
+    this.api.confirmPerson = this.question.askPerson;
+  }
+
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     this.touched.stop();
@@ -126,7 +133,7 @@ export class App extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<t-shell ?unreachable=${this.unreachable}></t-shell>`;
+    return html`<t-shell ?unreachable=${this.unreachable}></t-shell><t-confirm-person></t-confirm-person>`;
   }
 
   /** A browser is silent until somebody has touched the page. */

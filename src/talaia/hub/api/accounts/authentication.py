@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import ipaddress
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
 from talaia.hub.api.access import address_of
 from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.server.silent_connections import network_of
 from talaia.hub.auth.passwords import name_key
 from talaia.hub.store.accounts.mfa import CodeVerdict
 from talaia.hub.store.safe_text import safe_text
@@ -28,8 +28,6 @@ _REFUSED = {
     CodeVerdict.WRONG: "the code is wrong",
     CodeVerdict.REPLAYED: "this code was used already; wait for the next one",
 }
-# An IPv6 network that one household or one attacker has to itself.
-_PREFIX = 64
 
 
 class SignInAttempt(NamedTuple):
@@ -131,7 +129,7 @@ class Authentication:
         """
         # Known to this very person: another's cookie must not take the name's count away.
         browser = await self._sessions.known_browser(request, name)
-        ask = SignInAttempt(name_key(name), _network_of(address_of(request)), browser)
+        ask = SignInAttempt(name_key(name), network_of(address_of(request)), browser)
         wait_ns = await self._tries.count_attempt(ask.user, ask.address, ask.browser)
         if wait_ns:
             # In whole seconds, rounded up.
@@ -189,15 +187,3 @@ class Authentication:
         self._audit.append_record(
             what, who=safe_text(name, 200), address=address_of(request), message=message, good=good
         )
-
-
-def _network_of(address: str) -> str:
-    """Give what an address is counted by: of IPv6 the network, since anyone has many addresses."""
-    try:
-        parsed = ipaddress.ip_address(address)
-    except ValueError:
-        return address
-    if isinstance(parsed, ipaddress.IPv6Address) and parsed.ipv4_mapped is None:
-        # Not strict: the bits behind the prefix are simply left out.
-        return str(ipaddress.ip_network((parsed, _PREFIX), strict=False))
-    return address

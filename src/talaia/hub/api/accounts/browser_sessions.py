@@ -56,6 +56,14 @@ class BrowserSessions:
         self._seats.end_session(session, "you have signed out")
         self._access.clear_cookie(response)
 
+    def confirm_session(self, session: str) -> None:
+        """Its person has proved anew that it is them; see `Sessions`."""
+        self._sessions.confirm_session(session)
+
+    def is_confirmed(self, session: str) -> bool:
+        """Tell whether they have, a short while ago."""
+        return self._sessions.is_confirmed(session)
+
     async def list_open(self, user: int) -> list[OpenSession]:
         """List where a person is signed in."""
         return await self._sessions.sessions_of(user)

@@ -11,6 +11,7 @@ from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import (
     CodeOnly,
+    Confirmation,
     FactorOffer,
     PasswordChange,
     PasswordOnly,
@@ -59,6 +60,7 @@ class OwnPages:
     def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
+        router.post("/api/me/confirm", status_code=204)(self.confirm)
         router.post("/api/me/password", status_code=204)(self.change_password)
         router.get("/api/me/sessions")(self.sessions)
         router.delete("/api/me/sessions", status_code=204)(self.end_sessions)
@@ -68,11 +70,27 @@ class OwnPages:
         router.post("/api/me/factor/remove", status_code=204)(self.remove_factor)
         return router
 
+    async def confirm(self, asked: Confirmation, request: Request) -> None:
+        """Give your password anew, and your second factor: for minutes you may give rights away."""
+        who = who_of(request)
+        what = "confirmation refused"
+        if who.factor:
+            await self._proving.confirm_both(
+                request, user=who.user, password=asked.password, code=asked.code, what=what
+            )
+        else:
+            await self._proving.confirm_password(request, who.user, asked.password, what)
+        self._sessions.confirm_session(who.session)
+        self._append_record(request, "confirmed")
+
     async def change_password(
         self, asked: PasswordChange, request: Request, response: Response
     ) -> None:
         """Take another password; your other sessions and all your tokens end."""
         who = who_of(request)
+        # The password stands in the question; the factor must have been given lately.
+        if who.factor and not self._sessions.is_confirmed(who.session):
+            raise ApiProblem(403, "confirm", "confirm first that it is you: POST /api/me/confirm")
         await self._proving.confirm_password(
             request, who.user, asked.old, "password change refused"
         )

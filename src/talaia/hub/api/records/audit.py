@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import datetime as dt
 import io
@@ -13,11 +14,12 @@ from fastapi.responses import StreamingResponse
 from talaia.hub.api.access import address_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.common import AuditAsk, AuditChain, AuditList, AuditPage, AuditRow
+from talaia.hub.errors import CannotStart
 from talaia.hub.store.audit import AuditEntry, AuditFilter
 from talaia.hub.store.safe_text import safe_cell
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterable
+    from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 
     from talaia.hub.store.audit import Audit, AuditRecord
 
@@ -31,9 +33,13 @@ _HEAD = ("id", "time_utc", *AuditEntry._fields)  # as `_csv_cells` orders them
 class AuditPages:
     """The routes of the audit log."""
 
-    def __init__(self, audit: Audit) -> None:
-        """Read from ``audit``; that somebody took a copy is written there, too."""
+    def __init__(self, audit: Audit, read_heads: Callable[[], Mapping[int, str]]) -> None:
+        """Read from ``audit``; that somebody took a copy is written there, too.
+
+        ``read_heads`` gives the signed heads that lie outside the database; it waits for a disk.
+        """
         self._audit = audit
+        self._read_heads = read_heads
 
     def make_router(self) -> APIRouter:
         """Give the routes."""
@@ -69,19 +75,36 @@ class AuditPages:
         )
 
     async def verify(self, request: Request) -> AuditChain:
-        """Say whether a row was changed or is missing, since the first one."""
+        """Say whether a row was changed or is missing, since the first one.
+
+        The chain must pass the signed heads that this hub has kept, too.
+        """
         await self._audit.wait_written()
-        found = await self._audit.verify_chain()
-        said = f"{found.rows} rows" + (f", broken at {found.broken}" if found.broken else "")
+        heads: Mapping[int, str] = {}
+        problem = ""
+        try:
+            heads = await asyncio.to_thread(self._read_heads)
+        except (OSError, ValueError, CannotStart) as error:
+            problem = str(error)[:500]
+        found = await self._audit.verify_chain(heads)
+        said = f"{found.rows} rows, {found.heads} signed heads"
+        said += f", broken at {found.broken}" if found.broken else ""
+        said += f"; {problem}" if problem else ""
         self._audit.append_record(
             "audit verified",
             who=who_of(request).name,
             address=address_of(request),
             message=said,
             # What was found is itself a row, after those that were looked at.
-            good=not found.broken,
+            good=not found.broken and not problem,
         )
-        return AuditChain(ok=not found.broken, rows=found.rows, broken=found.broken)
+        return AuditChain(
+            ok=not found.broken and not problem,
+            rows=found.rows,
+            broken=found.broken,
+            heads=found.heads,
+            problem=problem,
+        )
 
 
 def _audit_filter(asked: AuditAsk) -> AuditFilter:

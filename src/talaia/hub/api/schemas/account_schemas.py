@@ -13,6 +13,7 @@ from talaia.model.closed_lists import DeviceKind  # noqa: TC001 - pydantic reads
 
 __all__ = [
     "CodeOnly",
+    "Confirmation",
     "DeviceList",
     "DeviceSummary",
     "FactorOffer",
@@ -59,6 +60,13 @@ class CodeOnly(Schema):
     """A code from the authenticator."""
 
     code: str = _CODE
+
+
+class Confirmation(Schema):
+    """Prove anew that it is you; ``code`` of the second factor, where you have one."""
+
+    password: str = _PASSWORD
+    code: str = Field("", max_length=64)
 
 
 class RemoveFactor(Schema):

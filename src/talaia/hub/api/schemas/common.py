@@ -484,9 +484,12 @@ class AuditList(Schema):
 class AuditChain(Schema):
     """Whether every row follows from the one before.
 
-    ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0.
+    ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0. ``heads``
+    counts the signed heads that the chain passes; ``problem`` says why they cannot be read.
     """
 
     ok: bool
     rows: int
     broken: int
+    heads: int = 0
+    problem: str = ""

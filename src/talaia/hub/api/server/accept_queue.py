@@ -1,9 +1,10 @@
 """Connections are taken in as the loop has time for them.
 
 After a hub was away, everybody dials within seconds, and a TLS handshake takes the loop's time in
-one piece. Whoever is connected already, and may be driving, goes before those who come: one
-connection is taken in at a time, and the next one only when the loop is in time again. The rest
-wait in the kernel's queue, where they cost nothing.
+one piece. Whoever is connected already, and may be driving, goes before those who come: a few
+connections are taken in at a time, and the next ones only when the loop is in time again. The rest
+wait in the kernel's queue, where they cost nothing; those who say nothing are bounded
+(`silent_connections`).
 """
 
 from __future__ import annotations
@@ -13,10 +14,14 @@ import contextlib
 import logging
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.server.silent_connections import SilentConnections, Speaks
+
 if TYPE_CHECKING:
     import socket
     import ssl
     from collections.abc import Callable
+
+    from talaia.hub.api.server.silent_connections import Arrival
 
 __all__ = ["AcceptQueue"]
 
@@ -24,7 +29,9 @@ _LOG = logging.getLogger(__name__)
 QUEUE = 1024  # in the kernel, which may cap it (net.core.somaxconn)
 # Who is slower holds a socket and does nothing (s).
 _HANDSHAKE_S = 15.0
-# Between two connections; who waits longer than this for the loop makes the next one wait as long.
+# Taken in before the loop is looked at: their handshakes come one after the other in its turn.
+_AT_ONCE = 4
+# Then; if this takes longer than that for the loop, the next ones wait as long as that.
 _PAUSE_S = 0.002
 _LONGEST_PAUSE_S = 0.05
 # When the system has no room for one more connection.
@@ -39,8 +46,13 @@ class AcceptQueue:
         listener: socket.socket,
         protocol: Callable[[], asyncio.Protocol],
         tls: ssl.SSLContext | None,
+        silent: SilentConnections | None = None,
     ) -> None:
-        """Make a ``protocol`` for each connection, over ``tls`` if there is any."""
+        """Make a ``protocol`` for each connection, over ``tls`` if there is any.
+
+        ``silent`` counts those of each address that say nothing.
+        """
+        self._silent = SilentConnections() if silent is None else silent
         self._listener = listener
         self._protocol = protocol
         self._tls = tls
@@ -67,10 +79,10 @@ class AcceptQueue:
     async def _accept_loop(self) -> None:
         loop = asyncio.get_running_loop()
         # Whether it was said already: one line when it begins, one when it is over.
-        full = False
+        full, taken = False, 0
         while True:
             try:
-                connection, _ = await loop.sock_accept(self._listener)
+                connection, peer = await loop.sock_accept(self._listener)
             except ConnectionError:
                 continue  # it has gone again
             except OSError as error:
@@ -84,9 +96,17 @@ class AcceptQueue:
             if full:
                 _LOG.warning("connections are taken in again")
             full = False
-            task = asyncio.create_task(self._shake_hands(connection))
-            self._arriving.add(task)
-            task.add_done_callback(self._arriving.discard)
+            arrival = self._silent.add_arrival(peer[0], loop.time())
+            if arrival is None:
+                connection.close()
+            else:
+                arrival.task = asyncio.create_task(self._shake_hands(connection, arrival))
+                self._arriving.add(arrival.task)
+                arrival.task.add_done_callback(self._arriving.discard)
+            taken += 1
+            if taken < _AT_ONCE:
+                continue
+            taken = 0
             # How late this task is woken tells how long everybody else waits for the loop.
             due = loop.time() + _PAUSE_S
             await asyncio.sleep(_PAUSE_S)
@@ -94,17 +114,19 @@ class AcceptQueue:
             if late > _PAUSE_S:
                 await asyncio.sleep(min(late, _LONGEST_PAUSE_S))
 
-    async def _shake_hands(self, connection: socket.socket) -> None:
+    async def _shake_hands(self, connection: socket.socket, arrival: Arrival) -> None:
         """Shake hands; what fails there is the other side's matter."""
         handed_over = False
         try:
             with contextlib.suppress(OSError, TimeoutError):
-                await asyncio.get_running_loop().connect_accepted_socket(
+                loop = asyncio.get_running_loop()
+                arrival.transport, protocol = await loop.connect_accepted_socket(
                     self._protocol,
                     connection,
                     ssl=self._tls,
                     ssl_handshake_timeout=_HANDSHAKE_S if self._tls is not None else None,
                 )
+                arrival.protocol = protocol if isinstance(protocol, Speaks) else None
                 handed_over = True
         finally:
             # Also when it is cancelled: afterwards the transport closes it.

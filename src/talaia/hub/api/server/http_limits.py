@@ -30,6 +30,8 @@ class HubProtocol(HttpToolsProtocol):
     # Until a head is complete, and again from the next one on.
     _in_head = True
     _head = 0  # bytes of it so far
+    # A whole head has come at least once; see `silent_connections`.
+    spoken = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for a head, but not for ever."""
@@ -59,7 +61,7 @@ class HubProtocol(HttpToolsProtocol):
     def on_headers_complete(self) -> None:
         """Go on to the body, which may take longer."""
         super().on_headers_complete()
-        self._in_head = False
+        self._in_head, self.spoken = False, True
         self._arm_timer(BODY_S)
 
     def on_message_complete(self) -> None:

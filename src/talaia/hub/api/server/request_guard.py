@@ -10,6 +10,7 @@ from urllib.parse import parse_qsl, urlencode
 from starlette.datastructures import Headers, MutableHeaders
 
 from talaia.hub.api.problems import problem_response
+from talaia.hub.api.server.anonymous_requests import AnonymousRequests
 from talaia.hub.api.server.proxies import Proxies
 from talaia.hub.api.server.response_headers import guarding_headers
 
@@ -45,6 +46,11 @@ class _No(NamedTuple):
     said: str
 
 
+_TOO_MANY = _No(
+    503, "busy", "too many requests of your address are open; sign in, or wait a little"
+)
+
+
 def host_name(host: str) -> str:
     """Give the name in a Host header: without port and brackets, in lower case."""
     if host.startswith("["):
@@ -66,6 +72,7 @@ class RequestGuard:
         # All fixed while the hub runs.
         self._proxies = Proxies(settings.proxies)
         self._hosts = settings.host_names
+        self._anonymous = AnonymousRequests()
         self._max_body = settings.max_body
         self._max_description_body = settings.max_description_body
 
@@ -94,10 +101,15 @@ class RequestGuard:
             no = _of_socket(scope["path"], headers, host, tls=tls)
         else:
             no = self._of_request(scope, headers, host, tls=tls)
-        if no is None:
-            await self._app(scope, receive, dressed)
-        else:
+        if no is not None:
             await _refuse_request(no, scope, receive, dressed)
+            return
+        client = scope.get("client")
+        with self._anonymous.count(client[0] if client else "", headers) as allowed:
+            if allowed:
+                await self._app(scope, receive, dressed)
+            else:
+                await _refuse_request(_TOO_MANY, scope, receive, dressed)
 
     def _is_ours(self, host: str, scope: Scope) -> bool:
         if not _STRANGE.isdisjoint(host):

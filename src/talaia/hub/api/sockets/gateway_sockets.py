@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Protocol
 
 from fastapi import APIRouter, WebSocket
 
+from talaia.hub.api.access import deny_socket
+
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
+    from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.store.sites.site_registry import GatewayKey
 
 __all__ = ["GatewaySocket"]
@@ -24,8 +28,16 @@ class ServesGateways(Protocol):
 class GatewaySocket:
     """The route of one kind of socket: the link, pictures, or files."""
 
-    def __init__(self, path: str, *, admission: SocketAdmission, server: ServesGateways) -> None:
-        """Hand those whose key is good to ``server``."""
+    def __init__(
+        self,
+        path: str,
+        *,
+        admission: SocketAdmission,
+        flood_guard: FloodGuard,
+        server: ServesGateways,
+    ) -> None:
+        """Hand those whose key is good to ``server``, if they do not come too often."""
+        self._flood_guard = flood_guard
         self._path = path
         self._admission = admission
         self._server = server
@@ -39,6 +51,13 @@ class GatewaySocket:
     async def serve(self, socket: WebSocket) -> None:
         """Serve a gateway, or send it away."""
         key = await self._admission.admit_gateway(socket)
-        if key is not None:
+        if key is None:
+            return
+        if after_s := self._flood_guard.admit_dial(key.site):
+            said = "this gateway connects too often; come back later"
+            await deny_socket(
+                socket, status=503, code="busy", message=said, retry_s=math.ceil(after_s)
+            )
+        else:
             await socket.accept()
             await self._server.serve_socket(socket, key)

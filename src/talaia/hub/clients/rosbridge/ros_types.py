@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 
     from talaia.wire.frames import TapSchema
 
-__all__ = ["describe_fields", "describe_type", "message_reader", "read_known_message"]
+__all__ = ["MOST_READ", "describe_fields", "describe_type", "message_reader", "read_known_message"]
 
-# Types in one definition; a robot's largest has some dozens.
+# Bytes of a raw message that is read for a client.
+MOST_READ = 4 * 1024 * 1024
+# Types that are described at once; a robot's largest has some dozens in it.
 _MOST_TYPES = 500
 
 
@@ -40,12 +42,12 @@ def message_reader(schema: TapSchema) -> Callable[[bytes], dict[str, object]]:
 
     """
     from rosbags.serde import SerdeError
-    from rosbags.typesys import Stores, TypesysError, get_typestore
+    from rosbags.typesys import TypesysError
+    from rosbags.typesys.store import Typestore
 
-    store = get_typestore(Stores.EMPTY)
-    # The robot's own definitions, of time too, count.
-    store.types.clear()
-    store.fielddefs.clear()
+    # Without what ROS brings: the robot's own definitions, of time too, count. No list has more
+    # items than a message that is read has bytes.
+    store = Typestore(max_sequence_length=MOST_READ)
     try:
         store.register(read_definitions(TypeText(schema.type, schema.encoding, schema.definition)))
         store.get_msgdef(schema.type)

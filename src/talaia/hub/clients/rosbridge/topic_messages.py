@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.clients.rosbridge.offer import TEXT_TYPE
-from talaia.hub.clients.rosbridge.ros_types import message_reader
+from talaia.hub.clients.rosbridge.ros_types import MOST_READ, message_reader
 from talaia.hub.live.taps.type_texts import MessageUnreadable
 from talaia.wire.rosbridge.codec import encode_rosbridge
 
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["TopicFrames", "encode_sample_frames", "encode_tapped_frames", "sample_data"]
 
-# Bytes of a raw message that is read for a client; as it is (``cbor-raw``) it may be larger.
-_MOST_READ = 4 * 1024 * 1024
 _CDR = b"\x00\x01\x00\x00"
 _MICROS = 1_000_000
 # Compiled once for all clients.
@@ -84,9 +82,10 @@ def encode_tapped_frames(
     """
     if frames.form.compression == "cbor-raw":
         return frames.encode_message(_raw_message(message.log_us, message.data))
-    if len(message.data) > _MOST_READ:
+    # As it is (``cbor-raw``) it may be larger.
+    if len(message.data) > MOST_READ:
         raise MessageUnreadable(
-            f"a message of {len(message.data)} bytes; over {_MOST_READ} take compression cbor-raw"
+            f"a message of {len(message.data)} bytes; over {MOST_READ} take compression cbor-raw"
         )
     return frames.encode_message(_reader_of(schema)(message.data))
 

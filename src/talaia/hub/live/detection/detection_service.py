@@ -25,7 +25,7 @@ import numpy as np
 from talaia.hub.live.detection.camera_detection import CameraDetection
 from talaia.hub.live.detection.sightings import OWN
 from talaia.hub.live.gateways.ingest import Batch, Ingest
-from talaia.hub.live.pictures.jpeg_decoder import pixels_of
+from talaia.hub.live.pictures.jpeg_process import JpegProcess
 from talaia.model.derived_signals import counts_of, detecting_cameras, detection_setup_of
 from talaia.model.detection import DetectAt
 from talaia.objects.camera_objects import least_of
@@ -118,6 +118,8 @@ class DetectionService:
         self._make = make_worker
         # The process that detects; none before the first camera needs it.
         self._worker: Worker | None = None
+        # Reads the pictures for it; begun with the first.
+        self._jpeg = JpegProcess()
         self._clock = clock
         # Names this run, of which nothing was ever stored.
         self.boot = f"{OWN}{secrets.token_hex(8)}"
@@ -178,6 +180,7 @@ class DetectionService:
         # After the cameras, which may still wait for its answer.
         if self._worker is not None:
             await self._worker.close()
+        await self._jpeg.close()
         storing = {site.storing for site in self._of.values()}
         for site in self._of.values():
             site.ingest.finish_storing()
@@ -292,8 +295,8 @@ class DetectionService:
             picture = newest()
             if picture is None or self._worker is None:
                 return None
-            # Decoding must not hold up the loop.
-            rgb = await asyncio.to_thread(pixels_of, picture.data)
+            # A gateway's picture: another process reads it.
+            rgb = await self._jpeg.read_pixels(live.name, picture.data)
             return picture, rgb, await self._worker.detect_objects(model, rgb, least_of(detect))
 
     def show_boxes(

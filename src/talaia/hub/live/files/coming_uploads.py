@@ -50,6 +50,10 @@ class ComingUploads:
         if not uploads:
             self._uploads.pop(site, None)
 
+    def sites(self) -> list[str]:
+        """List those of which something is on its way."""
+        return list(self._uploads)
+
     def standing_uploads(self, site: str, since: float) -> list[str]:
         """List those that nothing has come of since a time (s since the epoch, UTC)."""
         uploads = self._uploads.get(site, {})

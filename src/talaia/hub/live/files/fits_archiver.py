@@ -36,7 +36,12 @@ class FitsArchiver:
             kept = await self._archive.archive_file(site, live.description.zone, offer, path)
         except NotKept as error:
             self._audit.append_record(
-                "picture refused", site=site, device=offer.device, message=str(error), good=False
+                "picture refused",
+                site=site,
+                device=offer.device,
+                message=str(error),
+                good=False,
+                source="gateway",
             )
             raise UploadRefused(str(error)) from error
         if not kept.width:
@@ -47,6 +52,9 @@ class FitsArchiver:
                 device=offer.device,
                 message=f"{kept.name}: {'; '.join(kept.problems)}",
                 good=False,
+                source="gateway",
             )
             return
-        self._audit.append_record("picture kept", site=site, device=offer.device, message=kept.name)
+        self._audit.append_record(
+            "picture kept", site=site, device=offer.device, message=kept.name, source="gateway"
+        )

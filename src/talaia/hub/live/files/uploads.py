@@ -19,11 +19,13 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
 from talaia.hub.errors import StoreDown
+from talaia.hub.live.files.site_turns import SiteTurns
+from talaia.hub.live.files.standstill import STANDSTILL_S
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import FileProgress
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Awaitable, Callable, Mapping
     from pathlib import Path
 
     from talaia.wire.frames import ArchiveOffer, FilePiece
@@ -33,8 +35,6 @@ __all__ = ["Keeper", "UploadRefused", "Uploads"]
 log = logging.getLogger(__name__)
 # Stays free on the disk for the database and the rest of the machine.
 _SPARE_BYTES = 512 * 1024 * 1024
-# A piece of a file that nobody has gone on with for so long is deleted (s).
-_FORGET_S = 14 * 86_400
 # Parts of one site together may take the room of so many files of the largest size, so that no
 # gateway fills the disk of all.
 _MOST_PARTS = 4
@@ -61,16 +61,27 @@ class Keeper(Protocol):
 class Uploads:
     """The folder of what has not come whole, for all gateways."""
 
-    def __init__(self, folder: Path, keepers: Mapping[str, Keeper], most_bytes: int) -> None:
-        """Gather in ``folder``; a file of more than ``most_bytes`` is refused."""
+    def __init__(
+        self,
+        folder: Path,
+        keepers: Mapping[str, Keeper],
+        *,
+        most_bytes: int,
+        share: Callable[[str, int], Awaitable[bool]],
+    ) -> None:
+        """Gather in ``folder``; a file of more than ``most_bytes`` is refused.
+
+        ``share`` tells whether a site may have so many bytes more of the disk.
+        """
         # One folder for each site; parts of files by the id of their offer.
         self._folder = folder
         # Who keeps a file that is whole, by its kind.
         self._keepers = keepers
         # Largest file (bytes).
         self._most = most_bytes
-        # One thing at a time: two connections may bring the same.
-        self._turn = asyncio.Lock()
+        self._share = share
+        # One thing at a time for each site: two connections may bring the same.
+        self._turns = SiteTurns()
 
     async def answer_offer(self, site: str, offer: ArchiveOffer) -> FileProgress:
         """Answer an offer: how much of it is here.
@@ -79,7 +90,7 @@ class Uploads:
             StoreDown: it cannot be taken now.
 
         """
-        async with self._turn:
+        async with self._turns.wait_turn(site):
             return await self._answer_piece(site, offer, None)
 
     async def append_piece(self, site: str, offer: ArchiveOffer, piece: FilePiece) -> FileProgress:
@@ -96,8 +107,15 @@ class Uploads:
         # The size was checked when it was offered: pieces must not get around that.
         if piece.at + len(piece.data) > offer.size or not piece.data:
             raise PeerError("a piece that does not lie inside its file")
-        async with self._turn:
+        async with self._turns.wait_turn(site):
             return await self._answer_piece(site, offer, piece)
+
+    async def end_standing_uploads(self) -> None:
+        """End uploads of any site that nobody has gone on with for long."""
+        folders = await asyncio.to_thread(lambda: list(self._folder.glob("*/")))
+        for folder in folders:
+            async with self._turns.wait_turn(folder.name):
+                await asyncio.to_thread(_forget_standing, folder)
 
     async def _answer_piece(
         self, site: str, offer: ArchiveOffer, piece: FilePiece | None
@@ -125,6 +143,8 @@ class Uploads:
             raise UploadRefused(
                 f"a file of {offer.size} bytes is more than the {self._most} allowed"
             )
+        if not await self._share(site, offer.size):
+            raise OSError("the last of the hub's disk is for sites that hold less of it")
         return await asyncio.to_thread(self._found_bytes, site, offer)
 
     async def _finish_upload(self, site: str, offer: ArchiveOffer) -> FileProgress:
@@ -148,10 +168,7 @@ class Uploads:
     def _found_bytes(self, site: str, offer: ArchiveOffer) -> int:
         path = self._part_path(site, offer)
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Only when something comes: there is no task that tidies.
-        for old in path.parent.glob("*.part"):
-            if time.time() - old.stat().st_mtime > _FORGET_S:
-                old.unlink(missing_ok=True)
+        _forget_standing(path.parent)
         size = path.stat().st_size if path.exists() else 0
         others = sum(part.stat().st_size for part in path.parent.glob("*.part") if part != path)
         if others + offer.size > _MOST_PARTS * self._most:
@@ -165,6 +182,12 @@ class Uploads:
         if not size:
             path.touch()
         return size
+
+
+def _forget_standing(folder: Path) -> None:
+    for old in folder.glob("*.part"):
+        if time.time() - old.stat().st_mtime > STANDSTILL_S:
+            old.unlink(missing_ok=True)
 
 
 def _append_piece(path: Path, piece: FilePiece) -> int:

@@ -1,4 +1,7 @@
-"""What a gateway says of its site while the link stands: taken in without holding up the link."""
+"""What a gateway says of its site while the link stands: taken in without holding up the link.
+
+Long, because a description's way from its text to tables and pages is one sequence.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.errors import TalaiaError
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.gateway_words import is_described
+from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.renames import list_renames
@@ -155,7 +159,7 @@ class DescriptionIntake:
         await self._registry.said_hello(site, said, told.catalogue)
         gateway = 0 if live is None else live.gateway.id
         return await self._versions.add_version(
-            site, source or said, gateway=gateway, who=told.who, note=note
+            site, source or said, gateway=gateway, who=_known_who(live, told), note=note
         )
 
     def show_description(
@@ -186,7 +190,7 @@ class DescriptionIntake:
         self._media.watch(live.name)
         self._reporting.publish_description(live)
         self._reporting.report_event(
-            live, "description changed", who=told.who, message=f"version {number}"
+            live, "description changed", who=_known_who(live, told), message=f"version {number}"
         )
 
 
@@ -289,6 +293,11 @@ class Redescription:
                     )
                 failing = True
                 await asyncio.sleep(_RETRY_S)
+
+
+def _known_who(live: LiveSite | None, told: frames.DescriptionUpdate) -> str:
+    """Give who is said to have changed it, marked where the hub never handed them down."""
+    return (HandedDown() if live is None else live.handed_down).known_name(told.who)
 
 
 def _read_description(data: bytes) -> tuple[str, Site]:

@@ -1,25 +1,31 @@
-"""Slows a gateway that says too much, cuts it off where it goes on, and tells people."""
+"""Slows a gateway that says too much, cuts it off where it goes on, and tells people.
+
+What a site's gateway may say is counted over all its connections: its link, and those for pictures
+and for files.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import TYPE_CHECKING
 
-from talaia.hub.live.gateways.frame_limits import HELD_S, frame_kind
+from talaia.hub.live.gateways.frame_limits import DIALS, HELD_S, FrameLimits, frame_kind
 from talaia.wire.errors import PeerError
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.gateways.frame_limits import Verdict
     from talaia.hub.live.gateways.robot_events import RobotEvents
-    from talaia.hub.live.sites import LiveSite
-    from talaia.wire.frames import FromGateway
+    from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.wire.message import Message
 
-__all__ = ["HELD_OFF", "FloodGuard"]
+__all__ = ["HELD_OFF", "TRY_LATER", "FloodGuard"]
 
+_LOG = logging.getLogger(__name__)
 HELD_OFF = "this gateway has said more than the hub takes; come back later"
 # "Try again later" (the registry of RFC 6455).
-_TRY_LATER = 1013
+TRY_LATER = 1013
 # When to come back if only the log has no room for it (s).
 _ROWS_OVER_S = 10.0
 # Waited at once, at the most (s): a beat that stands behind a flood is heard all the same.
@@ -27,48 +33,83 @@ _LONGEST_WAIT_S = 0.5
 
 
 class FloodGuard:
-    """Stands before whoever reads a link."""
+    """Stands before whoever reads a connection of a gateway."""
 
-    def __init__(self, reporting: RobotEvents, clock: Clock) -> None:
-        """Tell people by ``reporting``; ``clock`` refills allowances."""
+    def __init__(self, sites: Sites, reporting: RobotEvents, clock: Clock) -> None:
+        """Tell people of ``sites`` by ``reporting``; ``clock`` refills allowances."""
+        self._sites = sites
         self._reporting = reporting
         self._clock = clock
+        # Of sites that have a key and have not said yet what they are.
+        self._undescribed: dict[str, FrameLimits] = {}
 
-    def held_s(self, live: LiveSite | None) -> float:
+    def held_s(self, site: str) -> float:
         """Give for how long nobody is let in by the key of a site."""
-        if live is None:
-            return 0.0
         now_ns = self._clock.monotonic_ns()
+        limits = self._limits_of(site)
         # Comings and goings are written down as well: one that dials without end fills the log.
-        over = live.frame_limits.is_over("rows", now_ns)
-        return max(live.frame_limits.held_s(now_ns), _ROWS_OVER_S if over else 0.0)
+        over = limits.is_over("rows", now_ns)
+        return max(limits.held_s(now_ns), _ROWS_OVER_S if over else 0.0)
 
-    async def admit_frame(self, live: LiveSite, message: FromGateway) -> None:
+    def admit_dial(self, site: str) -> float:
+        """Count a connection that is opened by a site's key; give when to come back (s), or 0."""
+        verdict = self._limits_of(site).charge(DIALS, self._clock.monotonic_ns())
+        if not verdict.slowed:
+            return 0.0
+        try:
+            self._report_flood(site, DIALS, verdict)
+        except PeerError:
+            return HELD_S
+        return max(1.0, verdict.wait_s)
+
+    async def admit_frame(self, site: str, message: Message) -> None:
         """Wait until a frame may be read.
 
         Raises:
             PeerError: its gateway has gone on too long.
 
         """
-        limits = live.frame_limits
-        kind = frame_kind(message)
-        now_ns = self._clock.monotonic_ns()
-        verdict = limits.charge(kind, now_ns, described=live.described)
+        await self.admit_kind(site, frame_kind(message))
+
+    async def admit_kind(self, site: str, kind: str) -> None:
+        """Wait until a frame of a kind may be read; see `admit_frame`."""
+        live = self._sites.find_site(site)
+        limits = self._limits_of(site)
+        described = 0 if live is None else live.described
+        verdict = limits.charge(kind, self._clock.monotonic_ns(), described=described)
         if verdict.slowed:
-            await self._slow_down(live, kind, verdict)
+            await self._slow_down(site, kind, verdict)
         # Of the message before: what it wrote into the log.
         rows, limits.rows = limits.rows, None
         if rows is not None:
-            await self._slow_down(live, "event", rows)
+            await self._slow_down(site, "event", rows)
 
-    async def _slow_down(self, live: LiveSite, kind: str, verdict: Verdict) -> None:
-        limits, now_ns = live.frame_limits, self._clock.monotonic_ns()
+    async def _slow_down(self, site: str, kind: str, verdict: Verdict) -> None:
+        self._report_flood(site, kind, verdict)
+        await asyncio.sleep(min(verdict.wait_s, _LONGEST_WAIT_S))
+
+    def _report_flood(self, site: str, kind: str, verdict: Verdict) -> None:
+        limits, now_ns = self._limits_of(site), self._clock.monotonic_ns()
         if verdict.cut_off:
             limits.hold(now_ns)
             said = f"it goes on sending too many of {kind}; nobody is let in for {HELD_S:g} s"
-            self._reporting.report_event(live, "gateway cut off", message=said, good=False)
-            raise PeerError(HELD_OFF, _TRY_LATER)
+            self._report(site, "gateway cut off", said)
+            raise PeerError(HELD_OFF, TRY_LATER)
         if limits.first_told(now_ns):
             said = f"it sends too many of {kind}; what it says is read more slowly"
-            self._reporting.report_event(live, "gateway slowed", message=said, good=False)
-        await asyncio.sleep(min(verdict.wait_s, _LONGEST_WAIT_S))
+            self._report(site, "gateway slowed", said)
+
+    def _report(self, site: str, event: str, said: str) -> None:
+        live = self._sites.find_site(site)
+        if live is None:
+            _LOG.warning("%s: %s: %s", site, event, said)
+        else:
+            self._reporting.report_event(live, event, message=said, good=False)
+
+    def _limits_of(self, site: str) -> FrameLimits:
+        live: LiveSite | None = self._sites.find_site(site)
+        if live is not None:
+            # What it owed before it was described, it owes still.
+            live.frame_limits = self._undescribed.pop(site, live.frame_limits)
+            return live.frame_limits
+        return self._undescribed.setdefault(site, FrameLimits())

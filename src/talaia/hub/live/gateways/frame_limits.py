@@ -10,12 +10,27 @@ as fast as it is acknowledged, which may be for hours, and that is as it should 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
 from talaia.wire import frames
 
-__all__ = ["HELD_S", "LONGEST_OVER_S", "ROWS", "Allowance", "FrameLimits", "Verdict", "frame_kind"]
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.wire.message import Message
+
+__all__ = [
+    "DIALS",
+    "HELD_S",
+    "LONGEST_OVER_S",
+    "ROWS",
+    "UNKNOWN",
+    "Allowance",
+    "FrameLimits",
+    "Verdict",
+    "frame_kind",
+]
 
 
 class Allowance(NamedTuple):
@@ -56,7 +71,22 @@ _DESCRIPTIONS = Allowance(rate=0.5, burst=30.0)
 # Sightings and nights have limits of their own, too.
 _REPORTS = Allowance(rate=100.0, burst=5_000.0)
 
-_KINDS: dict[type[frames.FromGateway], tuple[str, Allowance]] = {
+# Connections that are opened: three for each link. A line that flaps is let in as often as it can.
+_DIALS = Allowance(rate=3.0, burst=300.0)
+# Of kinds that this hub does not know, and skips: a newer gateway says some on each link.
+_UNKNOWN = Allowance(rate=10.0, burst=1_000.0)
+# Tens a second for each camera, and what is seen on each.
+_PICTURES = Allowance(rate=1_000.0, burst=5_000.0)
+# Messages of raw topics come as fast as the line takes them; they are thinned behind this.
+_TAPS = Allowance(rate=5_000.0, burst=50_000.0, cuts=False)
+# Lists of topics, definitions, and what cannot be shown or heard.
+_ABOUT_TAPS = Allowance(rate=50.0, burst=2_000.0)
+# Each makes a file and a row; a gateway that comes back has a night's pictures.
+_OFFERS = Allowance(rate=20.0, burst=2_000.0)
+# Each is answered before the next one comes.
+_PIECES = Allowance(rate=2_000.0, burst=20_000.0, cuts=False)
+
+_KINDS: dict[type[Message], tuple[str, Allowance]] = {
     frames.SampleBatch: ("samples", _SAMPLES),
     frames.NewestBatch: ("samples", _SAMPLES),
     frames.SampleGap: ("gaps", _SAMPLES),
@@ -68,15 +98,29 @@ _KINDS: dict[type[frames.FromGateway], tuple[str, Allowance]] = {
     frames.NightPlan: ("night", _REPORTS),
     frames.RequestRevision: ("night", _REPORTS),
     frames.ObservationUpdate: ("night", _REPORTS),
+    frames.PictureFrame: ("pictures", _PICTURES),
+    frames.DetectedBoxes: ("boxes", _PICTURES),
+    frames.StreamError: ("topics", _ABOUT_TAPS),
+    frames.TapMessage: ("taps", _TAPS),
+    frames.TopicList: ("topics", _ABOUT_TAPS),
+    frames.TapSchema: ("topics", _ABOUT_TAPS),
+    frames.TapError: ("topics", _ABOUT_TAPS),
+    frames.FileOffer: ("files", _OFFERS),
+    frames.FilmOffer: ("films", _OFFERS),
+    frames.ArchiveOffer: ("pictures for the archive", _OFFERS),
+    frames.FilePiece: ("pieces of files", _PIECES),
 }
-_ALLOWANCES = dict(_KINDS.values())
+DIALS, UNKNOWN = "connections", "unknown messages"
+_ALLOWANCES = {**dict(_KINDS.values()), DIALS: _DIALS, UNKNOWN: _UNKNOWN}
+# Nobody owes more than what comes back in so long (s).
+_MOST_OWED_S = 10.0
 # So long over an allowance without a pause, and the link ends (s).
 LONGEST_OVER_S = 20.0
 # And so long nobody is let in by its key (s).
 HELD_S = 60.0
 
 
-def frame_kind(message: frames.FromGateway) -> str:
+def frame_kind(message: Message) -> str:
     """Name the kind by which a message is counted."""
     known = _KINDS.get(type(message))
     return str(type(message).__struct_config__.tag) if known is None else known[0]
@@ -91,9 +135,16 @@ class FrameLimits:
 
     """
 
-    def __init__(self, rows: Allowance = ROWS, *, longest_over_s: float = LONGEST_OVER_S) -> None:
-        """Begin with all of it; ``rows`` is that of the audit log."""
+    def __init__(
+        self,
+        rows: Allowance = ROWS,
+        *,
+        longest_over_s: float = LONGEST_OVER_S,
+        others: Mapping[str, Allowance] = _ALLOWANCES,
+    ) -> None:
+        """Begin with all of it; ``rows`` is that of the audit log, ``others`` are by kind."""
         self._rows = rows
+        self._others = others
         self._longest_over_s = longest_over_s
         self.held_until_ns = 0
         self.rows: Verdict | None = None
@@ -108,11 +159,12 @@ class FrameLimits:
 
         ``described`` is how many devices, interlocks and enclosures the site has.
         """
-        allowance = self._rows if kind == "rows" else _ALLOWANCES.get(kind, _STATES)
+        allowance = self._rows if kind == "rows" else self._others.get(kind, _STATES)
         rate = allowance.rate + allowance.per_thing * described
         burst = allowance.burst + allowance.per_thing * described
         passed_s = (now_ns - self._reckoned.get(kind, now_ns)) / SECOND
         left = min(burst, self._left.get(kind, burst) + passed_s * rate) - 1.0
+        left = max(left, -_MOST_OWED_S * rate)
         self._left[kind], self._reckoned[kind] = left, now_ns
         if left >= 0:
             # What a second brings has to be left again before a flood counts as over: who is
@@ -136,7 +188,7 @@ class FrameLimits:
 
     def is_over(self, kind: str, now_ns: int) -> bool:
         """Tell whether there is none left of an allowance that is the same for every site."""
-        allowance = self._rows if kind == "rows" else _ALLOWANCES[kind]
+        allowance = self._rows if kind == "rows" else self._others[kind]
         passed_s = (now_ns - self._reckoned.get(kind, now_ns)) / SECOND
         return self._left.get(kind, allowance.burst) + passed_s * allowance.rate < 0
 

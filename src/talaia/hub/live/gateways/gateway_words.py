@@ -10,10 +10,11 @@ from msgspec.structs import replace
 from talaia.wire import frames
 
 if TYPE_CHECKING:
+    from talaia.hub.live.gateways.handed_down import HandedDown
     from talaia.hub.live.gateways.robot_events import RobotMessage
     from talaia.hub.live.sites import LiveSite
 
-__all__ = ["event_words", "is_described", "with_known_names"]
+__all__ = ["event_words", "is_described", "with_known_names", "with_known_who"]
 
 # What the hub writes itself has no underscore in its kind.
 _OWN_KIND = re.compile(r"[a-z0-9]+(_[a-z0-9]+)+", re.ASCII)
@@ -88,3 +89,10 @@ def with_known_names(live: LiveSite, told: RobotMessage) -> RobotMessage:
             return replace(told, overridden_by=known.known_name(told.overridden_by))
         case _:
             return told
+
+
+def with_known_who(
+    known: HandedDown, offer: frames.FileOffer | frames.FilmOffer
+) -> frames.FileOffer | frames.FilmOffer:
+    """Mark who a recording is said to be asked for by, where the hub never handed them down."""
+    return replace(offer, who=known.known_name(offer.who))

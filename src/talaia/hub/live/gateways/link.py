@@ -15,6 +15,8 @@ from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from starlette.websockets import WebSocket
 
     from talaia.wire.frames import FromGateway, FromHub
@@ -31,8 +33,12 @@ GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 class GatewayLink:
     """One open link. `send` never waits; a task of its own writes, the most urgent first."""
 
-    def __init__(self, socket: WebSocket) -> None:
-        """Speak over ``socket``, which is accepted already."""
+    def __init__(self, socket: WebSocket, admit_unknown: Callable[[], Awaitable[None]]) -> None:
+        """Speak over ``socket``, which is accepted already.
+
+        ``admit_unknown`` is waited for at each message of an unknown kind.
+        """
+        self._admit_unknown = admit_unknown
         # Of its clock, by beats; counts those that were answered too.
         self.offset = ClockOffset()
         # The site's own once it is attached.
@@ -59,7 +65,12 @@ class GatewayLink:
             self._over.set_result(reason)
 
     async def receive_message(self) -> FromGateway | None:
-        """Read one message; None when the gateway has hung up. Unknown kinds are skipped."""
+        """Read one message; None when the gateway has hung up. Unknown kinds are skipped.
+
+        Raises:
+            PeerError: it is none, or there are too many of unknown kinds.
+
+        """
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -70,6 +81,7 @@ class GatewayLink:
             # A newer gateway may say more than this hub knows.
             except UnknownKind as error:
                 _LOG.debug("a gateway sent %s", error)
+                await self._admit_unknown()
 
     async def write_queued(self) -> None:
         """Send what is queued, for ever."""

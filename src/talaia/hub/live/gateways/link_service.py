@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from functools import partial
 from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -19,7 +20,8 @@ from talaia.hub.live.gateways.channel_maps import ChannelMaps
 from talaia.hub.live.gateways.description_intake import Redescription, source_of
 from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, DuplicateGateways
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
-from talaia.hub.live.gateways.flood_guard import HELD_OFF, FloodGuard
+from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
+from talaia.hub.live.gateways.frame_limits import UNKNOWN
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.gateways.link import GONE, GatewayLink
 from talaia.hub.live.site_state import LinkedGateway
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.detection.sightings import SightingJournal
     from talaia.hub.live.gateways.description_intake import DescriptionIntake
+    from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.gateways.live_samples import LiveSamples
     from talaia.hub.live.gateways.open_links import OpenLinks
@@ -65,10 +68,9 @@ _NEWS_EVERY = 5
 _FINISH_S = 1.0
 # While these are raised the database is away; anything else is a defect.
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
-# Codes from 4000 on are left to applications (RFC 6455, 7.4.2); 1013 is "try again later".
+# Codes from 4000 on are left to applications (RFC 6455, 7.4.2).
 REFUSED = 4400
 REPLACED = 4409
-TRY_LATER = 1013
 # When a gateway is to come back whose hub has no database just now.
 STORE_AFTER_S = 2.0
 
@@ -91,6 +93,7 @@ class LinkService:
         attendance: GatewayPresence,
         links: OpenLinks,
         admission: JoinQueue,
+        flood_guard: FloodGuard,
         settings: Settings,
         clock: Clock,
     ) -> None:
@@ -109,6 +112,7 @@ class LinkService:
             attendance: keeps when a gateway was there.
             links: closes a link whose key is revoked.
             admission: lets so many in at a time.
+            flood_guard: slows whoever says too much, and cuts them off.
             settings: times of the link.
             clock: dates what comes.
 
@@ -118,23 +122,20 @@ class LinkService:
         self._reporting = reporting
         self._samples = samples
         self._sightings = sightings
-        self._media = media
-        self._taps = taps
-        self._nights = nights
-        self._history = history
+        self._media, self._taps = media, taps
+        self._nights, self._history = nights, history
         self._attendance = attendance
         self._links = links
         self._admission = admission
         self._settings, self._clock = settings, clock
-        # A second gateway with one key is kept out; one that says too much is cut off.
         self._rivals = DuplicateGateways(reporting)
-        self._flood_guard = FloodGuard(reporting, clock)
+        self._flood_guard = flood_guard
         # Comings and goings of links are written down one after the other.
         self._parting = asyncio.Lock()
 
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Serve the link of a gateway until it ends."""
-        link = GatewayLink(socket)
+        link = GatewayLink(socket, partial(self._flood_guard.admit_kind, key.site, UNKNOWN))
         # Counted from the start, so that a key that is revoked during the hello ends this link too.
         with self._links.count_open(key.id, link):
             await self._serve_link(link, key, socket.client.host if socket.client else "")
@@ -148,7 +149,7 @@ class LinkService:
         except (PeerError, DescriptionError, TimeoutError) as error:
             reason = str(error) or "no hello in time"
             _LOG.warning("the gateway of %s is refused: %s", site, reason)
-            await link.send_farewell(reason, REFUSED)
+            await link.send_farewell(reason, _refusal_code(error))
             return
         except GONE:
             return
@@ -159,7 +160,7 @@ class LinkService:
         if self._rivals.keeps_out(self._sites.find_site(site), hello.boot):
             await link.send_farewell(KEPT_OUT, REPLACED)
             return
-        if held_s := self._flood_guard.held_s(self._sites.find_site(site)):
+        if held_s := self._flood_guard.held_s(site):
             await link.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
@@ -318,7 +319,7 @@ class LinkService:
         redescription: Redescription,
     ) -> None:
         while (message := await link.receive_message()) is not None:
-            await self._flood_guard.admit_frame(live, message)
+            await self._flood_guard.admit_frame(live.name, message)
             match message:
                 case frames.SampleBatch():
                     batch = lists.read_batch(message)
@@ -402,6 +403,12 @@ class LinkService:
     def _now_us(self) -> int:
         # Beats measure spans, which a clock that is set must not change.
         return self._clock.monotonic_ns() // 1000
+
+
+def _refusal_code(error: Exception) -> int:
+    """Give the close code of a hello that is not taken; of a flood it says to come back."""
+    flooded = isinstance(error, PeerError) and error.code == TRY_LATER
+    return TRY_LATER if flooded else REFUSED
 
 
 def _former_channels(live: LiveSite, renamed: Mapping[str, str]) -> dict[str, str]:

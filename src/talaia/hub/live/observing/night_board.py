@@ -6,6 +6,8 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from talaia.hub.auth.tokens import new_token
 from talaia.wire import browser as page
 from talaia.wire.browser_messages.relay import relay_message
@@ -73,7 +75,8 @@ class NightBoard:
                 browser.send_message(_plan_news(live.name, night))
 
     def handle_state(self, live: LiveSite, state: NightState) -> None:
-        """A gateway says how its night stands."""
+        """A gateway says how its night stands; who armed it is one whom the hub has told it."""
+        state = replace(state, armed_by=live.handed_down.known_name(state.armed_by))
         night = self.night_of(live.name)
         night.state, night.state_us = state, self._now_us()
         waiting = self._asked.pop(state.answer_to, None) if state.answer_to else None

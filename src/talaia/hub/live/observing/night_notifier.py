@@ -67,7 +67,8 @@ class NightNotifier:
             NightNotice(
                 site=live.name,
                 title=f"{live.description.name}: {words}",
-                text=event.message,
+                # Mailed to people: nobody is to take it for the hub's own words.
+                text=f"Its gateway says: {event.message}" if event.message else "",
                 severity=severity,
                 # The gateway's own, by which a repetition is known, unless it is nonsense.
                 time_us=event.time_us if abs(event.time_us - now_us) < _OLDEST_US else now_us,

@@ -123,22 +123,27 @@ class ObservationIntake:
         first.link.send(ObservationAck(number=max(report.number for report in some)))
         for oddity in stored.oddities:
             self._audit.append_record(
-                "observation odd", site=first.site, message=oddity, good=False
+                "observation odd",
+                site=first.site,
+                message=oddity,
+                good=False,
+                source="gateway",
             )
         # Those that have ended are told of below.
         ended = {one.id for one in stored.ended}
         self._news.requests_moved(first.site, sorted(set(stored.changed) - ended))
         if stored.again:
             self._resend(first.site)
-        self._tell_ended(stored.ended)
+        self._tell_ended(stored.ended, source="gateway")
 
-    def _tell_ended(self, ended: Sequence[EndedRequest]) -> None:
+    def _tell_ended(self, ended: Sequence[EndedRequest], source: str = "hub") -> None:
         for one in ended:
             self._audit.append_record(
                 f"request {one.state.value.lower().replace('_', ' ')}",
                 site=one.site,
                 message=f"{one.id} of {one.proposal}: {one.why}",
                 good=one.state is RequestState.COMPLETED,
+                source=source,
             )
         if ended:
             self._deliver()

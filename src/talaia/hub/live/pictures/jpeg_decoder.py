@@ -1,4 +1,4 @@
-"""A camera's JPEG as pixels, whoever sent it."""
+"""A camera's JPEG as pixels, whoever sent it; in the process of `jpeg_child` only."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Unreadable", "pixels_of"]
+__all__ = ["MOST_PIXELS", "Unreadable", "decode_pixels"]
 
 # Larger ones are not read (px).
-_MOST_PIXELS = 4096 * 2304
+MOST_PIXELS = 4096 * 2304
 _MISSING = "pictures cannot be read: simplejpeg is missing; install talaia[objects]"
 
 
@@ -21,7 +21,7 @@ class Unreadable(DetectorError):
     """A picture that cannot be read; the detectors know nothing of it."""
 
 
-def pixels_of(data: bytes) -> NDArray[np.uint8]:
+def decode_pixels(data: bytes) -> NDArray[np.uint8]:
     """Read a JPEG: rows × columns × 3, RGB.
 
     Raises:
@@ -36,7 +36,7 @@ def pixels_of(data: bytes) -> NDArray[np.uint8]:
         height, width, *_ = simplejpeg.decode_jpeg_header(data)
         # By the header alone, before any memory is given to it: a small file can claim a huge
         # picture.
-        if height * width > _MOST_PIXELS:
+        if height * width > MOST_PIXELS:
             raise Unreadable(f"a picture of {width} × {height} pixels is too large to be read")
         rgb: NDArray[np.uint8] = simplejpeg.decode_jpeg(data, colorspace="RGB")
     except ValueError as error:

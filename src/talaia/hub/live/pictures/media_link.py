@@ -6,11 +6,13 @@ It is apart from the link so that none of them stands before a command.
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.first_completed import until_first
+from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
 from talaia.hub.live.gateways.link import GatewayLink
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import (
@@ -30,16 +32,18 @@ from talaia.wire.frames import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from starlette.websockets import WebSocket
 
     from talaia.clock import Clock
+    from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import Sites
     from talaia.hub.live.taps.tap_fanout import TapFanout, TapFromGateway
     from talaia.hub.store.sites.site_registry import GatewayKey
+    from talaia.wire.message import Message
 
 __all__ = ["GatewayCamera", "MediaLinks", "MediaReceivers"]
 
@@ -58,6 +62,8 @@ class MediaReceivers(NamedTuple):
     # What is seen.
     boxes: Callable[[DetectedBoxes], None]
     taps: Callable[[TapFromGateway], None]
+    # Waited for before each message is read on.
+    admit: Callable[[Message], Awaitable[None]]
 
 
 class GatewayCamera:
@@ -85,9 +91,14 @@ class GatewayCamera:
                 reason, code = result.problem, result.code
             elif isinstance(result, Exception) and not isinstance(result, _GONE):
                 raise result
+        await self.send_farewell(reason, code)
+
+    async def send_farewell(self, reason: str, code: int, after_s: float = 0.0) -> None:
+        """Say one last thing and close; ``after_s`` is when to come back, 0 leaves that open."""
         try:
             async with asyncio.timeout(_FAREWELL_S):
-                await self._socket.send_bytes(MEDIA_FROM_HUB.encode(Bye(reason=reason)))
+                said = Bye(reason=reason[:2000], after_s=after_s)
+                await self._socket.send_bytes(MEDIA_FROM_HUB.encode(said))
                 await self._socket.close(code)
         except _GONE:
             return
@@ -99,6 +110,7 @@ class GatewayCamera:
                 return
             data = event.get("bytes")
             message = MEDIA_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+            await receivers.admit(message)
             match message:
                 case PictureFrame():
                     receivers.picture(message)
@@ -126,9 +138,14 @@ class MediaLinks:
         media: PictureFanout,
         taps: TapFanout,
         links: OpenLinks,
+        flood_guard: FloodGuard,
         clock: Clock,
     ) -> None:
-        """Hand on pictures and taps; ``links`` closes a connection whose key is revoked."""
+        """Hand on pictures and taps; ``links`` closes a connection whose key is revoked.
+
+        ``flood_guard`` slows who says too much, and cuts them off.
+        """
+        self._flood_guard = flood_guard
         self._sites = sites
         self._media = media
         self._taps = taps
@@ -140,6 +157,9 @@ class MediaLinks:
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take pictures of a site until its gateway hangs up or a newer one comes."""
         camera, site = GatewayCamera(socket), key.site
+        if held_s := self._flood_guard.held_s(site):
+            await camera.send_farewell(HELD_OFF, TRY_LATER, held_s)
+            return
         before = self._open.get(site)
         if before is not None:
             # A gateway needs one; the older is likely a connection that is dead.
@@ -154,6 +174,7 @@ class MediaLinks:
                     trouble=lambda said: self._media.trouble(site, said),
                     boxes=lambda boxes: self._media.boxes(site, boxes),
                     taps=lambda said: self._receive_tap(site, camera, said),
+                    admit=partial(self._flood_guard.admit_frame, site),
                 )
                 await camera.serve(receivers, self._now_us)
         finally:

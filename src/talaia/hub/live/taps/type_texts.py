@@ -9,6 +9,7 @@ from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.errors import TalaiaError
+from talaia.hub.live.taps.type_bounds import OutOfBounds, check_text, check_types
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
@@ -36,17 +37,23 @@ def read_definitions(text: TypeText) -> Typesdict:
     """Give the fields of a type and of the types in it.
 
     Raises:
-        MessageUnreadable: there is no definition, or none that can be read.
+        MessageUnreadable: there is no definition, or none that can be read, or it is beyond what
+            one may be.
 
     """
     from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg
 
     if not text.definition:
-        raise MessageUnreadable(f"there is no definition of {text.type}")
+        raise MessageUnreadable(f"there is no definition of {text.type[:200]!r}")
     try:
+        check_text(text.type, text.definition)
         if text.encoding == "ros2idl":
-            return get_types_from_idl(text.definition)
-        found = get_types_from_msg(text.definition, text.type)
+            found = get_types_from_idl(text.definition)
+        else:
+            found = get_types_from_msg(text.definition, text.type)
+        check_types(found)
+    except OutOfBounds as error:
+        raise MessageUnreadable(f"{text.type[:200]!r} is not read: {error}") from error
     except (TypesysError, SyntaxError, RecursionError) as error:
         raise MessageUnreadable(f"{text.type}: {str(error)[:300]}") from error
     if text.encoding == "ros1msg":

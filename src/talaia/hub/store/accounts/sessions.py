@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, delete, insert, select, update
 
+from talaia.clock import SECOND
+from talaia.hub.auth.fresh_confirmations import FreshConfirmations
 from talaia.hub.auth.permissions import Who
 from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.store.accounts.permission_grants import OF_ROLES, grants_of
@@ -57,6 +59,7 @@ class Sessions:
         self._idle_us = round(settings.idle_s * 1e6)
         # So long after it began, it is over however much it is used.
         self._life_us = round(settings.life_s * 1e6)
+        self._confirmations = FreshConfirmations(round(settings.confirm_s * SECOND))
 
     async def start_session(
         self, user: int, address: str, agent: str = ""
@@ -80,7 +83,17 @@ class Sessions:
             )
             await connection.execute(update(users).where(users.c.id == user).values(used_us=now))
             found = await self._read_sessions(connection, [hashed])
+        # Whoever signs in has just given all that can be asked for.
+        self.confirm_session(hashed)
         return token, found[hashed]
+
+    def confirm_session(self, hashed: str) -> None:
+        """Its person has proved anew that it is them."""
+        self._confirmations.confirm(hashed, self._clock.monotonic_ns())
+
+    def is_confirmed(self, hashed: str) -> bool:
+        """Tell whether its person has proved a short while ago that it is them."""
+        return self._confirmations.is_fresh(hashed, self._clock.monotonic_ns())
 
     async def find_session(self, token: str, *, used: bool = True) -> LiveSession | None:
         """Tell who holds ``token``; None when it stands for no living session.

@@ -1,0 +1,1 @@
+"""``talaia audit``: what can be done with a hub's audit log."""

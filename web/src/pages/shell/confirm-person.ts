@@ -1,0 +1,127 @@
+/** Asks the person for their password, and their second factor, before rights are given away. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, query, state } from "lit/decorators.js";
+import { ActionController } from "../../controllers/action.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { apiContext, sessionContext } from "../../state/contexts.js";
+import { AccountApi } from "../../wire/account-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+import "../../elements/feedback/dialog.js";
+import "../../elements/forms/field.js";
+
+/** The question; `askPerson` opens it, and whatever closes it answers. */
+@customElement("t-confirm-person")
+export class ConfirmPerson extends LitElement {
+  static override styles = [
+    base,
+    forms,
+    css`
+      form {
+        display: grid;
+        gap: var(--t-space-4);
+      }
+      p {
+        margin: 0;
+      }
+    `,
+  ];
+
+  @state() private open = false;
+  @state() private missing: "" | "password" | "code" = "";
+  @query("#password") private readonly password!: HTMLInputElement;
+  @query("#code") private readonly code!: HTMLInputElement | null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly action = new ActionController(this);
+  private asked: Promise<boolean> | null = null;
+  private answer: (confirmed: boolean) => void = () => undefined;
+
+  /** Asks; whoever asks meanwhile gets the same answer. */
+  readonly askPerson = (): Promise<boolean> => {
+    this.asked ??= new Promise((resolve) => {
+      this.answer = resolve;
+      this.missing = "";
+      this.action.clear();
+      this.open = true;
+      void this.updateComplete.then(() => focusInside(this, "#password"));
+    });
+    return this.asked;
+  };
+
+  override render(): TemplateResult {
+    const person = this.session.store?.person;
+    const { busy, problem } = this.action;
+    return html`<t-dialog heading="Confirm that it is you" ?open=${this.open} @t-close=${this.onClosed}>
+      <form novalidate @submit=${this.onSubmit}>
+        <p>What you are about to do gives rights to somebody, or takes a protection away. You are asked again after five minutes.</p>
+        <input hidden name="username" autocomplete="username" .value=${person?.name ?? ""} />
+        <t-field label="Your password" error=${this.missing === "password" ? "Enter your password." : ""}>
+          <input id="password" type="password" autocomplete="current-password" required />
+        </t-field>
+        ${person?.factor === true
+          ? html`<t-field
+              label="Code"
+              hint="Six digits from your app, or one of your recovery codes"
+              error=${this.missing === "code" ? "Enter the code." : ""}
+            >
+              <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
+            </t-field>`
+          : nothing}
+        ${renderAdvice(problem)}
+        <button type="submit" hidden></button>
+      </form>
+      <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
+      <t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirm}>Confirm</t-button>
+    </t-dialog>`;
+  }
+
+  private readonly onSubmit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    void this.confirm();
+  };
+
+  private readonly confirm = async (): Promise<void> => {
+    const password = this.password.value;
+    const code = this.code?.value.replace(/\s+/g, "") ?? "";
+    if (password === "") this.missing = "password";
+    else if (this.code !== null && code === "") this.missing = "code";
+    else this.missing = "";
+    if (this.missing !== "") {
+      void focusInside(this, `#${this.missing}`);
+      return;
+    }
+    const done = await this.action.run("take this", () => new AccountApi(this.api).confirm(password, code));
+    if (done) this.finish(true);
+    else void focusInside(this, this.code === null ? "#password" : "#code");
+  };
+
+  private readonly closeQuestion = (): void => {
+    this.finish(false);
+  };
+
+  private readonly onClosed = (): void => {
+    this.finish(false);
+  };
+
+  private finish(confirmed: boolean): void {
+    this.password.value = "";
+    if (this.code !== null) this.code.value = "";
+    this.open = false;
+    this.asked = null;
+    this.answer(confirmed);
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-confirm-person": ConfirmPerson;
+  }
+}
