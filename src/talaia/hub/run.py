@@ -29,7 +29,7 @@ from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.dead_peers import drop_dead_peers
 from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.api.server.large_messages import HubSocketProtocol
-from talaia.hub.api.server.silent_connections import SilentConnections
+from talaia.hub.api.server.silent_connections import SilentConnections, defer_silent
 from talaia.hub.app import build_hub
 from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
@@ -472,6 +472,7 @@ def _listen_socket(settings: Settings) -> socket.socket:
             "choose another with --port or --host",
         ) from error
     drop_dead_peers(listener)
+    defer_silent(listener)
     return listener
 
 

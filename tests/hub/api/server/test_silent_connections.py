@@ -18,6 +18,7 @@ from talaia.hub.api.server.silent_connections import (
     MOST_SILENT,
     SILENT_S,
     SilentConnections,
+    defer_silent,
 )
 from talaia.hub.certificate import own_certificate
 from talaia.hub.settings import Settings
@@ -87,6 +88,21 @@ def test_unsigned_requests_of_an_address_are_bounded_and_signed_ones_are_not() -
     with requests.count("192.0.2.7", {}) as allowed:
         assert allowed
     second.__exit__(None, None, None)
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_DEFER_ACCEPT"), reason="the system has none")
+def test_system_keeps_a_connection_to_itself_until_it_says_something() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        defer_silent(listener)
+        listener.settimeout(0)
+        with socket.create_connection(listener.getsockname()) as silent:
+            with pytest.raises(BlockingIOError):
+                listener.accept()
+            silent.sendall(b"hello")
+            listener.settimeout(PATIENCE_S)
+            connection, _ = listener.accept()
+            assert connection.recv(5) == b"hello"
+            connection.close()
 
 
 class Echo(asyncio.Protocol):

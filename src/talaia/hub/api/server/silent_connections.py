@@ -7,6 +7,7 @@ who come to say something: beyond a bound, those that have been silent longest a
 from __future__ import annotations
 
 import ipaddress
+import socket
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
@@ -15,7 +16,15 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Network
 
-__all__ = ["MOST_SILENT", "SILENT_S", "Arrival", "SilentConnections", "Speaks", "network_of"]
+__all__ = [
+    "MOST_SILENT",
+    "SILENT_S",
+    "Arrival",
+    "SilentConnections",
+    "Speaks",
+    "defer_silent",
+    "network_of",
+]
 
 # Of one address; after a restart all pages and gateways behind one address dial at once.
 MOST_SILENT = 64
@@ -23,6 +32,8 @@ MOST_SILENT = 64
 SILENT_S = 2.0
 # And so many are never held, however quickly they come.
 MOST_AT_ALL = 1_024
+# So long the system keeps a connection to itself that has sent nothing (s).
+_DEFERRED_S = 5
 # An IPv6 network that one household or one attacker has to itself.
 _PREFIX = 64
 
@@ -100,6 +111,16 @@ class SilentConnections:
         if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
             address = address.ipv4_mapped
         return any(address in network for network in self._proxies)
+
+
+def defer_silent(listener: socket.socket) -> None:
+    """Let the system keep connections to itself until the other side has sent something.
+
+    Over TLS and HTTP whoever connects speaks first, so nobody waits longer for it; where the system
+    cannot (it is Linux's), those who say nothing are only bounded.
+    """
+    if (option := getattr(socket, "TCP_DEFER_ACCEPT", None)) is not None:
+        listener.setsockopt(socket.IPPROTO_TCP, option, _DEFERRED_S)
 
 
 def network_of(address: str) -> str:
