@@ -47,7 +47,7 @@ CLEAN = {
 CLEAN["PIP_COMPILE"] = "0"
 FROM_INDEX = "TALAIA_PROOF_TABLE" in os.environ
 # The Python of a distribution's own ROS 2, and that of the gateway in its image.
-DISTROS = {"humble": "3.10", "jazzy": "3.12"}
+DISTROS = {"humble": "3.10"}
 GATEWAYS_PYTHON = "3.12"
 # Wheels that stand for what the image of `ros:<distro>` and its recipe bring from Debian packages.
 ROS_WHEELS = (
@@ -134,14 +134,24 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
             file.write(f"## What came for `{install[-1]}`\n\n- {came}\n\n")
 
 
+def python_of(version: str) -> str:
+    """Give a Python of this machine; one that is found by name may be pyenv's, and not there."""
+    named = shutil.which(f"python{version}")
+    kept = Path.home().glob(f".pyenv/versions/{version}.*/bin/python")
+    for found in (*([named] if named else []), *map(str, kept)):
+        if subprocess.run([found, "--version"], capture_output=True, check=False).returncode == 0:
+            return found
+    raise AssertionError(f"there is no python{version} here")
+
+
 def lay_managed_python(folder: Path) -> None:
-    """Put this machine's Python where uv has the one that it brings: it is no package's."""
-    found = shutil.which(f"python{GATEWAYS_PYTHON}")
-    assert found, f"there is no python{GATEWAYS_PYTHON} here"
+    """Put this machine's Python where uv has the one that it downloads: it is of no index."""
     which = "import sys, platform; print(sys.base_prefix, platform.python_version())"
-    prefix, version = run(found, "-c", which).split()
-    folder.mkdir(parents=True)
-    (folder / f"cpython-{version}-linux-{platform.machine()}-gnu").symlink_to(prefix)
+    prefix, version = run(python_of(GATEWAYS_PYTHON), "-c", which).split()
+    place = folder / f"cpython-{version}-linux-{platform.machine()}-gnu"
+    place.mkdir(parents=True)
+    for part in Path(prefix).iterdir():
+        (place / part.name).symlink_to(part)
 
 
 def seen_by_a_probe(program: Path, ros_python: Path) -> list[str]:
@@ -185,12 +195,10 @@ def test_the_install_steps_of_an_image_on_ros_work_and_its_gateway_sees_a_robot(
     places = dict(re.findall(r"(UV_PYTHON_INSTALL_DIR)=(\S+)", recipe))
     places = {key: f"{root}{place}" for key, place in places.items()}
     lay_managed_python(Path(places["UV_PYTHON_INSTALL_DIR"]))
-    ros_own = shutil.which(f"python{DISTROS[distro]}")
-    assert ros_own, f"there is no python{DISTROS[distro]} here"
+    ros_own = python_of(DISTROS[distro])
     # uv does not read pip's settings.
-    index = run(sys.executable, "-m", "pip", "config", "list")
-    found = re.search(r"index-url='(.+)'", index)
-    if found:
+    settings = run(sys.executable, "-m", "pip", "config", "list")
+    if found := re.search(r"^global\.index-url='(.+)'", settings, re.MULTILINE):
         places["UV_DEFAULT_INDEX"] = found[1]
     stand_ins = {"python3": ros_own, "/wheels": str(folder / "wheels")}
     for step in steps(recipe):
