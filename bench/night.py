@@ -1,10 +1,11 @@
 """Play the nights of a folder: the planner beside two dispatchers, each against the same bound.
 
-    .venv/bin/python bench/night.py FOLDER [--clear] [--match GLOB]
+    .venv/bin/python bench/night.py FOLDER [--clear] [--match GLOB] [--only NAME]
 
 FOLDER holds files of `talaia-night/1` (docs/how-to/plan-a-night.md). Feasibility is the planner's
 own here; a judge of other make plays against `talaia plan drive`. Times are processor time, so
 that a busy machine does not change them. `--clear` leaves weather and rapid requests out.
+`--astroplan` plays astroplan's scheduler, too (`night_astroplan.py` says how it is installed).
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import msgspec
+import night_astroplan
 import numpy as np
 
 from talaia.planner.bound import bound_value
@@ -250,13 +253,20 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--clear", action="store_true")
     parser.add_argument("--match", default="*.json")
+    parser.add_argument("--only", default="", help="of these planners: a part of their names")
+    parser.add_argument("--astroplan", action="store_true")
     options = parser.parse_args()
-    planners = {
+    planners: dict[str, Callable[[], Planner]] = {
         "planner": lambda: DrivenNight(INDIFFERENT),
         "planner, fair": lambda: DrivenNight(EVEN_HANDED),
         "dispatch": DispatchOnly,
         "dispatch, score × priority": ScoredDispatch,
     }
+    if options.astroplan and not night_astroplan.is_there():
+        parser.error("astroplan is not installed: see bench/night_astroplan.py")
+    if options.astroplan:
+        planners["astroplan"] = night_astroplan.AstroplanOrder
+    planners = {name: make for name, make in planners.items() if options.only in name}
     scores: dict[str, list[Score]] = {name: [] for name in planners}
     for path in sorted(options.folder.glob(options.match)):
         night = read_night(path.read_bytes())
@@ -265,17 +275,23 @@ def main() -> int:
         whole = NightPlay(night)
         bound = bound_value(whole.problem, whole.closed, whole.progress.feasibility)
         for name, make in planners.items():
+            if name == "astroplan" and len(night.requests) > night_astroplan.MOST:
+                continue
             play = NightPlay(night)
             play.play(make())
             scores[name].append(play.score(bound))
             print(path.stem, name, *(f"{k} {v:.3g}" for k, v in scores[name][-1]._asdict().items()))
     for name, rows in scores.items():
+        if not rows:
+            continue
         mean = np.mean(np.array(rows, float), axis=0)
         words = (f"{k} {v:.3f}" for k, v in zip(Score._fields, mean, strict=True))
         print(f"{name}, mean of {len(rows)}:", *words)
     gaps = {name: np.array([row.gap for row in rows]) for name, rows in scores.items()}
     for name in ("planner", "planner, fair"):
-        for other in ("dispatch", "dispatch, score × priority"):
+        for other in ("dispatch", "dispatch, score × priority", "astroplan"):
+            if not len(gaps.get(name, ())) == len(gaps.get(other, ())) > 0:
+                continue
             better = gaps[other] - gaps[name]
             error = better.std(ddof=1) / len(better) ** 0.5 if len(better) > 1 else float("nan")
             print(
