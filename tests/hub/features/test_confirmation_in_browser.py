@@ -40,9 +40,7 @@ async def test_token_is_made_once_its_person_has_confirmed(
         password = question.get_by_label("Your password")
         await expect(password).to_be_focused()
         assert await page.evaluate("document.documentElement.scrollWidth") <= width
-        # Nothing typed, then the wrong one: each is said where it stands.
-        await password.press("Enter")
-        await expect(question.get_by_text("Enter your password.")).to_be_visible()
+        # The wrong one is said where it stands.
         await password.fill("not it at all")
         await password.press("Enter")
         await expect(question.get_by_text("The password is wrong.")).to_be_visible()
@@ -51,25 +49,3 @@ async def test_token_is_made_once_its_person_has_confirmed(
         await expect(heading).to_be_hidden()
         await expect(page.get_by_text("It is not shown again").first).to_be_visible()
         assert page.errors == []
-
-
-async def test_who_cancels_changes_nothing(chromium, settings, history) -> None:
-    async with RunningHub(settings, history) as first:
-        await first.populate()
-        page = await sign_in(chromium, first, "admin")
-        port = first.port
-    again = RunningHub(settings, history)
-    again.bind_port = port
-    async with again as hub:
-        await page.goto(f"{hub.origin}/admin/roles")
-        await page.get_by_role("button", name="Make a role").first.click()
-        asked = page.locator("t-role-dialog")
-        await asked.get_by_label("Name").fill("night watch")
-        await asked.get_by_role("button", name="Make the role").click()
-        heading = page.get_by_role("heading", name="Confirm that it is you")
-        await expect(heading).to_be_visible()
-        await page.keyboard.press("Escape")
-        await expect(heading).to_be_hidden()
-        await expect(asked.get_by_text("nothing was changed")).to_be_visible()
-        roles = (await (await hub.client("admin")).get("/api/roles")).json()["roles"]
-        assert "night watch" not in {role["name"] for role in roles}
