@@ -18,6 +18,7 @@ from talaia.planner.from_requests import make_night, visits_of
 from talaia.planner.outlook import CERTAIN
 from talaia.planner.prices import CELL_S
 from talaia.planner.session import PlanningSession
+from talaia.planner.sky import MARK_S
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -114,7 +115,8 @@ def forecast_nights(
         plan = _plan_night(problem, session, begin)
         if not found and len(problem.table):
             planned = {block.request for block in plan.blocks}
-            said = session.why_not(begin) if problem.length_s else ()
+            # Whole marks count: a window that opens just now counts as open in the next but one.
+            said = session.why_not(begin + 2 * MARK_S) if problem.length_s else ()
             reasons = tuple(one for one in said if one.request not in planned)
         chances: dict[str, float] = {}
         for block in plan.blocks:

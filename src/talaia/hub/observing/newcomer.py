@@ -154,10 +154,10 @@ class _Market:
         worth = float(table.value[row]) * left
         first, last = (starts[best] - lead) / PRICE_S, (starts[best] + block) / PRICE_S
         likely = _likely(worth, price)
-        self._take(first, last, worth * likely)
+        self._raise_price(first, last, worth * likely)
         return _Place(likely, int(starts[best]) + block)
 
-    def _take(self, first: float, last: float, worth: float) -> None:
+    def _raise_price(self, first: float, last: float, worth: float) -> None:
         """Let what was found cost more than another of its group is worth there."""
         begin, end = max(0, math.floor(first)), max(1, math.ceil(last))
         rate = _TAKEN * worth / max(1.0, last - first)

@@ -71,7 +71,7 @@ function readParameters(text: string, { problems }: FieldReader<RuleField>): Pic
   for (const line of linesOf(text)) {
     const [, name = "", sign = "", value = ""] = CONDITION.exec(line) ?? [];
     if (sign === "=") {
-      equal[name] = value.split(",").map((one) => one.trim()).filter((one) => one !== "");
+      equal[name] = value.split(",").map((pattern) => pattern.trim()).filter((pattern) => pattern !== "");
       continue;
     }
     const number = Number(value.replace(",", ".").replace("−", "-"));

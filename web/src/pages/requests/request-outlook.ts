@@ -105,10 +105,10 @@ export class RequestOutlook extends LitElement {
       made === null
         ? html`<p class="muted">How likely it is observed is shown once the week is worked out.</p>`
         : html`<p class="muted">Beside what waits already, as worked out ${formatDuration(Math.max(0, Date.now() / 1000 - made / 1e6))} ago, with a roof that is open as often as usual.</p>`;
-    if (names.length < 2) return html`${map(requests, (one) => html`<p>With a clear sky: ${one.message}.</p><p>${chanceText(one, value)}</p>`)} ${aside}`;
+    if (names.length < 2) return html`${map(requests, (outlook) => html`<p>With a clear sky: ${outlook.message}.</p><p>${chanceText(outlook, value)}</p>`)} ${aside}`;
     const more = names.length - requests.length;
     return html`<p>With a clear sky:</p>
-      <ol>${map(requests, (one, i) => html`<li>${names[i]}: ${one.message}. ${chanceText(one, value)}</li>`)}</ol>
+      <ol>${map(requests, (outlook, i) => html`<li>${names[i]}: ${outlook.message}. ${chanceText(outlook, value)}</li>`)}</ol>
       ${more > 0 ? html`<p class="muted">Of the first ${requests.length} requests; the other ${more} are not looked at.</p>` : nothing} ${aside}`;
   }
 

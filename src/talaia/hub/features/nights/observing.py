@@ -71,7 +71,6 @@ class ObservingFeature(Feature):
         )
         notifier = NightNotifier(database, clock, deliver)
         self.link = NightLink(board=self.board, sender=sender, intake=intake, notifier=notifier)
-        outlooks = OutlookService(clock)
         forecasts = ForecastService(self.requests, self.proposals, clock)
         lookup = GroupLookup(self.proposals, self.requests)
         pages = (
@@ -90,7 +89,7 @@ class ObservingFeature(Feature):
                 requests=self.requests, lookup=lookup, news=sender, audit=audit, clock=clock
             ),
             OutlookPages(
-                outlooks=outlooks,
+                outlooks=OutlookService(clock),
                 forecasts=forecasts,
                 proposals=self.proposals,
                 requests=self.requests,

@@ -323,8 +323,7 @@ class RequestStore:
             .distinct()
         )
         async with self._database.read() as connection:
-            revision = await read_revision(connection, site)
-            last = 0
+            revision, last = await read_revision(connection, site), 0
             # In pages, yet in one transaction: the revision and the set belong to one moment.
             while page := await read_groups(
                 connection,
@@ -337,8 +336,8 @@ class RequestStore:
 
     async def newest_revision(self, site: str) -> int:
         """Give the revision of a site's requests; 0: nothing was ever asked."""
-        async with self._database.read() as connection:
-            return await read_revision(connection, site)
+        async with self._database.read() as rows:
+            return await read_revision(rows, site)
 
     async def raise_revision(self, site: str, beyond: int) -> int:
         """Raise a site's revision above what its gateway says that it has."""
