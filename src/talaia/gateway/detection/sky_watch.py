@@ -121,12 +121,12 @@ class SkyWatch:
                 if not math.isnan(seen.zero):
                     # Of the clearest sky so far: one that is covered all over does not tell it.
                     zero = seen.zero if math.isnan(zero) else max(seen.zero, zero - FADE_MAG)
-                self._tell(address, look, seen)
+                self._report_clouds(address, look, seen)
                 await asyncio.sleep(lens.every)
         finally:
             release()
 
-    def _tell(self, address: str, look: CameraFrame, seen: CloudMeasure) -> None:
+    def _report_clouds(self, address: str, look: CameraFrame, seen: CloudMeasure) -> None:
         if seen.problem != self._problems.get(address, ""):
             self._problems[address] = seen.problem
             log.info("%s: %s", address, seen.problem or "clouds are measured again")

@@ -33,7 +33,7 @@ def lapse_site(site: Site, unix_s: float) -> Site:
 
 def _still(device: Device) -> Device:
     outlets = {
-        name: replace(outlet, feeds=tuple(each for each in outlet.feeds if each not in _CAMERAS))
+        name: replace(outlet, feeds=tuple(feed for feed in outlet.feeds if feed not in _CAMERAS))
         for name, outlet in device.outlets.items()
     }
     fed = {name: outlet for name, outlet in outlets.items() if outlet.feeds}

@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.adapters.ros2.system_ros.start import prepare_bridge
@@ -123,10 +124,7 @@ class Ros2Adapter:
         """See `Adapter.run`."""
         loop = asyncio.get_running_loop()
         failed: asyncio.Future[None] = loop.create_future()
-
-        def fail(error: BaseException) -> None:
-            loop.call_soon_threadsafe(_fail, failed, error)
-
+        fail = partial(loop.call_soon_threadsafe, _fail, failed)
         remove_dead_segments_at_start()
         context = Context()
         try:
@@ -163,8 +161,7 @@ class Ros2Adapter:
         """See `DescriptionFollower`."""
         if self._thread is None:
             # It is joined with the next `run`.
-            self._scope = scope
-            self._plans = self._plans_of(scope)
+            self._scope, self._plans = scope, self._plans_of(scope)
         else:
             self._thread.run_soon(lambda: self._redescribe(scope))
 

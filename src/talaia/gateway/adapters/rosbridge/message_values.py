@@ -108,7 +108,7 @@ class MessageSerializer:
         if kind.base in TYPE_IDS and kind.base not in _TEXTS:
             made: NDArray[np.generic] | list[object] = _numbers_of(value, kind, where)
         elif isinstance(value, list):
-            made = [self._make_element(each, kind.base, where) for each in value]
+            made = [self._make_element(item, kind.base, where) for item in value]
         else:
             raise FieldError(where, f"expected a list, found {value!r:.80}")
         if kind.form is FieldForm.ARRAY and len(made) != kind.size:
@@ -166,7 +166,7 @@ def _numbers_of(value: object, kind: FieldType, where: str) -> NDArray[np.generi
             case list():
                 # JSON has neither NaN nor infinities: where one stood nothing comes.
                 empty = math.nan if kind.base.startswith("float") else 0
-                return np.array([empty if each is None else each for each in value], word)
+                return np.array([empty if item is None else item for item in value], word)
             case _:
                 pass
     except (ValueError, TypeError, OverflowError) as error:

@@ -58,4 +58,4 @@ def texts_of(values: object, name: str) -> list[str]:
     found = getattr(values, name, None)
     if not isinstance(found, list):
         return []
-    return [each if isinstance(each, str) else "" for each in found]
+    return [text if isinstance(text, str) else "" for text in found]

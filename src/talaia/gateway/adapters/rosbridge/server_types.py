@@ -42,7 +42,7 @@ class ServerTypes:
         if type_name not in self._texts and loop.time() >= self._again:
             self._again = loop.time() + _AGAIN_S
             answer = await self._questions.ask_service(_TEXTS)
-            types = [long_name(each) for each in texts_of(answer, "types")]
+            types = [long_name(name) for name in texts_of(answer, "types")]
             self._texts = dict(zip(types, texts_of(answer, "typedefs_full_text"), strict=False))
         # On another thread: it compiles code, and may read the definitions of a distribution.
         learn = partial(learn_type, type_name, self._texts.get(type_name, ""), self._ros)

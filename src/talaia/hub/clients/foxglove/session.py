@@ -256,8 +256,7 @@ class FoxgloveSession:
             if camera is not None:
                 self._cameras.subscribe_topic(topic, camera)
         for asked in self._signals.add_topics(topics):
-            problem = self._connection.request(asked)
-            if problem is not None:
+            if (problem := self._connection.request(asked)) is not None:
                 await self._send_status(_WARNING, problem.message)
 
     def _unsubscribe_topics(self, message: said.FoxgloveUnsubscribe) -> None:
@@ -370,8 +369,7 @@ class FoxgloveSession:
         """Tell who publishes, listens to and provides what, if that is wanted and is news."""
         if self._graph is not None:
             offer = self._things.offer
-            update = self._graph.update(offer, self._tapped.robot_graph(robot_services(offer)))
-            if update is not None:
+            if update := self._graph.update(offer, self._tapped.robot_graph(robot_services(offer))):
                 await self._send_json(update)
 
     async def _deliver_topic(self, message: TappedMessage) -> None:

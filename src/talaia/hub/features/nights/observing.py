@@ -55,7 +55,7 @@ class ObservingFeature(Feature):
         ``deliver`` is called when there may be something in the outbox of messages; ``archive``
         has the pictures.
         """
-        database, clock = core.database, core.clock
+        database, clock, simulated = core.database, core.clock, core.settings.simulated_sites
         self.proposals = ProposalStore(database, clock)
         self.requests = RequestStore(database, clock)
         observations = ObservationStore(database, clock)
@@ -103,7 +103,7 @@ class ObservingFeature(Feature):
                 lookup=lookup,
             ),
             ShortNightPages(
-                simulated=core.settings.simulated_sites,
+                simulated=simulated,
                 proposals=self.proposals,
                 requests=self.requests,
                 board=self.board,
@@ -115,7 +115,7 @@ class ObservingFeature(Feature):
                 board=self.board,
                 proposals=self.proposals,
                 requests=self.requests,
-                simulated=core.settings.simulated_sites,
+                simulated=simulated,
                 audit=audit,
                 clock=clock,
             ),
