@@ -4,7 +4,7 @@ import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { TopicMessage, TopicUpdate } from "../generated/wire.js";
 import { TopicFlow } from "../series/topic-flow.js";
 import { socketUrl } from "../wire/media-socket.js";
-import { topicPath, TopicSocket, type TopicLink } from "../wire/topic-socket.js";
+import { topicPath, TopicSocket, type TopicLink } from "../topics/topic-socket.js";
 
 /**
  * - `loading`: nothing is known yet

@@ -1,6 +1,6 @@
 /** The robot's diagnostics as a tree: the newest status of each name, and how each part stands. Pure. */
 
-import { fullText, listOf } from "../format/topic-tree.js";
+import { fullText, listOf } from "../topics/topic-tree.js";
 
 /** The gravest last, except that silence is less grave than an error. */
 export type DiagnosticLevel = "ok" | "warn" | "stale" | "error";

@@ -2,7 +2,7 @@ import { css, html, LitElement, nothing, type PropertyValues, type TemplateResul
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, plainList, quietText } from "../base/base-style.js";
-import { childrenOf, matchingPaths, valueNote, valueText, type TreeChild } from "../../format/topic-tree.js";
+import { childrenOf, matchingPaths, valueNote, valueText, type TreeChild } from "../../topics/topic-tree.js";
 import "../base/icon.js";
 
 /** Opened by themselves: down to here, and only what has few parts. */

@@ -6,6 +6,7 @@ import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
 import { settled } from "../../elements/base/stable-field.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { forms } from "../../elements/forms/form-style.js";
@@ -60,9 +61,7 @@ export class AlertRuleForm extends LitElement {
   private readonly editor: DraftEditor = new DraftEditor(
     this,
     (selector) => {
-      void this.updateComplete.then(() => {
-        this.renderRoot.querySelector<HTMLElement>(selector)?.focus();
-      });
+      void focusInside(this, selector);
     },
     () => undefined,
   );
@@ -113,7 +112,7 @@ export class AlertRuleForm extends LitElement {
       ${this.renderField("highestDec", "Highest declination (°)", read, numberInput("rule.highestDec", draft.highestDec), "empty: any")}
       <div class="wide" role="group" aria-label="Its role is">
         <span class="small">Its role is</span>
-        <div class="actions">${map(ROLES, (role) => html`<label class="tick"><input name="rule.role" type="checkbox" value=${role} .checked=${draft.roles.includes(role)} /> ${role}</label>`)}</div>
+        <div class="actions">${map(ROLES, (role) => html`<label class="tick"><input name="rule.role" type="checkbox" .value=${role} .checked=${draft.roles.includes(role)} /> ${role}</label>`)}</div>
         ${read.problems.has("roles") ? html`<p class="wrong" role="alert">${read.problems.get("roles")}</p>` : nothing}
       </div>
     </fieldset>`;

@@ -88,7 +88,7 @@ export class PageAudit extends LitElement {
     if (check.problem !== "" && check.broken === 0) {
       return html`<t-problem
         what="The signed heads of the log cannot be used."
-        how=${`${check.problem} Hold the log against the heads that you keep elsewhere: talaia audit verify --heads FILE.`}
+        how=${`${check.problem ?? ""} Hold the log against the heads that you keep elsewhere: talaia audit verify --heads FILE.`}
       ></t-problem>`;
     }
     return check.ok

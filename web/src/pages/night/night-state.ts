@@ -63,7 +63,7 @@ export class NightStatePanel extends LitElement {
   /** It is a simulator: a night in minutes can be tried. */
   @property({ type: Boolean }) simulated = false;
   /** The simulated site at which a whole night can be lived through at high speed, or empty. */
-  @property() timeLapse = "";
+  @property({ attribute: false }) timeLapse = "";
   /** So many times as fast does this site live; 0: as everybody. */
   @property({ attribute: false }) speed = 0;
   /** Its gateway is there. */

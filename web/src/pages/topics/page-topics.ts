@@ -16,7 +16,7 @@ import type { SiteShape, TopicShape, TopicTable } from "../../generated/api.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, topicPagePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { TopicsApi } from "../../wire/topics-api.js";
+import { TopicsApi } from "../../topics/topics-api.js";
 import { filterTopics, rateText, whoMaySee } from "./topic-list.js";
 import "../../elements/feedback/banner.js";
 import "../../elements/feedback/empty.js";

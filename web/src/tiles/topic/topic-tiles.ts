@@ -9,7 +9,7 @@ import { base } from "../../elements/base/base-style.js";
 import type { TopicShape, TopicTable } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { TopicsApi } from "../../wire/topics-api.js";
+import { TopicsApi } from "../../topics/topics-api.js";
 import { topicTile } from "../catalog.js";
 
 /** Topics come and go; it is looked so often whether there are others (ms). */

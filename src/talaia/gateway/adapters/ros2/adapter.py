@@ -124,7 +124,7 @@ class Ros2Adapter:
         """See `Adapter.run`."""
         loop = asyncio.get_running_loop()
         failed: asyncio.Future[None] = loop.create_future()
-        fail = partial(loop.call_soon_threadsafe, _fail, failed)
+        fail = partial(_fail_soon, loop, failed)
         remove_dead_segments_at_start()
         context = Context()
         try:
@@ -397,6 +397,12 @@ def _fast_dds_domain(described: int | None) -> int | None:
     if not rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
         return None
     return domain_of(os.environ.get("ROS_DOMAIN_ID") if described is None else str(described))
+
+
+def _fail_soon(
+    loop: asyncio.AbstractEventLoop, future: asyncio.Future[None], error: BaseException
+) -> None:
+    loop.call_soon_threadsafe(_fail, future, error)
 
 
 def _fail(future: asyncio.Future[None], error: BaseException) -> None:

@@ -95,7 +95,8 @@ class MessageSerializer:
         if not fields:
             # rosbags gives an empty message of ROS 2 the byte that ROS gives it.
             return self._store.types[name](0)
-        return self._store.types[name](
+        make: Any = self._store.types[name]
+        return make(
             *(self._make_value(_value_of(found, field), field.type, field.name) for field in fields)
         )
 

@@ -52,8 +52,7 @@ class ObservingFeature(Feature):
     ) -> None:
         """Write down in ``audit`` what people do and how requests end.
 
-        ``deliver`` is called when there may be something in the outbox of messages; ``archive``
-        has the pictures.
+        ``deliver``: there may be something in the outbox of messages. ``archive``: has pictures.
         """
         database, clock, simulated = core.database, core.clock, core.settings.simulated_sites
         self.proposals = ProposalStore(database, clock)

@@ -12,6 +12,7 @@ from talaia.hub.errors import TapRefused
 from talaia.hub.live.pages.page_connections import SESSION_OVER
 from talaia.hub.live.taps.message_tree import tree_reader
 from talaia.hub.live.taps.tapped import (
+    GraphChanged,
     TapBegun,
     TapDelivery,
     TapEnded,
@@ -192,6 +193,8 @@ class TopicViewer:
                         raise _Over
                     case TopicsChanged():
                         await self._send_update()
+                    case GraphChanged():
+                        pass  # Nobody here follows the robot's nodes.
 
     async def _next_events(self) -> list[TapEvent]:
         """Wait for what is to be told next; of a topic that comes often only the newest is left."""

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { TopicMessage, TopicUpdate } from "../../src/generated/wire.js";
-import { topicPath, TopicSocket, type TopicLink } from "../../src/wire/topic-socket.js";
-import { FakeSocket } from "./fake-socket.js";
+import { topicPath, TopicSocket, type TopicLink } from "../../src/topics/topic-socket.js";
+import { FakeSocket } from "../wire/fake-socket.js";
 
 const sockets: FakeSocket[] = [];
 const states: [TopicLink, string][] = [];

@@ -1,7 +1,7 @@
 /** The raw topics of a site that a person may follow. */
 
 import type { TopicTable } from "../generated/api.js";
-import type { HubApi } from "./hub-api.js";
+import type { HubApi } from "../wire/hub-api.js";
 
 export class TopicsApi {
   constructor(

@@ -1,8 +1,8 @@
 /** One raw topic of a robot over a socket of its own; the robot is heard for it while it is open. */
 
 import type { TopicMessage, TopicToBrowser, TopicUpdate } from "../generated/wire.js";
-import { backoffMs } from "./backoff.js";
-import { decodeTopic, encodeMessage, FrameError } from "./codec.js";
+import { backoffMs } from "../wire/backoff.js";
+import { decodeTopic, encodeMessage, FrameError } from "../wire/codec.js";
 
 export type TopicLink = "connecting" | "open" | "lost" | "refused";
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { childrenOf, fullText, listOf, matchingPaths, numberText, stampUs, valueNote, valueText } from "../../src/format/topic-tree.js";
+import { childrenOf, fullText, listOf, matchingPaths, numberText, stampUs, valueNote, valueText } from "../../src/topics/topic-tree.js";
 
 const MESSAGE = {
   header: { stamp: { sec: 1_780_000_000, nanosec: 500_000_000 }, frame_id: "base" },
