@@ -234,6 +234,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
     def readings(self) -> frozenset[str]:
         """Name every signal that the night goes by beside those of its enclosure."""
         named = [self.opened.signal, self.clouds, self.seeing]
+        if self.tracking is not None:
+            named.append(self.tracking.signal)
         if self.focuser is not None:
             named += [self.focuser.position, self.focuser.temperature]
         named += [rule.reading for rule in (self.binning, self.gain) if rule is not None]

@@ -114,3 +114,8 @@ def test_what_focus_and_camera_settings_go_by_stays_at_hand_too() -> None:
         "camera/binning",
         "camera/gain",
     } <= site.safety_signals()
+
+
+def test_what_says_that_the_telescope_tracks_stays_at_hand_whatever_the_roof_goes_by() -> None:
+    site = night(tracking=Sighting(signal="wheel/position", is_one_of=("L",)))
+    assert "wheel/position" in site.safety_signals()
