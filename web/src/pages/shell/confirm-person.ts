@@ -57,30 +57,35 @@ export class ConfirmPerson extends LitElement {
   };
 
   override render(): TemplateResult {
-    const person = this.session.store?.person;
-    const { busy, problem } = this.action;
+    const { busy } = this.action;
+    // Only while it asks: a page has no field for a password that nobody is asked for.
     return html`<t-dialog heading="Confirm that it is you" ?open=${this.open} @t-close=${this.onClosed}>
-      <form novalidate @submit=${this.onSubmit}>
-        <p>What you are about to do gives rights to somebody, or takes a protection away. You are asked again after five minutes.</p>
-        <input hidden name="username" autocomplete="username" .value=${person?.name ?? ""} />
-        <t-field label="Your password" error=${this.missing === "password" ? "Enter your password." : ""}>
-          <input id="password" type="password" autocomplete="current-password" required />
-        </t-field>
-        ${person?.factor === true
-          ? html`<t-field
-              label="Code"
-              hint="Six digits from your app, or one of your recovery codes"
-              error=${this.missing === "code" ? "Enter the code." : ""}
-            >
-              <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
-            </t-field>`
-          : nothing}
-        ${renderAdvice(problem)}
-        <button type="submit" hidden></button>
-      </form>
+      ${this.open ? this.renderForm() : nothing}
       <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
       <t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirm}>Confirm</t-button>
     </t-dialog>`;
+  }
+
+  private renderForm(): TemplateResult {
+    const person = this.session.store?.person;
+    return html`<form novalidate @submit=${this.onSubmit}>
+      <p>What you are about to do gives rights to somebody, or takes a protection away. You are asked again after five minutes.</p>
+      <input hidden name="username" autocomplete="username" .value=${person?.name ?? ""} />
+      <t-field label="Your password" error=${this.missing === "password" ? "Enter your password." : ""}>
+        <input id="password" type="password" autocomplete="current-password" required />
+      </t-field>
+      ${person?.factor === true
+        ? html`<t-field
+            label="Code"
+            hint="Six digits from your app, or one of your recovery codes"
+            error=${this.missing === "code" ? "Enter the code." : ""}
+          >
+            <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
+          </t-field>`
+        : nothing}
+      ${renderAdvice(this.action.problem)}
+      <button type="submit" hidden></button>
+    </form>`;
   }
 
   private readonly onSubmit = (event: SubmitEvent): void => {
@@ -112,8 +117,6 @@ export class ConfirmPerson extends LitElement {
   };
 
   private finish(confirmed: boolean): void {
-    this.password.value = "";
-    if (this.code !== null) this.code.value = "";
     this.open = false;
     this.asked = null;
     this.answer(confirmed);
