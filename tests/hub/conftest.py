@@ -74,6 +74,7 @@ class MemoryHistory:
     """The promise of `talaia.hub.ports.History`, kept in memory."""
 
     cached_bytes = 0
+    trouble = ""
 
     def __init__(self) -> None:
         self.samples = {}

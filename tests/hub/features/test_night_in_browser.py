@@ -72,7 +72,7 @@ async def ask_for_orion(page, origin: str) -> None:
     await page.get_by_role("button", name="New request").click()
     form = page.locator("t-request-form")
     await form.get_by_label("Exposure (s)").fill("minute")
-    await expect(form.get_by_text("Exposure in s: expected 0 to 86400")).to_be_visible()
+    await expect(form.get_by_text("Exposure in s: expected 0.04 to 3600")).to_be_visible()
     await form.get_by_label("Exposure (s)").fill("60")
     await form.locator("[name=target]").fill("M 42")
     await form.locator("[name=ra]").fill("05:35:17")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import warnings
+from datetime import UTC, datetime
 
 import numpy
 import pytest
@@ -349,6 +350,18 @@ def test_an_exposure_that_makes_no_sense_is_refused(seconds: float) -> None:
     ticket = camera.start_exposure(seconds)
     assert (ticket.good, camera.state) == (False, "idle")
     assert "expected 0.04 to 3600 s" in ticket.message
+
+
+def test_an_exposure_begins_by_the_clock_where_time_passes_faster_than_that() -> None:
+    camera = CcdCamera(Scene(MONTSEC))
+    camera.step(6.0, NIGHT)
+    ticket = camera.start_exposure(20)
+    moment = NIGHT
+    while not ticket.ended:
+        moment += 0.3
+        camera.step(6.0, moment)
+    assert camera.newest is not None
+    assert camera.newest.name.startswith(f"{datetime.fromtimestamp(NIGHT, UTC):%Y%m%dT%H%M%S}-")
 
 
 def test_an_aborted_exposure_leaves_no_picture() -> None:

@@ -134,8 +134,9 @@ class CcdCamera:
         self._ticket = Ticket.done("")
         # The exposure under way, until it is read out.
         self._begun: _Begun | None = None
-        # When the read-out ends (s, UTC).
+        # When the read-out ends (s, UTC), and when time passed last.
         self._read_until = 0.0
+        self._stepped_s: float | None = None
         # Pictures so far, for their names.
         self._count = 0
 
@@ -199,12 +200,14 @@ class CcdCamera:
         # A Peltier stage reaches some 35 °C below the air, with a time constant of a minute.
         goal = max(self.setpoint, self._ambient - 35.0) if self.cooling else self._ambient
         self.celsius += (goal - self.celsius) * (1.0 - math.exp(-seconds / 60.0))
+        before, self._stepped_s = self._stepped_s, unix_s
         begun = self._begun
         if begun is None:
             return
-        # It began right behind the step before this one.
+        # It began right behind the step before this one. Of a site that lives faster than its
+        # clock, ``seconds`` are not the clock's.
         if begun.unix < 0.0:
-            begun.unix = unix_s - seconds
+            begun.unix = unix_s - seconds if before is None else before
         if self.state == "exposing":
             self.remaining = max(0.0, self.remaining - seconds)
             if self.remaining <= 0.0:
