@@ -107,8 +107,11 @@ def test_every_socket_has_a_line_and_no_line_is_left_over(hub_parts) -> None:
 @pytest.mark.parametrize(
     ("table", "unions"),
     [
-        (FROM_BROWSER, (browser.FromBrowser, browser.MediaFromBrowser)),
-        (TO_BROWSER, (browser.ToBrowser, browser.MediaToBrowser)),
+        (
+            FROM_BROWSER,
+            (browser.FromBrowser, browser.MediaFromBrowser, browser.TopicFromBrowser),
+        ),
+        (TO_BROWSER, (browser.ToBrowser, browser.MediaToBrowser, browser.TopicToBrowser)),
         (FROM_GATEWAY, (frames.FromGateway, frames.MediaFromGateway, frames.FilesFromGateway)),
         (TO_GATEWAY, (frames.FromHub, frames.MediaFromHub, frames.FilesFromHub)),
     ],

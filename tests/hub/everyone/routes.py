@@ -631,7 +631,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ),
     ("GET", "/api/ways"): Recipe(plain()),
     ("POST", "/api/ways"): Recipe(_add_way),
-    ("PUT", "/api/ways/{way}"): _of_way(json=_way_of(0), done=(204,)),
+    ("PUT", "/api/ways/{way}"): _of_way(json=_way_of(10**6), done=(204,)),
     ("DELETE", "/api/ways/{way}"): _of_way(done=(204,)),
     ("POST", "/api/ways/{way}/test"): _of_way(),
     ("GET", "/api/gateways"): Recipe(plain()),
