@@ -8,7 +8,7 @@ sky counts by its size, however many stars it has.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -23,8 +23,6 @@ from talaia.model.units.astronomy import (
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from talaia.model.detection import SkyLens
 
 __all__ = ["CloudMeasure", "SkyMoment", "lens_pixels", "measure_clouds", "sky_stars"]
 
@@ -41,6 +39,31 @@ LEAST_STARS = 20
 # Parts of the sky of about equal size: rings of altitude, each cut by azimuth.
 _RINGS = 5
 _NEEDED = 2
+
+
+class LensPlace(Protocol):
+    """Where the sky is on a picture; see `talaia.model.detection.SkyLens`."""
+
+    @property
+    def x(self) -> float: ...
+
+    @property
+    def y(self) -> float: ...
+
+    @property
+    def radius(self) -> float: ...
+
+    @property
+    def turned(self) -> float: ...
+
+    @property
+    def mirrored(self) -> bool: ...
+
+    @property
+    def lowest(self) -> float: ...
+
+    @property
+    def faintest(self) -> float: ...
 
 
 class SkyMoment(NamedTuple):
@@ -107,7 +130,7 @@ def sky_stars(moment: SkyMoment, faintest: float) -> SkyStars:
 
 
 def lens_pixels(
-    alt: NDArray[np.float64], az: NDArray[np.float64], lens: SkyLens
+    alt: NDArray[np.float64], az: NDArray[np.float64], lens: LensPlace
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Give column and row (from the top) of directions: the distance from the zenith as angles."""
     far = lens.radius * (90.0 - alt) / 90.0
@@ -118,7 +141,7 @@ def lens_pixels(
 
 
 def measure_clouds(
-    pixels: NDArray[np.float64], lens: SkyLens, moment: SkyMoment, zero: float = math.nan
+    pixels: NDArray[np.float64], lens: LensPlace, moment: SkyMoment, zero: float = math.nan
 ) -> CloudMeasure:
     """Measure a picture (brightness by rows from the top and columns).
 

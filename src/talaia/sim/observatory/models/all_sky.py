@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.imaging.sky_clouds import SkyMoment, lens_pixels, sky_stars
-from talaia.model.detection import SkyLens
 from talaia.model.units.astronomy import (
     Horizontal,
     equatorial_to_horizontal,
@@ -30,8 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["LENS", "SIZE", "SkyView", "cloud_map", "draw_sky"]
 
 SIZE = 400
-# Of the camera in the example's description; north is not quite up.
-LENS = SkyLens(x=201.5, y=197.0, radius=190.0, turned=12.0)
 # Exposed so long (s); counts of a star of magnitude 0, and of a square degree as bright as one.
 EXPOSURE_S = 20.0
 _STAR, _GLOW = 30_000.0, 0.5
@@ -40,6 +37,22 @@ _BIAS, _READ, _GAIN = 12.0, 1.5, 4.0
 _SIGMA, _THROUGH = 0.9, 0.05
 # Waves of the clouds: so many, so many across the sky at the most, and how fast they drift.
 _WAVES, _FINEST, _DRIFT = 20, 5.0, 1 / 600.0
+
+
+class SimulatedLens(NamedTuple):
+    """As `talaia.model.detection.SkyLens`, which the Python of ROS 1 cannot import."""
+
+    x: float
+    y: float
+    radius: float
+    turned: float
+    mirrored: bool = False
+    lowest: float = 25.0
+    faintest: float = 4.5
+
+
+# Of the camera in the example's description; north is not quite up.
+LENS = SimulatedLens(x=201.5, y=197.0, radius=190.0, turned=12.0)
 
 
 class SkyView(NamedTuple):
