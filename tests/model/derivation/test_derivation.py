@@ -125,7 +125,7 @@ interlocks:
   close: {name: C, when: [{signal: w/x, above: 3, max_age: 5}], refuse: ["w/*"]}
 """
     (found,) = problems(signal("{w/plain} * 2"), more)
-    assert found.startswith("$.devices.w.signals.x: an interlock, an enclosure, STOP or driving")
+    assert found.startswith("$.devices.w.signals.x: an interlock, enclosure, STOP, driving or")
 
 
 def test_device_of_nothing_but_derived_signals_needs_no_connection() -> None:

@@ -251,8 +251,10 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
     assert [thing.label for thing in boxes.things] == [hidden("agv/base")]
     kinds.add(type(boxes))
     assert not looking["agv/power"].heard
-    # With those of the other socket, every outbound type was produced by these tests.
-    assert kinds | set(get_args(browser.ToBrowser)) == set(TO_BROWSER)
+    # With those of the other sockets, every outbound type was produced by these tests or by those
+    # of topics (`test_topic_sockets`).
+    topics = set(get_args(browser.TopicToBrowser))
+    assert kinds | topics | set(get_args(browser.ToBrowser)) == set(TO_BROWSER)
 
 
 async def test_gate_that_stands_open_outbound_is_found(world, monkeypatch) -> None:

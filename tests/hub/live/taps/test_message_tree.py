@@ -194,8 +194,8 @@ def test_trees_stay_small_however_much_there_is() -> None:
 def test_definitions_that_would_never_end_are_refused() -> None:
     nothing = {"demo/msg/A": "demo/Empty[] none\nuint8 end", "demo/msg/Empty": ""}
     # Four thousand million of what takes no bytes.
-    tree = tree_reader(schema_of(nothing))(b"\0\1\0\0\xff\xff\xff\xff\x09")
-    assert tree == {"none": {"$first": [{}] * 16, "$of": 2**32 - 1}, "end": 9}
+    with pytest.raises(MessageUnreadable, match="takes no bytes"):
+        tree_reader(schema_of(nothing))
     # Each twice what is in it: 2^40 values in no bytes at all.
     doubled = {f"demo/msg/L{at}": f"demo/L{at + 1} a\ndemo/L{at + 1} b" for at in range(40)}
     doubled["demo/msg/L40"] = ""
@@ -204,7 +204,7 @@ def test_definitions_that_would_never_end_are_refused() -> None:
     texts = {"demo/msg/T": "demo/Part[] parts", "demo/msg/Part": "string[] words"}
     with pytest.raises(MessageUnreadable, match="too many parts"):
         tree_reader(schema_of(texts))(b"\0\1\0\0" + struct.pack("<I", 10**6) + bytes(4 * 10**6))
-    with pytest.raises(MessageUnreadable, match="is not known"):
+    with pytest.raises(MessageUnreadable, match="is in itself"):
         tree_reader(schema_of({"demo/msg/Self": "demo/Self inner"}))
     with pytest.raises(MessageUnreadable, match="no definition"):
         tree_reader(TapSchema(type="demo/msg/None", encoding="ros2msg"))
