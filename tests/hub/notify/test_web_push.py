@@ -151,6 +151,7 @@ async def profile(desktop, tmp_path):
     # The shell shows no notifications.
     program = program_or_skip(*CHROMIUM)
     kept = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
+    expect.set_options(timeout=PATIENCE_MS)
     async with async_playwright() as play:
         context = await play.chromium.launch_persistent_context(
             tmp_path / "profile",
@@ -159,6 +160,7 @@ async def profile(desktop, tmp_path):
             env={**kept, "DBUS_SESSION_BUS_ADDRESS": desktop.address},
             permissions=["notifications"],
         )
+        context.set_default_timeout(PATIENCE_MS)
         yield context
         await context.close()
 
