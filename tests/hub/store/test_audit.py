@@ -91,7 +91,7 @@ async def test_paging_gives_every_row_once(database) -> None:
 
 async def test_whole_log_follows_from_its_first_row(database) -> None:
     audit = await filled(database)
-    assert await audit.verify_chain() == (10, 0)
+    assert (await audit.verify_chain())[:2] == (10, 0)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ async def test_rows_of_before_their_source_was_written_down_are_still_in_the_cha
     audit = Audit(database, HandClock())
     audit.append_record("robot_log", source="gateway")
     await written(audit)
-    assert await audit.verify_chain() == (2, 0)
+    assert (await audit.verify_chain())[:2] == (2, 0)
     rows, _ = await audit.find_records(AuditFilter(), 10)
     assert [row.entry.source for row in rows] == ["gateway", ""]
 
@@ -145,7 +145,7 @@ async def test_two_hubs_on_one_database_write_one_chain(database, database_url) 
         for number in range(20):
             audits[number % 2].append_record(f"row {number}")
         await asyncio.gather(*(written(audit) for audit in audits))
-        assert await audits[0].verify_chain() == (20, 0)
+        assert (await audits[0].verify_chain())[:2] == (20, 0)
     finally:
         await other.close()
 
@@ -159,7 +159,7 @@ async def test_text_that_no_database_takes_is_written_all_the_same(database) -> 
     assert rows[1].entry.kind == r"odd \x00 \ud800 \x1b[2J"
     assert rows[1].entry.who == r"a\nb\r\tc\u202e\u2028"
     assert len(rows[1].entry.message) == 2000
-    assert await audit.verify_chain() == (2, 0)
+    assert (await audit.verify_chain())[:2] == (2, 0)
 
 
 def test_what_can_be_seen_stays_as_it_is() -> None:
@@ -257,7 +257,8 @@ async def test_chain_is_verified_for_an_admin_and_a_break_is_named(hub) -> None:
     assert sound["rows"] >= 2
     async with hub.hub.core.database.write() as connection:
         await connection.execute(text("UPDATE audit SET good = NOT good WHERE id = 2"))
-    assert (await admin.get("/api/audit/verify")).json() == {"ok": False, "rows": 1, "broken": 2}
+    found = (await admin.get("/api/audit/verify")).json()
+    assert (found["ok"], found["rows"], found["broken"]) == (False, 1, 2)
 
 
 FORMULAS = ["=cmd|' /C calc'!A0", "+1+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "=HYPERLINK(1)"]

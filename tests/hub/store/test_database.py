@@ -371,7 +371,7 @@ async def test_notes_are_written_in_order_and_chained(database) -> None:
         "c",
         "b",
     ]
-    assert await audit.verify_chain() == (4, 0)
+    assert (await audit.verify_chain())[:2] == (4, 0)
 
 
 @pytest.mark.parametrize(
