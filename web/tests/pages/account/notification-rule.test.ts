@@ -14,7 +14,7 @@ const said = (fields: Readonly<Record<string, string>>): FormData => {
 test("a form that is filled in asks for a rule", () => {
   expect(ruleFromForm(said(FILLED))).toEqual({
     site: "agv", way: "3", target: "op@example.org", least: "info", over: true, quiet_from: 1350, quiet_to: 365,
-    quiet_least: "critical", zone: "Europe/Madrid", group_s: 60, own_requests: true,
+    quiet_least: "critical", zone: "Europe/Madrid", group_s: 60, own_requests: true, nights: false,
   });
 });
 
