@@ -20,6 +20,7 @@ from typing import NamedTuple, Protocol
 import msgspec
 import night_astroplan
 import numpy as np
+from night_events import take_event
 
 from talaia.planner.bound import bound_value
 from talaia.planner.dispatch import Choice, choose_now, rank_now, soonest_start
@@ -29,7 +30,6 @@ from talaia.planner.night_file import (
     NightFile,
     NightRequest,
     make_problem,
-    make_visits,
     read_night,
 )
 from talaia.planner.night_problem import RAPID
@@ -60,15 +60,7 @@ class DispatchOnly:
         for name in asked.get("completed", []):
             progress.complete_visit(self._problem.table.index[name])
         for event in asked["events"]:
-            if event["type"] == "arrived":
-                requests = msgspec.convert(event["requests"], list[NightRequest])
-                progress.add_visits(make_visits(self._problem, requests))
-            elif event["type"] == "released":
-                progress.pointing = None
-            elif event["type"] == "aborted":
-                row = self._problem.table.index[event["request"]]
-                progress.shorten_visit(row, event["block_s"])
-                progress.pointing = progress.pointing_at(row)
+            take_event(self._problem, progress, event)
         if asked["type"] == "interrupt":
             return {"interrupt": True}
         choice = self.choose(asked["t"])

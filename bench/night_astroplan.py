@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
+from night_events import take_event
 
-from talaia.planner.night_file import NightFile, NightRequest, make_problem, make_visits
+from talaia.planner.night_file import NightFile, make_problem
 from talaia.planner.overheads import overheads_from
 from talaia.planner.progress import NightProgress
 
@@ -58,17 +59,10 @@ class AstroplanOrder:
         return self._decide(asked["t"])
 
     def _take_events(self, events: list[dict[str, Any]]) -> None:
-        progress = self._progress
         for event in events:
-            if event["type"] == "arrived":
-                requests = msgspec.convert(event["requests"], list[NightRequest])
-                progress.add_visits(make_visits(self._problem, requests))
-            elif event["type"] == "released":
-                progress.pointing = None
-            elif event["type"] == "aborted":
+            take_event(self._problem, self._progress, event)
+            if event["type"] == "aborted":
                 row = self._problem.table.index[event["request"]]
-                progress.shorten_visit(row, event["block_s"])
-                progress.pointing = progress.pointing_at(row)
                 # What is left of it comes first, where it still may be observed.
                 self._order.insert(0, (row, event["t"]))
             elif event["type"] == "refused":
