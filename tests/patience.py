@@ -10,12 +10,14 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 PATIENCE_S = 180.0
 PATIENCE_MS = PATIENCE_S * 1000
 # How often is looked whether something still holds (s).
 LOOK_S = 0.02
+# How often another program is asked whether something has come (s): each answer costs it time.
+ASK_S = 0.15
 
 
 async def lasts_for(seconds: float) -> None:
@@ -44,6 +46,19 @@ async def stays(seconds: float, holds: Callable[[], bool], what: str) -> None:
         if (left := ends - time.monotonic()) <= 0:
             return
         await asyncio.sleep(min(left, LOOK_S))
+
+
+async def until_answered(ask: Callable[[], Awaitable[object]]) -> None:
+    """Ask another program, with pauses that leave it time, until it says yes.
+
+    Raises:
+        AssertionError: it never did.
+
+    """
+    ends = time.monotonic() + PATIENCE_S
+    while not await ask():
+        assert time.monotonic() < ends, "it did not come to that"
+        await asyncio.sleep(ASK_S)
 
 
 class Stopwatch:

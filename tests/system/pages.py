@@ -79,7 +79,7 @@ def seen_after(page: Page, begun: float, condition: Callable[[], object]) -> flo
     """
     while not condition():
         assert time.monotonic() - begun < PATIENCE_S, "it did not come to that"
-        page.wait_for_timeout(5)
+        page.wait_for_timeout(20)
     return time.monotonic() - begun
 
 

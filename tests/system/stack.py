@@ -36,7 +36,7 @@ PASSWORD = "a password for a minute"  # noqa: S105 - of a hub that lives for a m
 PEOPLE = {"driver": "operator", "second": "operator", "guest": "guest"}
 # The processes are those of the package under test, wherever it is installed.
 SOURCE = Path(talaia.__file__).resolve().parent.parent
-STEP_S = 0.005
+STEP_S = 0.02
 # What the tests' own programs import is imported once, too.
 SCRIPTS = {
     str(Path(__file__).parent / name)

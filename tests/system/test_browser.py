@@ -65,7 +65,7 @@ def until(true: Callable[[], bool], page: Page, seconds: float = PATIENCE_S) -> 
     end = time.monotonic() + seconds
     while not true():
         assert time.monotonic() < end, "it did not happen in time"
-        page.wait_for_timeout(20)
+        page.wait_for_timeout(60)
 
 
 def take_control(page: Page, demo: Demo) -> None:

@@ -116,7 +116,7 @@ def until(
     end = time.monotonic() + seconds
     while not true():
         assert time.monotonic() < end, what or "it did not happen in time"
-        page.wait_for_timeout(20)
+        page.wait_for_timeout(60)
 
 
 def level(stack: Stack, page: Page) -> None:

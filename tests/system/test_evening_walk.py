@@ -7,6 +7,7 @@ is short: everything moves twenty times as fast, and the rules let go after a se
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -16,7 +17,7 @@ from typing import Any
 import httpx
 import pytest
 from msgspec.structs import replace
-from patience import PATIENCE_MS
+from patience import ASK_S, PATIENCE_MS
 from ports import free_port
 
 from talaia.hub import accounts
@@ -125,6 +126,7 @@ async def comes(ask: Answer, holds: Callable[[Any], bool], what: str) -> Any:
     deadline = time.monotonic() + PATIENCE_MS / 1000
     while not holds(answer := await ask()):
         assert time.monotonic() < deadline, (what, answer)
+        await asyncio.sleep(ASK_S)
     return answer
 
 

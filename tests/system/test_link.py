@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import random
 import sys
@@ -15,7 +16,7 @@ from typing import NamedTuple
 
 import httpx
 import pytest
-from patience import PATIENCE_S
+from patience import ASK_S, PATIENCE_S
 from segments import segments_of, write_crash_row
 
 from talaia.clock import SystemClock
@@ -197,6 +198,7 @@ async def test_whatever_is_killed_every_value_that_a_gateway_took_is_stored_exac
     deadline = time.monotonic() + BACK_S
     while missing := taken - await stored(stack, cookie, began_us):
         assert time.monotonic() < deadline, f"lost: {_told(missing, lines, killed)}"
+        await asyncio.sleep(ASK_S)
     stack.gateway.end()
     stack.hub.end()
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import httpx
 import pytest
 import websockets
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until_answered
 from ports import free_port
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -78,10 +78,11 @@ class Robot:
 
     async def until_count(self, topic: str, count: int) -> None:
         """Wait until so many subscriptions are known at the publisher itself."""
-        async with asyncio.timeout(PATIENCE_S):
-            # Each question is answered by the robot, so this waits for it.
-            while await self.ask("count", do="count", topic=topic) != count:
-                pass
+
+        async def is_so() -> bool:
+            return await self.ask("count", do="count", topic=topic) == count
+
+        await until_answered(is_so)
 
 
 class TapStack(Stack):

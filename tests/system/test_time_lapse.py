@@ -8,7 +8,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from patience import PATIENCE_MS, PATIENCE_S
+from patience import ASK_S, PATIENCE_MS, PATIENCE_S
 from ports import free_port
 
 from talaia.cli.demo.time_lapse.lapse_site import TIME_LAPSE, lapse_site
@@ -98,6 +98,7 @@ async def run_night(address: str, program: str) -> None:
             # Those of the last hour are still on their way when the night has ended.
             async with asyncio.timeout(PATIENCE_S):
                 while len(frames) < 6:
+                    await asyncio.sleep(ASK_S)
                     answer = await ada.get(f"{at}/requests/{row['id']}/frames")
                     frames = answer.json()["frames"]
             assert len(frames) == 6, row

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from patience import until_answered
 from playwright.async_api import expect
 
 from ..chromium import sign_in
@@ -43,8 +44,11 @@ async def observatory(hub):
     for name, dec in (("Polaris", 89.26), ("Octans", -89.0)):
         answer = await operator.post(f"{AT}/request-groups", json=request_at(name, dec))
         assert answer.status_code == 201, answer.text
-    while (await operator.get(f"{AT}/night/week")).status_code == 429:
-        pass
+
+    async def is_planned() -> bool:
+        return (await operator.get(f"{AT}/night/week")).status_code != 429
+
+    await until_answered(is_planned)
     return hub
 
 

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from patience import until_answered
 
 from talaia.model.observing.plan import Plan, PlannedBlock, VetoCause, WhyNot
 from talaia.model.observing.states import ObservationState
@@ -276,8 +277,13 @@ async def test_a_file_becomes_drafts_that_can_be_handed_in_as_they_come_back(obs
     assert answer.status_code == 201, answer.text
     assert answer.json()["requests"][0]["target"]["name"] == "M 42"
     # On a busy machine the first one takes longer than one question waits.
-    while (answer := await operator.get(f"{AT}/night/forecast")).status_code == 429:
-        pass
+
+    async def is_planned() -> bool:
+        nonlocal answer
+        answer = await operator.get(f"{AT}/night/forecast")
+        return answer.status_code != 429
+
+    await until_answered(is_planned)
     forecast = answer.json()
     assert forecast["plan"]["night_start_us"] < forecast["plan"]["night_end_us"]
     named = [one["target"] for one in [*forecast["plan"]["blocks"], *forecast["reasons"]]]

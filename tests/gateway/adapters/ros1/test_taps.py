@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import pytest
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import Peer, addresses_of, command, running
-from patience import PATIENCE_S
+from patience import until_answered
 from ports import free_port
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from tapped_hub import newest_list, pieces, whole
@@ -66,10 +66,11 @@ class TappedRobot(NamedTuple):
 
     async def until_count(self, topic: str, count: int) -> None:
         """Wait until so many are connected, by the publisher itself."""
-        async with asyncio.timeout(PATIENCE_S):
-            # Each question is answered by the robot, so this waits for it.
-            while await self.ask("count", "count", topic=topic) != count:
-                pass
+
+        async def is_so() -> bool:
+            return await self.ask("count", "count", topic=topic) == count
+
+        await until_answered(is_so)
 
     def subscribers(self, topic: str) -> list[str]:
         """Ask the master who subscribes."""
