@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import contextlib
 import importlib.util
+import multiprocessing
 import random
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -158,16 +157,11 @@ def main() -> int:
     parser.add_argument("--lanes", type=int, help="worlds of ROS 2 side by side")
     parser.add_argument("--short", action="store_true", help="each row once")
     parser.add_argument("--state")
-    parser.add_argument("--lane", choices=PROTOCOLS, help=argparse.SUPPRESS)
-    parser.add_argument("--number", type=int, default=0, help=argparse.SUPPRESS)
-    parser.add_argument("--of", type=int, default=1, help=argparse.SUPPRESS)
     options = parser.parse_args()
     options.state = options.state or code_state()
-    if options.lane:
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-        asyncio.run(lane(options))
-        return 0
     protocols = options.protocols or there()
+    # The lanes end with it.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     _run_lanes(options, protocols)
     trials: list[Trial] = Results(options.results).trials(options.state)
     text = table(trials)
@@ -185,26 +179,28 @@ def main() -> int:
 
 
 def _run_lanes(options: argparse.Namespace, protocols: list[str]) -> None:
+    # Forks: what a lane imports takes two seconds of a core, and this process has it.
+    fork = multiprocessing.get_context("fork")
     running = []
     for protocol in protocols:
         lanes = (options.lanes or LANES[protocol]) if protocol == "ROS 2" else LANES[protocol]
         for number in range(lanes):
-            words = [sys.executable, "-m", "system.enclosure", "--lane", protocol]
-            words += ["--number", str(number), "--of", str(lanes), "--state", options.state]
-            words += ["--results", str(options.results), "--minutes", str(options.minutes)]
-            words += ["--seeds", str(options.seeds)] if options.seeds else []
-            words += ["--rows", *options.rows] if options.rows else []
-            words += ["--short"] if options.short else []
-            running.append(subprocess.Popen(words))
+            running.append(fork.Process(target=_work_lane, args=(options, protocol, number, lanes)))
+            running[-1].start()
     try:
         for each in running:
-            each.wait()
+            each.join()
     finally:
         for each in running:
-            if each.poll() is None:
+            if each.is_alive():
                 each.terminate()
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    each.wait(30)
+                each.join(30)
+
+
+def _work_lane(options: argparse.Namespace, protocol: str, number: int, lanes: int) -> None:
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    options.lane, options.number, options.of = protocol, number, lanes
+    asyncio.run(lane(options))
 
 
 if __name__ == "__main__":
