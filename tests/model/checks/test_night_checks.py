@@ -99,7 +99,7 @@ def test_nobody_observes_by_night_where_no_place_is_known() -> None:
 
 
 def test_what_the_night_goes_by_stays_at_hand_as_what_safety_goes_by() -> None:
-    assert {"dome/shutter", "weather/clouds"} <= observatory().safety_signals()
+    assert {"dome/shutter", "allsky/clouds"} <= observatory().safety_signals()
 
 
 def test_what_focus_and_camera_settings_go_by_stays_at_hand_too() -> None:
