@@ -252,6 +252,8 @@ class PureObservatory:
                     self.binning = float(command.args["factor"])
                 case "camera/gain":
                     self.gain = float(command.args["gain"])
+                case "rotator/goto":
+                    self.angle = float(command.args["angle"])
                 case "camera/expose":
                     self.frames.append(str(command.args["target"]))
         level = None
