@@ -53,7 +53,9 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.robot
 EXAMPLE = Path(__file__).parents[2] / "examples" / "indi" / "site.yaml"
-DRIVERS = tuple(f"indi_simulator_{name}" for name in ("telescope", "ccd", "dome", "weather", "rotator"))
+DRIVERS = tuple(
+    f"indi_simulator_{name}" for name in ("telescope", "ccd", "dome", "weather", "rotator")
+)
 WITHIN_S = 120.0
 # Where the top of the pictures is asked to point (°).
 ANGLE = 25.0

@@ -14,7 +14,6 @@ import logging
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-import msgspec
 from msgspec.structs import replace
 
 from talaia.clock import SECOND
@@ -25,7 +24,7 @@ from talaia.gateway.night.frames.frame_files import FrameFiles
 from talaia.gateway.night.night_calls import NightCalls
 from talaia.gateway.night.night_commands import NightCommands
 from talaia.gateway.night.night_readings import NightReadings
-from talaia.gateway.night.night_store import NightStore
+from talaia.gateway.night.night_store import NightStore, encode_pages
 from talaia.gateway.night.night_values import (
     NightChoice,
     NightCommand,
@@ -130,7 +129,8 @@ class NightService:
         self._on_disk, self._store = on_disk, NightStore(folder)
         self._requests = self._store.read_requests()
         # Each start has ids of its own: observations of one gateway are never told apart wrongly.
-        self._book = ObservationBook(self._store.read_observations(), f"{site.site}-{boot[:12]}")
+        book, entries = self._store.read_observations()
+        self._book = ObservationBook(book, f"{site.site}-{boot[:12]}", entries)
         self._intake = RequestIntake()
         self.planner, self.calls = planner(self._take_plan), NightCalls()
         arming = self._written_arming = self._store.read_arming()
@@ -349,8 +349,9 @@ class NightService:
         ]
         self._hand_over_hours()
         # Encoded now: the book goes on changing while the disk is busy.
-        data = msgspec.json.encode(self._book.content)
-        await self._write(lambda: self._store.write_observations(data), "what was observed")
+        pages = encode_pages(self._book.take_pages())
+        if await self._write(lambda: self._store.write_observations(pages), "what was observed"):
+            self._book.write_whole()
         # On disk first: what the hub was told is never told otherwise by a later run.
         for update in updates:
             if self._takes_night:

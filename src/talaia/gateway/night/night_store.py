@@ -2,25 +2,46 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
+from talaia.gateway.errors import SpoolError
 from talaia.gateway.night.arming import NightArming
-from talaia.gateway.night.observation_book import BookContent
+from talaia.gateway.night.observation_book import BookContent, BookEntry
 from talaia.gateway.night.request_intake import RequestSet
-from talaia.gateway.persistence import read_whole, write_whole
+from talaia.gateway.persistence import append_lines, read_whole, write_whole
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
-__all__ = ["NightStore"]
+    from talaia.gateway.night.observation_book import BookPages
+
+__all__ = ["NightStore", "WrittenPages", "encode_pages"]
 
 T = TypeVar("T")
 
 
+class WrittenPages(NamedTuple):
+    """`BookPages` as bytes; without ``whole`` the ``entries`` stand behind what is there."""
+
+    whole: bytes | None
+    entries: bytes
+
+
+def encode_pages(pages: BookPages) -> WrittenPages:
+    """Encode what is to be written, as it stands now."""
+    if pages.whole is not None:
+        return WrittenPages(msgspec.json.encode(pages.whole), b"")
+    lines = b"".join(msgspec.json.encode(entry) + b"\n" for entry in pages.entries)
+    return WrittenPages(None, lines)
+
+
 class NightStore:
-    """Three files in one folder, each written whole. From one thread.
+    """Three files in one folder, each written whole, and one of entries behind the book's.
+
+    From one thread.
 
     Raises:
         SpoolError: a file is damaged; it is not guessed who armed a roof.
@@ -30,6 +51,8 @@ class NightStore:
     def __init__(self, folder: Path) -> None:
         """Use ``folder``, which is made when something is written first."""
         self._folder = folder
+        # Entries may be written behind the book's file: all before them are there.
+        self._goes_on = False
 
     def read_arming(self) -> NightArming:
         """Give who has armed it."""
@@ -39,9 +62,35 @@ class NightStore:
         """Give what is asked."""
         return self._read("requests", RequestSet)
 
-    def read_observations(self) -> BookContent:
-        """Give what was done."""
-        return self._read("observations", BookContent)
+    def read_observations(self) -> tuple[BookContent, list[BookEntry]]:
+        """Give what was done: the book, and what was written behind it."""
+        content = self._read("observations", BookContent)
+        return content, list(self._read_entries(content.number))
+
+    def _read_entries(self, number: int) -> Iterator[BookEntry]:
+        """Read what follows an update; a line that a power cut broke off was never told."""
+        path = self._folder / "observations.log"
+        try:
+            lines = path.read_bytes().split(b"\n")
+        except FileNotFoundError:
+            return
+        for line in filter(None, lines):
+            try:
+                entry = msgspec.json.decode(line, type=BookEntry)
+            except msgspec.DecodeError:
+                continue
+            if entry.update is not None:
+                # Of before the book was written whole.
+                if entry.update.number <= number:
+                    continue
+                number += 1
+                if entry.update.number != number:
+                    raise SpoolError(
+                        f"{path} cannot be read: update {number} is missing or damaged; it guards"
+                        " what the hub is told, so it is not guessed: restore it, or remove the"
+                        " folder of the night when its hub has heard everything"
+                    )
+            yield entry
 
     def write_arming(self, arming: NightArming) -> None:
         """Keep it; raises `OSError` when the disk does not take it."""
@@ -51,9 +100,21 @@ class NightStore:
         """Keep it; raises `OSError` when the disk does not take it."""
         self._write("requests", msgspec.json.encode(requests))
 
-    def write_observations(self, content: bytes) -> None:
-        """Keep it, encoded already; raises `OSError` when the disk does not take it."""
-        self._write("observations", content)
+    def write_observations(self, pages: WrittenPages) -> None:
+        """Keep it; raises `OSError` when the disk does not take it."""
+        entries = self._folder / "observations.log"
+        if pages.whole is not None:
+            self._write("observations", pages.whole)
+            # A crash before this leaves entries that the book has already: their numbers say so.
+            entries.unlink(missing_ok=True)
+            self._goes_on = True
+            return
+        if not self._goes_on:
+            raise OSError("what came before it is not written")
+        # Until it is there nothing may stand behind it.
+        self._goes_on = False
+        append_lines(entries, pages.entries)
+        self._goes_on = True
 
     def _read(self, name: str, kind: type[T]) -> T:
         return read_whole(self._folder / f"{name}.json", kind, kind)

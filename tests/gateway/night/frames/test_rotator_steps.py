@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from msgspec.structs import replace
 from night_observatory import PureObservatory, request
@@ -88,10 +90,10 @@ def test_an_angle_near_a_whole_turn_is_near_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("zero", "reverse", "angle"), [(0.0, False, 350.0), (20.0, False, 10.0), (20.0, True, 30.0)]
+    ("changes", "angle"),
+    [({}, 350.0), ({"zero": 20.0}, 10.0), ({"zero": 20.0, "reverse": True}, 30.0)],
 )
 def test_the_rotators_own_angle_follows_from_its_zero_and_its_way_round(
-    zero: float, reverse: bool, angle: float
+    changes: dict[str, Any], angle: float
 ) -> None:
-    rotator = replace(ROTATOR, zero=zero, reverse=reverse)
-    assert rotator.angle_for(350.0) == pytest.approx(angle)
+    assert replace(ROTATOR, **changes).angle_for(350.0) == pytest.approx(angle)

@@ -32,9 +32,7 @@ def lapse_site(site: Site, unix_s: float) -> Site:
     if night is not None and night.clouds.partition("/")[0] in _CAMERAS:
         night = replace(night, clouds=_CLOUDS)
     name = f"{site.name} (time lapse)"
-    return at_dusk(
-        replace(site, site=TIME_LAPSE, name=name, devices=devices, night=night), unix_s
-    )
+    return at_dusk(replace(site, site=TIME_LAPSE, name=name, devices=devices, night=night), unix_s)
 
 
 def _still(device: Device) -> Device:
