@@ -7,7 +7,7 @@ import pstats
 
 import msgspec
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 from night_observatory import request
 
 from talaia.gateway.night.night_values import ObservationChange
@@ -250,6 +250,15 @@ def test_each_observation_costs_the_same_however_many_the_hub_has_not_heard_of()
         ),
         max_size=60,
     )
+)
+@example(
+    [
+        ("change", "a", S.COMPLETED, 1),
+        ("change", "b", S.SUSPENDED, 1),
+        ("write", "a", S.FAILED, 0),
+        ("ack", "a", S.FAILED, 1),
+        ("write", "a", S.FAILED, 0),
+    ]
 )
 def test_what_is_read_again_is_what_was_written_last(
     steps: list[tuple[str, str, ObservationState, int]],
