@@ -5,6 +5,7 @@ import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import type { SkyFieldShape } from "../../generated/api.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
+import { radians } from "../../sky/coordinates.js";
 import { fieldCorners, type FieldSize, type MosaicPanel } from "../../sky/mosaic.js";
 import { fromPlane, toPlane, type PlanePoint, type SkyPoint } from "../../sky/tangent-plane.js";
 import { base } from "../base/base-style.js";
@@ -57,10 +58,14 @@ export class FramingView extends LitElement {
       }
       text {
         fill: var(--t-text);
-        font-size: 5px;
+        font-size: 6.4px;
         paint-order: stroke;
         stroke: var(--t-sky);
         stroke-width: 2px;
+      }
+      /* A hand goes through them to the frame. */
+      .names {
+        pointer-events: none;
       }
       .star {
         fill: var(--t-star);
@@ -137,6 +142,7 @@ export class FramingView extends LitElement {
     >
       ${this.renderStars()} ${this.renderOutlines()} ${map(this.others, ({ centre, angle }) => svg`<path class="other" d=${this.framePath(centre, angle)}></path>`)}
       <g class="grip" @pointerdown=${this.onGrip}>${map(this.panels, (panel) => this.renderPanel(panel))}</g>
+      <g class="names">${this.renderNames()}</g>
       ${this.renderRose()}
     </svg>`;
   }
@@ -153,15 +159,26 @@ export class FramingView extends LitElement {
   }
 
   private renderOutlines(): SVGTemplateResult[] {
-    return (this.sky?.objects ?? []).flatMap(({ name, also, kind, ra_deg: raDeg, dec_deg: decDeg, major, minor, angle }, i) => {
+    return (this.sky?.objects ?? []).flatMap(({ name, also, kind, ra_deg: raDeg, dec_deg: decDeg, major, minor, angle }) => {
       const centre = { raDeg, decDeg };
       const at = this.drawnAt(centre);
       if (at === null) return [];
       const [long, short] = [Math.max(1.5, ((major ?? 0) / this.span) * HALF), Math.max(1, ((minor ?? major ?? 0) / this.span) * HALF)];
       // East is to the left: an angle from north through east turns against the clock.
       const title = [name, ...also].map(shortName).join(", ");
-      const label = i < NAMED ? svg`<text x=${(at.x + 2).toFixed(1)} y=${(at.y - Math.min(long, 8) - 1.5).toFixed(1)}>${shortName(also[0] ?? name)}</text>` : nothing;
-      return [svg`<ellipse class="outline" cx=${at.x} cy=${at.y} rx=${short.toFixed(2)} ry=${long.toFixed(2)} transform=${`rotate(${String(-angle)} ${String(at.x)} ${String(at.y)})`}><title>${title}: ${kind}</title></ellipse>${label}`];
+      return [svg`<ellipse class="outline" cx=${at.x} cy=${at.y} rx=${short.toFixed(2)} ry=${long.toFixed(2)} transform=${`rotate(${String(-angle)} ${String(at.x)} ${String(at.y)})`}><title>${title}: ${kind}</title></ellipse>`];
+    });
+  }
+
+  /** At the northern end of each, where a frame about its middle does not cover them. */
+  private renderNames(): SVGTemplateResult[] {
+    return (this.sky?.objects ?? []).slice(0, NAMED).flatMap(({ name, also, ra_deg: raDeg, dec_deg: decDeg, major, angle }) => {
+      const at = this.drawnAt({ raDeg, decDeg }, HALF);
+      if (at === null) return [];
+      const long = Math.max(1.5, ((major ?? 0) / this.span) * HALF);
+      const [x, y] = [at.x - long * Math.sin(radians(angle)), at.y - long * Math.cos(radians(angle))];
+      const inside = (value: number, low: number, high: number): string => Math.max(low, Math.min(high, value)).toFixed(1);
+      return [svg`<text x=${inside(x + 1, 2 - HALF, HALF - 22)} y=${inside(y - 2, 7 - HALF, HALF - 3)}>${shortName(also[0] ?? name)}</text>`];
     });
   }
 
@@ -181,7 +198,7 @@ export class FramingView extends LitElement {
     const words = length >= 1 ? `${String(length)}°` : `${String(Math.round(length * 60))}′`;
     return svg`<g transform="translate(${HALF - 8} ${HALF - 8})">
         <path class="rose" d="M0 0V-14M0 0H-14"></path>
-        <text x="-1.7" y="-16">N</text><text x="-20" y="1.7">E</text>
+        <text x="-2.2" y="-16">N</text><text x="-20" y="2.2">E</text>
       </g>
       <path class="rose" d=${`M${String(6 - HALF)} ${String(HALF - 11)}v3h${units.toFixed(1)}v-3`}></path>
       <text x=${7 - HALF} y=${HALF - 12}>${words}</text>`;

@@ -113,6 +113,10 @@ export class Navigation extends LitElement {
         .people {
           display: none;
         }
+        /* Seven of them stand side by side: the longest word is as wide as its seventh. */
+        .night-here a {
+          font-size: min(0.75rem, 2.8vw);
+        }
         /* There is no room for eight; the night leads to its pictures. */
         .night-here .archive {
           display: none;

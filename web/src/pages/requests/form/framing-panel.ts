@@ -41,6 +41,7 @@ export class FramingPanel extends LitElement {
       :host {
         display: grid;
         gap: var(--t-space-3);
+        padding-block: var(--t-space-2);
       }
       .beside {
         display: grid;
