@@ -24,7 +24,7 @@ from talaia.gateway.night.frames.frame_files import FrameFiles
 from talaia.gateway.night.night_calls import NightCalls
 from talaia.gateway.night.night_commands import NightCommands
 from talaia.gateway.night.night_readings import NightReadings
-from talaia.gateway.night.night_store import NightStore, encode_pages
+from talaia.gateway.night.night_store import NightStore
 from talaia.gateway.night.night_values import (
     NightChoice,
     NightCommand,
@@ -34,7 +34,6 @@ from talaia.gateway.night.night_values import (
     PartRun,
     PlanQuestion,
 )
-from talaia.gateway.night.observation_book import ObservationBook
 from talaia.gateway.night.planning.charged_time import seconds_left
 from talaia.gateway.night.planning.planner_process import PlannerProcess
 from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
@@ -129,8 +128,7 @@ class NightService:
         self._on_disk, self._store = on_disk, NightStore(folder)
         self._requests = self._store.read_requests()
         # Each start has ids of its own: observations of one gateway are never told apart wrongly.
-        book, entries = self._store.read_observations()
-        self._book = ObservationBook(book, f"{site.site}-{boot[:12]}", entries)
+        self._book = self._store.read_book(f"{site.site}-{boot[:12]}")
         self._intake = RequestIntake()
         self.planner, self.calls = planner(self._take_plan), NightCalls()
         arming = self._written_arming = self._store.read_arming()
@@ -349,8 +347,7 @@ class NightService:
         ]
         self._hand_over_hours()
         # Encoded now: the book goes on changing while the disk is busy.
-        pages = encode_pages(self._book.take_pages())
-        if await self._write(lambda: self._store.write_observations(pages), "what was observed"):
+        if await self._write(self._store.book_writer(self._book), "what was observed"):
             self._book.write_whole()
         # On disk first: what the hub was told is never told otherwise by a later run.
         for update in updates:

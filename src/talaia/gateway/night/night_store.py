@@ -2,40 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
 from talaia.gateway.errors import SpoolError
 from talaia.gateway.night.arming import NightArming
-from talaia.gateway.night.observation_book import BookContent, BookEntry
+from talaia.gateway.night.observation_book import BookContent, BookEntry, ObservationBook
 from talaia.gateway.night.request_intake import RequestSet
 from talaia.gateway.persistence import append_lines, read_whole, write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
-    from talaia.gateway.night.observation_book import BookPages
-
-__all__ = ["NightStore", "WrittenPages", "encode_pages"]
+__all__ = ["NightStore"]
 
 T = TypeVar("T")
-
-
-class WrittenPages(NamedTuple):
-    """`BookPages` as bytes; without ``whole`` the ``entries`` stand behind what is there."""
-
-    whole: bytes | None
-    entries: bytes
-
-
-def encode_pages(pages: BookPages) -> WrittenPages:
-    """Encode what is to be written, as it stands now."""
-    if pages.whole is not None:
-        return WrittenPages(msgspec.json.encode(pages.whole), b"")
-    lines = b"".join(msgspec.json.encode(entry) + b"\n" for entry in pages.entries)
-    return WrittenPages(None, lines)
+# Beside the file of the whole book.
+_ENTRIES = "observations.log"
 
 
 class NightStore:
@@ -62,14 +47,17 @@ class NightStore:
         """Give what is asked."""
         return self._read("requests", RequestSet)
 
-    def read_observations(self) -> tuple[BookContent, list[BookEntry]]:
-        """Give what was done: the book, and what was written behind it."""
+    def read_book(self, gateway: str) -> ObservationBook:
+        """Give what was done: the book, and what was written behind it.
+
+        ``gateway`` is part of the ids of what comes.
+        """
         content = self._read("observations", BookContent)
-        return content, list(self._read_entries(content.number))
+        return ObservationBook(content, gateway, self._read_entries(content.number))
 
     def _read_entries(self, number: int) -> Iterator[BookEntry]:
         """Read what follows an update; a line that a power cut broke off was never told."""
-        path = self._folder / "observations.log"
+        path = self._folder / _ENTRIES
         try:
             lines = path.read_bytes().split(b"\n")
         except FileNotFoundError:
@@ -100,20 +88,31 @@ class NightStore:
         """Keep it; raises `OSError` when the disk does not take it."""
         self._write("requests", msgspec.json.encode(requests))
 
-    def write_observations(self, pages: WrittenPages) -> None:
-        """Keep it; raises `OSError` when the disk does not take it."""
-        entries = self._folder / "observations.log"
+    def book_writer(self, book: ObservationBook) -> Callable[[], None]:
+        """Give what writes a book as it stands now; it raises `OSError` when the disk does not.
+
+        Encoded at once: the book goes on changing while the disk is busy.
+        """
+        pages = book.take_pages()
         if pages.whole is not None:
-            self._write("observations", pages.whole)
-            # A crash before this leaves entries that the book has already: their numbers say so.
-            entries.unlink(missing_ok=True)
-            self._goes_on = True
-            return
+            whole = msgspec.json.encode(pages.whole)
+            return lambda: self._write_whole_book(whole)
+        lines = b"".join(msgspec.json.encode(entry) + b"\n" for entry in pages.entries)
+        return lambda: self._write_entries(lines)
+
+    def _write_whole_book(self, whole: bytes) -> None:
+        self._goes_on = False
+        self._write("observations", whole)
+        # A crash before this leaves entries that the book has already: their numbers say so.
+        (self._folder / _ENTRIES).unlink(missing_ok=True)
+        self._goes_on = True
+
+    def _write_entries(self, lines: bytes) -> None:
         if not self._goes_on:
             raise OSError("what came before it is not written")
         # Until it is there nothing may stand behind it.
         self._goes_on = False
-        append_lines(entries, pages.entries)
+        append_lines(self._folder / _ENTRIES, lines)
         self._goes_on = True
 
     def _read(self, name: str, kind: type[T]) -> T:
