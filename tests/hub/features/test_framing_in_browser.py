@@ -104,7 +104,8 @@ async def test_a_mosaic_is_framed_turned_and_handed_in_as_a_request_for_each_pan
     await form.get_by_label("Panels down").fill("3")
     await form.get_by_role("button", name="Make 6 requests, one for each panel").click()
     await form.get_by_role("button", name="Keep as a draft").click()
-    await expect(page.locator("t-request-detail")).to_be_visible()
+    detail = page.locator("t-request-detail")
+    await expect(detail.get_by_text("35.26°, of the top")).to_be_visible()
     number = page.url.partition("request=")[2]
     client = await hub.client("operator")
     group = (await client.get(f"{AT}/requests/{number}")).json()["group"]

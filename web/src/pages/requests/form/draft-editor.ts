@@ -200,7 +200,7 @@ export class DraftEditor implements ReactiveController {
     this.beforePanels = null;
     this.change(draft);
     this.show(at);
-    this.focus("t-framing-panel");
+    this.focus(`${SHOWN_REQUEST}, [name=way]`);
   };
 
   private windowFrom(startUs: number, lasts: number): WindowDraft {
