@@ -128,7 +128,7 @@ class PureObservatory:
         # Light of the sky on a flat (counts a second above the pedestal); none: nobody measures.
         self.skylight: Callable[[], float] | None = lambda: 2000.0
         # What the camera says of itself.
-        self.binning, self.gain = 1.0, 0.0
+        self.binning, self.gain, self.angle = 1.0, 0.0, 0.0
         # Commands that fail, are refused or never end, by what becomes of them.
         self.faults: dict[str, CommandPhase | None] = {}
         # The planner has nothing before so long (s).
@@ -161,6 +161,7 @@ class PureObservatory:
             person=self.person,
             binning=self.binning if known else None,
             gain=self.gain if known else None,
+            rotator=self.angle if known else None,
             tracking=self.tracks if known else None,
         )
 
@@ -251,6 +252,8 @@ class PureObservatory:
                     self.binning = float(command.args["factor"])
                 case "camera/gain":
                     self.gain = float(command.args["gain"])
+                case "rotator/goto":
+                    self.angle = float(command.args["angle"])
                 case "camera/expose":
                     self.frames.append(str(command.args["target"]))
         level = None

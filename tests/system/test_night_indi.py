@@ -20,7 +20,14 @@ from indi_server import server_of
 from talaia.gateway.run import serve_gateway
 from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.checks.site_checks import raise_first
-from talaia.model.observing.requests import Configuration, Proposal, Request, RequestGroup, Window
+from talaia.model.observing.requests import (
+    Configuration,
+    ImageType,
+    Proposal,
+    Request,
+    RequestGroup,
+    Window,
+)
 from talaia.model.observing.states import ObservationState
 from talaia.model.observing.targets import IcrsTarget
 from talaia.model.units import astronomy
@@ -46,8 +53,12 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.robot
 EXAMPLE = Path(__file__).parents[2] / "examples" / "indi" / "site.yaml"
-DRIVERS = tuple(f"indi_simulator_{name}" for name in ("telescope", "ccd", "dome", "weather"))
+DRIVERS = tuple(
+    f"indi_simulator_{name}" for name in ("telescope", "ccd", "dome", "weather", "rotator")
+)
 WITHIN_S = 120.0
+# Where the top of the pictures is asked to point (°).
+ANGLE = 25.0
 S = ObservationState
 
 
@@ -81,12 +92,22 @@ def asked(site: Site, name: str, frames: int, seconds: float, hours_east: float)
         requests=(
             Request(
                 id=name,
-                target=IcrsTarget(name=name, ra=ra, dec=40.0),
+                target=IcrsTarget(name=name, ra=ra, dec=40.0, position_angle=ANGLE),
                 configurations=(Configuration(exposure=seconds, count=frames),),
                 windows=(Window(start=now - 60.0, end=now + 7200.0),),
             ),
         ),
     )
+
+
+def asked_bias() -> RequestGroup:
+    now = time.time()
+    request = Request(
+        id="bias",
+        configurations=(Configuration(type=ImageType.BIAS, exposure=0.0, count=2),),
+        windows=(Window(start=now - 60.0, end=now + 7200.0),),
+    )
+    return RequestGroup(id="g-bias", proposal="school", requests=(request,))
 
 
 @asynccontextmanager
@@ -118,6 +139,11 @@ def states(hub: FakeHub, name: str) -> list[ObservationState]:
     return [one.state for one in hub.of(ObservationUpdate) if one.request == name]
 
 
+def frames(hub: FakeHub, name: str) -> int:
+    told = [one.frames_done for one in hub.of(ObservationUpdate) if one.request == name]
+    return sum(told[-1]) if told else 0
+
+
 async def weather(hub: FakeHub, count: int, **changes: float) -> None:
     args = {"wind": 5.0, "rain": 0.0} | changes
     await hub.send(
@@ -140,7 +166,7 @@ async def test_a_short_night_on_the_simulators_of_indi(tmp_path: Path) -> None:
 
 async def the_night(hub: FakeHub, site: Site) -> None:
     await until(hub, lambda: hub.links, "a link")
-    groups = [asked(site, "field", 4, 5.0, 0.5)]
+    groups = [asked(site, "field", 4, 5.0, 0.5), asked_bias()]
     school = Proposal(id="school", share=1.0, hours_allocated=10.0)
     await hub.send(RequestSync(revision=7, proposals=[school], groups=groups))
     await until(hub, lambda: 7 in [one.revision for one in hub.of(RequestRevision)], "requests")
@@ -149,19 +175,24 @@ async def the_night(hub: FakeHub, site: Site) -> None:
     await hub.send(NightArmRequest(id="arm-1", who="ada"))
     await until(hub, lambda: phase(hub) is NightPhase.OBSERVING, "it observes")
     assert hub.of(NightPlan)
-    await until(hub, lambda: hub.of(NightState)[-1].frames_done >= 1, "a frame")
+    await until(hub, lambda: frames(hub, "field") >= 1, "a frame")
+    # The camera was turned before it, by INDI's own rotator.
+    assert hub.values("rotator/angle")[-1] == pytest.approx(ANGLE, abs=0.3)
     # Rain: suspended, and closed by the roof's own guard.
     await weather(hub, 1, rain=5.0)
     await until(hub, lambda: phase(hub) is NightPhase.CLOSED, "closed by rain")
     await until(hub, lambda: states(hub, "field")[-1] is S.SUSPENDED, "suspended")
+    # Meanwhile the biases that were asked for, under the closed roof.
+    await until(hub, lambda: S.COMPLETED in states(hub, "bias"), "biases")
+    assert frames(hub, "bias") == 2
     await weather(hub, 2)
     await until(hub, lambda: S.COMPLETED in states(hub, "field"), "the rest")
     assert S.FAILED not in states(hub, "field")
     done = [one for one in hub.of(ObservationUpdate) if one.state is S.COMPLETED]
-    assert [one.frames_done for one in done] == [[4]]
+    assert [one.frames_done for one in done] == [[2], [4]]
     numbers = [one.number for one in hub.of(ObservationUpdate)]
     assert numbers == sorted(set(numbers))
-    assert len({one.id for one in hub.of(ObservationUpdate)}) == 1
+    assert len({one.id for one in hub.of(ObservationUpdate)}) == 2
     await hub.send(NightDisarmRequest(id="arm-2", who="ada", why="enough"))
     await until(hub, lambda: phase(hub) is NightPhase.DISARMED, "disarmed")
     for address, word in (("dome/shutter", "closed"), ("telescope/parked", "parked")):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["NO_ROOM", "lock_folder", "read_whole", "write_in_place", "write_whole"]
+__all__ = ["NO_ROOM", "append_lines", "lock_folder", "read_whole", "write_in_place", "write_whole"]
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -46,11 +46,36 @@ def write_whole(path: Path, data: bytes) -> None:
     # Atomic within one folder (POSIX `rename`).
     beside.replace(path)
     # The move itself is an entry of the folder, and is lost in a power cut without this.
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    _force_folder(path.parent)
+
+
+def _force_folder(path: Path) -> None:
+    folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def append_lines(path: Path, data: bytes) -> None:
+    """Write behind what a file has; a crash leaves a part of it at the most.
+
+    Raises:
+        OSError: it could not be written; a part of it may stand there.
+
+    """
+    is_new = not path.exists()
+    file = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        # Behind a line that a power cut broke off it begins one of its own.
+        left = b"\n" + data
+        while left:
+            left = left[os.write(file, left) :]
+        os.fsync(file)
+    finally:
+        os.close(file)
+    if is_new:
+        _force_folder(path.parent)
 
 
 def write_in_place(path: Path, data: bytes) -> None:

@@ -140,6 +140,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     "archive": {
         # Names of stars and galaxies; nothing of the site.
         ("GET", "/api/sites/{site}/sky"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/sky/field"): AccessNeed.SEE,
         # Each picture's camera is looked at besides; what may not be seen is as if it were
         # not there.
         ("GET", "/api/sites/{site}/frames"): AccessNeed.SEE,

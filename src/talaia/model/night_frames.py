@@ -8,7 +8,9 @@ __all__ = [
     "FilterCommand",
     "FrameCommand",
     "NightDarks",
+    "NightField",
     "NightFlats",
+    "RotatorCommand",
     "SettingCommand",
 ]
 
@@ -19,7 +21,7 @@ class FrameCommand(Shape, frozen=True, kw_only=True):
     Attributes:
         command: ``<device>/<command>``; it ends when the frame has been read out.
         args: arguments that are always the same, by name: what kind of frame it is.
-        seconds: its argument for the exposure (s).
+        seconds: its argument for the exposure (s); only a bias may have none.
         target: its argument for the target's name.
         binning: its argument for the binning in both axes.
         gain: its argument for the gain.
@@ -118,3 +120,59 @@ class NightFlats(Shape, frozen=True, kw_only=True):
     longest: float = 60.0
     altitude: float = 75.0
     tries: int = 8
+
+
+class RotatorCommand(Shape, frozen=True, kw_only=True):
+    """How the camera is turned, so that a picture's top points where a request wants it.
+
+    Attributes:
+        command: ``<device>/<command>``.
+        argument: of the command, for the angle (°).
+        reading: address of the angle at which it stands (°), or empty. It is there when that says
+            so, and not asked for where it says so already; without one its command's word counts.
+        zero: angle at which the top of a picture points north (°).
+        reverse: the angle grows from north through west: as seen in a mirror.
+        within: (s).
+
+    """
+
+    command: str
+    argument: str
+    reading: str = ""
+    zero: float = 0.0
+    reverse: bool = False
+    within: float = 180.0
+
+    def angle_for(self, position_angle: float) -> float:
+        """Give the rotator's angle (°, 0 to 360) for a picture's position angle (°)."""
+        turned = -position_angle if self.reverse else position_angle
+        return (self.zero + turned) % 360.0
+
+
+class NightField(Shape, frozen=True, kw_only=True):
+    """How much of the sky a picture shows: for framing, and for the panels of a mosaic.
+
+    In degrees it is the chip's size by the focal length, in the same unit, times 57.3: a chip of
+    6.9 by 4.6 mm at 2000 mm shows 0.197 by 0.131°.
+
+    Attributes:
+        width: of the whole picture (°).
+        height: of the whole picture (°).
+        position_angle: where its top points, from north through east (°); with a rotator: where
+            nobody asks for another.
+        rotator: see `RotatorCommand`; none: the camera's angle is fixed.
+
+    """
+
+    width: float
+    height: float
+    position_angle: float = 0.0
+    rotator: RotatorCommand | None = None
+
+    def shows_angle(self, position_angle: float, tolerance: float = 1.0) -> bool:
+        """Tell whether a camera that is not turned shows a field at an angle (°).
+
+        A rectangle that is turned by half a turn is the same one.
+        """
+        off = (position_angle - self.position_angle + 90.0) % 180.0 - 90.0
+        return abs(off) <= tolerance

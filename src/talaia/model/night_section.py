@@ -15,7 +15,9 @@ from talaia.model.night_frames import (  # noqa: TC001 - msgspec reads them
     FilterCommand,
     FrameCommand,
     NightDarks,
+    NightField,
     NightFlats,
+    RotatorCommand,
     SettingCommand,
 )
 from talaia.model.observing.plan import Instrument
@@ -163,6 +165,7 @@ class NightSection(Shape, frozen=True, kw_only=True):
         filter: see `FilterCommand`; none: there is one filter, or it is changed by hand.
         binning: see `SettingCommand`; none: as the frames' commands take it, or not at all.
         gain: see `SettingCommand`; none: as the frames' commands take it, or not at all.
+        field: see `NightField`; none: nobody knows how much of the sky a picture shows.
         focuser: see `NightFocuser`; none: nobody focuses.
         centring: see `NightCentring`; none: fields are where the slew ends.
         guider: see `NightGuider`; none: nobody guides.
@@ -197,6 +200,7 @@ class NightSection(Shape, frozen=True, kw_only=True):
     filter: FilterCommand | None = None
     binning: SettingCommand | None = None
     gain: SettingCommand | None = None
+    field: NightField | None = None
     focuser: NightFocuser | None = None
     centring: NightCentring | None = None
     guider: NightGuider | None = None
@@ -219,6 +223,11 @@ class NightSection(Shape, frozen=True, kw_only=True):
         named |= {f"start[{index}]": step for index, step in enumerate(self.start)}
         return named | {f"end[{index}]": step for index, step in enumerate(self.end)}
 
+    @property
+    def rotator(self) -> RotatorCommand | None:
+        """What turns the camera; none: its angle is fixed."""
+        return self.field.rotator if self.field is not None else None
+
     def frame_for(self, kind: ImageType) -> FrameCommand | None:
         """Give what takes a frame of a kind; none: nothing does."""
         match kind:
@@ -238,7 +247,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
             named.append(self.tracking.signal)
         if self.focuser is not None:
             named += [self.focuser.position, self.focuser.temperature]
-        named += [rule.reading for rule in (self.binning, self.gain) if rule is not None]
+        settings = (self.binning, self.gain, self.rotator)
+        named += [rule.reading for rule in settings if rule is not None]
         return frozenset(address for address in named if address)
 
     def commands(self) -> frozenset[str]:
@@ -256,5 +266,6 @@ class NightSection(Shape, frozen=True, kw_only=True):
             more.append(self.filter.command)
         if self.focuser is not None:
             more.append(self.focuser.command)
-        more += [rule.command for rule in (self.binning, self.gain) if rule is not None]
+        settings = (self.binning, self.gain, self.rotator)
+        more += [rule.command for rule in settings if rule is not None]
         return frozenset([*(step.command for step in self.steps().values()), *more])

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import cProfile
+import pstats
+
 import msgspec
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 from night_observatory import request
 
 from talaia.gateway.night.night_values import ObservationChange
-from talaia.gateway.night.observation_book import MOST_WAITING, BookContent, ObservationBook
+from talaia.gateway.night.observation_book import (
+    MOST_WAITING,
+    BookContent,
+    BookEntry,
+    ObservationBook,
+)
 from talaia.gateway.night.planning.charged_time import MOST_CHARGES
 from talaia.model.observing.states import (
     FINAL_OBSERVATION_STATES,
@@ -25,6 +33,30 @@ def change(
     name: str, state: ObservationState, *frames: int, spent: float = 0.0
 ) -> ObservationChange:
     return ObservationChange(name, state, frames, block_s=spent)
+
+
+class Disk:
+    """What a run left: the whole book, and what was written behind it."""
+
+    def __init__(self) -> None:
+        """Begin empty."""
+        self.whole = msgspec.json.encode(BookContent())
+        self.lines: list[bytes] = []
+        # Updates that were written, each as often as it was.
+        self.written = 0
+
+    def write(self, book: ObservationBook) -> None:
+        pages = book.take_pages()
+        if pages.whole is not None:
+            self.whole, self.lines = msgspec.json.encode(pages.whole), []
+            self.written += len(pages.whole.waiting)
+        else:
+            self.lines += [msgspec.json.encode(entry) for entry in pages.entries]
+            self.written += len(pages.entries)
+
+    def read(self) -> ObservationBook:
+        entries = [msgspec.json.decode(line, type=BookEntry) for line in self.lines]
+        return ObservationBook(msgspec.json.decode(self.whole, type=BookContent), "site", entries)
 
 
 def restarted(book: ObservationBook) -> ObservationBook:
@@ -179,3 +211,75 @@ def test_charges_of_weeks_without_new_hours_become_few_and_lose_nothing() -> Non
         book.acknowledge_updates(update.number)
     assert charged(book) == {"school": 3 * MOST_CHARGES, "club": 3 * MOST_CHARGES}
     assert len(book.content.charges) <= MOST_CHARGES
+
+
+def observe_many(book: ObservationBook, disk: Disk, count: int) -> None:
+    """End so many observations of which the hub hears nothing, each change written at once."""
+    for number in range(count):
+        name = f"r{number}"
+        for state, frames in ((S.IN_PROGRESS, 0), (S.IN_PROGRESS, 1), (S.COMPLETED, 2)):
+            payers = {name: "school"}
+            book.record_change(change(name, state, frames, spent=9.0), 1.0, payers=payers)
+            book.charged_seconds()
+            disk.write(book)
+
+
+def work_of(count: int) -> tuple[int, int]:
+    """Give the calls that so many observations cost, and the updates that were written."""
+    book, disk, profile = ObservationBook(BookContent(), "site"), Disk(), cProfile.Profile()
+    profile.runcall(observe_many, book, disk, count)
+    return pstats.Stats(profile).total_calls, disk.written  # type: ignore[attr-defined]
+
+
+def test_each_observation_costs_the_same_however_many_the_hub_has_not_heard_of() -> None:
+    calls, written = work_of(400)
+    more_calls, more_written = work_of(1600)
+    # Four times as many; by the square it would be sixteen times.
+    assert more_calls < 6 * calls
+    assert more_written < 6 * written
+    assert more_written < 6 * 3 * 1600
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(["change", "write", "ack", "settle", "fail"]),
+            st.sampled_from("abc"),
+            st.sampled_from([S.IN_PROGRESS, S.SUSPENDED, S.COMPLETED, S.FAILED]),
+            st.integers(0, 30),
+        ),
+        max_size=60,
+    )
+)
+@example(
+    [
+        ("change", "a", S.COMPLETED, 1),
+        ("change", "b", S.SUSPENDED, 1),
+        ("write", "a", S.FAILED, 0),
+        ("ack", "a", S.FAILED, 1),
+        ("write", "a", S.FAILED, 0),
+    ]
+)
+def test_what_is_read_again_is_what_was_written_last(
+    steps: list[tuple[str, str, ObservationState, int]],
+) -> None:
+    book, disk = ObservationBook(BookContent(), "site"), Disk()
+    disk.write(book)
+    for what, name, state, number in steps:
+        match what:
+            case "change":
+                payers = {name: "school"}
+                book.record_change(change(name, state, number, spent=3.0), 1.0, payers=payers)
+            case "ack":
+                book.acknowledge_updates(min(number, book.content.number))
+            case "settle":
+                book.settle_requests([request(name)])
+            case "fail":
+                # The disk takes nothing: all of it has to be written next time.
+                book.take_pages()
+                book.write_whole()
+            case _:
+                disk.write(book)
+                again = disk.read()
+                assert again.content == book.content
+                assert again.charged_seconds() == pytest.approx(book.charged_seconds())

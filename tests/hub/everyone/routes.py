@@ -465,6 +465,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/events"): of_site(),
     ("GET", "/api/sites/{site}/topics"): of_site(),
     ("GET", "/api/sites/{site}/sky"): of_site(query={"name": "M31"}),
+    ("GET", "/api/sites/{site}/sky/field"): of_site(query={"ra": 10.7, "dec": 41.3, "radius": 1}),
     ("GET", "/api/sites/{site}/nights"): of_site(),
     ("GET", "/api/sites/{site}/frames"): of_site(),
     ("GET", "/api/sites/{site}/frames/{frame}"): _OF_PICTURE,

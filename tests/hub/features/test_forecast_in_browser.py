@@ -89,7 +89,7 @@ async def test_chances_are_told_while_a_request_is_typed(observatory, chromium):
     outlook = form.locator("t-request-outlook")
     # Nothing else wants the night, so that only the roof may be against it.
     await expect(outlook).to_contain_text("within 7 nights")
-    await expect(outlook).to_contain_text(re.compile(r"Chance: \d+ % tonight"))
+    await expect(outlook).to_contain_text(re.compile(r"Chance: \d+\s% tonight"))
     await form.locator("[name=dec]").fill("-89:15:51")
     await expect(outlook).to_contain_text("never above 30° in its windows")
     await expect(outlook).to_contain_text("Chance: none")

@@ -10,6 +10,7 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.hub.observing.site_abilities import site_abilities, site_problems
+from talaia.model.night_frames import NightField
 from talaia.model.night_section import NightGuider
 from talaia.model.observing.requests import (
     Configuration,
@@ -89,9 +90,11 @@ def test_calibrations_are_taken_where_the_description_says_how() -> None:
     for kind in ImageType:
         seconds = 0.0 if kind is ImageType.BIAS else 10.0
         assert problems(site, Configuration(type=kind, exposure=seconds)) == []
-    # The INDI example has none of them.
+        seconds = 0.0 if kind is ImageType.BIAS else 10.0
+        assert problems(example("indi"), Configuration(type=kind, exposure=seconds)) == []
+    bare = site_with("indi", darks=None, bias=None, flats=None)
     for kind in ("DARK", "BIAS", "SKY_FLAT"):
-        assert problems(example("indi"), part(type=ImageType(kind))) == [
+        assert problems(bare, part(type=ImageType(kind))) == [
             f"the nights of this site take no {kind} frames for requests"
         ]
 
@@ -122,3 +125,35 @@ def test_a_form_is_told_what_its_site_can_do() -> None:
     assert (plain.filters, plain.binning, plain.gain) == (None, None, None)
     assert plain.types == (ImageType.LIGHT, ImageType.DARK)
     assert site_abilities(example("agv")) is None
+
+
+def angle_problems(site: Site, angle: float | None) -> list[str]:
+    request = Request(
+        id="r1",
+        target=IcrsTarget(ra=10.0, dec=41.0, position_angle=angle),
+        configurations=(part(),),
+        windows=(Window(start=0.0, end=1.0),),
+    )
+    return site_problems(RequestGroup(id="g1", proposal="school", requests=(request,)), site)
+
+
+def test_a_camera_that_does_not_turn_takes_only_the_angle_at_which_it_stands() -> None:
+    site = site_with(field=NightField(width=0.2, height=0.1, position_angle=40.0))
+    # Upside down it is the same rectangle.
+    for angle in (None, 40.0, 220.0, 39.5):
+        assert angle_problems(site, angle) == []
+    assert angle_problems(site, 90.0) == [
+        "the camera stands at a position angle of 40° and cannot be turned to 90°"
+    ]
+    assert angle_problems(site_with(field=None), 90.0) == [
+        "this site does not say how its camera stands: leave the position angle open"
+    ]
+
+
+def test_a_camera_with_a_rotator_takes_any_angle_and_its_field_is_told() -> None:
+    site = example("indi")
+    assert angle_problems(site, 123.4) == []
+    abilities = site_abilities(site)
+    assert abilities is not None
+    assert abilities.field is not None
+    assert (abilities.field.width, abilities.field.rotator is not None) == (0.4238, True)

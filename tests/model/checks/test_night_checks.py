@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from msgspec.structs import replace
@@ -12,7 +12,13 @@ from msgspec.structs import replace
 from talaia.model.checks.site_checks import check_site
 from talaia.model.interlocks.enclosure import Sighting
 from talaia.model.interlocks.interlock import Step
-from talaia.model.night_frames import FilterCommand, FrameCommand, NightDarks
+from talaia.model.night_frames import (
+    FilterCommand,
+    FrameCommand,
+    NightDarks,
+    NightField,
+    RotatorCommand,
+)
 from talaia.model.night_section import NightFocuser, NightSection, NightSun, SlewCommand
 from talaia.model.observing.plan import Instrument
 from talaia.model.yaml_text.load import load_site
@@ -33,6 +39,26 @@ def night(**changes: object) -> Site:
     site = observatory()
     assert site.night is not None
     return replace(site, night=replace(site.night, **changes))
+
+
+def field_turned_by(
+    command: str = "focuser/goto", argument: str = "position", **more: Any
+) -> NightField:
+    """Describe a camera that turns by the command of another device."""
+    rotator = RotatorCommand(command=command, argument=argument, **more)
+    return NightField(width=0.2, height=0.1, rotator=rotator)
+
+
+def test_a_bias_may_have_no_argument_for_its_length() -> None:
+    bias = FrameCommand(command="camera/abort", seconds="")
+    assert check_site(night(bias=bias)) == []
+
+
+def test_a_rotator_is_a_device_and_its_angle_a_reading_of_the_night() -> None:
+    described = night(field=field_turned_by(reading="focuser/position")).night
+    assert described is not None
+    assert "focuser/goto" in described.commands()
+    assert "focuser/position" in described.readings()
 
 
 @pytest.mark.parametrize("example", ["observatory", "indi"])
@@ -58,6 +84,18 @@ def test_the_examples_observe_by_themselves_and_fit(example: str) -> None:
         ),
         ({"light": FrameCommand(command="camera/expose", seconds="")}, "$.night.light.seconds"),
         ({"light": FrameCommand(command="camera/expose", args={"no": 1})}, "$.night.light.args.no"),
+        ({"field": NightField(width=0.0, height=0.1)}, "$.night.field.width"),
+        ({"field": NightField(width=0.1, height=90.0)}, "$.night.field.height"),
+        (
+            {"field": NightField(width=0.1, height=0.1, position_angle=-5.0)},
+            "$.night.field.position_angle",
+        ),
+        ({"field": field_turned_by("focuser/turn")}, "$.night.field.rotator.command"),
+        ({"field": field_turned_by(argument="angle")}, "$.night.field.rotator.argument"),
+        ({"field": field_turned_by(argument="")}, "$.night.field.rotator.argument"),
+        ({"field": field_turned_by(reading="dome/shutter")}, "$.night.field.rotator.reading"),
+        ({"field": field_turned_by(zero=999.0)}, "$.night.field.rotator.zero"),
+        ({"field": field_turned_by(within=0.0)}, "$.night.field.rotator.within"),
         (
             {"darks": NightDarks(command=FrameCommand(command="camera/drk"))},
             "$.night.darks.command.command",
@@ -99,7 +137,7 @@ def test_nobody_observes_by_night_where_no_place_is_known() -> None:
 
 
 def test_what_the_night_goes_by_stays_at_hand_as_what_safety_goes_by() -> None:
-    assert {"dome/shutter", "weather/clouds"} <= observatory().safety_signals()
+    assert {"dome/shutter", "allsky/clouds"} <= observatory().safety_signals()
 
 
 def test_what_focus_and_camera_settings_go_by_stays_at_hand_too() -> None:

@@ -125,6 +125,8 @@ PROPOSED = {
         "gain": "camera.gain",
         "filter": "camera.filter",
         "expose()": "camera.expose",
+        "dark()": "camera.expose",
+        "flat()": "camera.expose",
         "abort()": "camera.abort",
         "cool()": "camera.cool",
         "binning()": "camera.binning",

@@ -11,7 +11,7 @@ interface StateWords {
 
 export const PHASE_WORDS: Readonly<Record<NightPhase, StateWords & { readonly meaning: string }>> = {
   disarmed: { word: "Disarmed", kind: "unknown", meaning: "Nothing opens by itself." },
-  waiting: { word: "Armed, waiting for the dark", kind: "ok", meaning: "It opens by itself when the Sun is low enough and conditions allow it." },
+  waiting: { word: "Armed, waiting", kind: "ok", meaning: "It opens by itself when the Sun is low enough, conditions allow it and there is something to observe." },
   opening: { word: "Opening", kind: "busy", meaning: "Roof and telescope are made ready." },
   observing: { word: "Observing", kind: "online", meaning: "Requests are observed, one after the other." },
   closed: { word: "Armed, closed", kind: "warn", meaning: "A condition keeps the roof closed; it goes on by itself after that." },

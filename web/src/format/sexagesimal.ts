@@ -17,6 +17,25 @@ export function formatDec(degrees: number): string {
   return `${sign}${twoDigits(Math.floor(seconds / 3600))}° ${twoDigits(Math.floor(seconds / 60) % 60)}′ ${twoDigits(seconds % 60)}″`;
 }
 
+/** Hours as a field takes them, to a hundredth of a second: `05:34:32.17`. */
+export function writeRa(hours: number): string {
+  return withColons(wrapped(Math.round(hours * 360_000), 8_640_000), 2);
+}
+
+/** Degrees as a field takes them, to a tenth of an arc second: `-05:23:28.0`. */
+export function writeDec(degrees: number): string {
+  const tenths = Math.round(Math.abs(degrees) * 36_000);
+  return `${degrees < 0 && tenths > 0 ? "-" : "+"}${withColons(tenths, 1)}`;
+}
+
+/** @param parts of a second, so many in it as the decimals say */
+function withColons(parts: number, decimals: number): string {
+  const whole = 10 ** decimals;
+  const seconds = Math.floor(parts / whole);
+  const fraction = String(parts % whole).padStart(decimals, "0");
+  return `${twoDigits(Math.floor(seconds / 3600))}:${twoDigits(Math.floor(seconds / 60) % 60)}:${twoDigits(seconds % 60)}.${fraction}`;
+}
+
 /** An azimuth with the wind's letters: `275.2° W`. */
 export function formatAzimuth(degrees: number, decimals = 1): string {
   if (!Number.isFinite(degrees)) return "–";

@@ -1007,6 +1007,13 @@ export interface SightingShape {
   readonly below: number | null;
 }
 
+/** What is there of a piece of the sky, the brightest stars and the largest objects first. */
+export interface SkyFieldShape {
+  readonly available: boolean;
+  readonly stars: readonly SkyStar[];
+  readonly objects: readonly SkyOutline[];
+}
+
 /** What goes by a name. ``available`` is false where the hub has no catalogue. */
 export interface SkyList {
   readonly available: boolean;
@@ -1022,6 +1029,25 @@ export interface SkyObject {
   readonly ra_deg: number;
   readonly dec_deg: number;
   readonly magnitude: number | null;
+}
+
+/** Something of a catalogue as it lies on the sky; coordinates are degrees of J2000. */
+export interface SkyOutline {
+  readonly name: string;
+  readonly also: readonly string[];
+  readonly kind: string;
+  readonly ra_deg: number;
+  readonly dec_deg: number;
+  readonly major: number | null;
+  readonly minor: number | null;
+  readonly angle: number;
+}
+
+/** A star of Hipparcos; degrees of J2000, where it stands in 2027. */
+export interface SkyStar {
+  readonly ra_deg: number;
+  readonly dec_deg: number;
+  readonly magnitude: number;
 }
 
 /** A command that points a telescope, and its arguments that say where to; empty for none. */
@@ -1049,6 +1075,15 @@ export interface AbilitiesShape {
   readonly binning: SettingRangeShape | null;
   readonly gain: SettingRangeShape | null;
   readonly guides: boolean;
+  readonly field: FieldShape | null;
+}
+
+/** How much of the sky a picture shows (°). */
+export interface FieldShape {
+  readonly width: number;
+  readonly height: number;
+  readonly position_angle: number;
+  readonly rotates: boolean;
 }
 
 /** What a number of the camera may be; none: no limit is described. */
@@ -1130,6 +1165,7 @@ export interface IcrsTargetShape {
   readonly proper_motion_ra?: number;
   readonly proper_motion_dec?: number;
   readonly epoch?: number;
+  readonly position_angle?: number | null;
 }
 
 /** Let an account be in a proposal; without a role: no more. */

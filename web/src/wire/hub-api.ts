@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OutlierList, SiteShape, SiteSummary, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OutlierList, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -113,6 +113,12 @@ export class HubApi {
   searchSky(site: string, name: string): Promise<SkyList> {
     const query = new URLSearchParams({ name }).toString();
     return this.request("GET", `/api/sites/${encodeURIComponent(site)}/sky?${query}`);
+  }
+
+  /** Stars and outlines within a radius of a place (°, J2000). */
+  skyField(site: string, { raDeg, decDeg }: { readonly raDeg: number; readonly decDeg: number }, radius: number): Promise<SkyFieldShape> {
+    const query = new URLSearchParams({ ra: String(raDeg), dec: String(decDeg), radius: String(radius) }).toString();
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/sky/field?${query}`);
   }
 
   /** Channels that have history and that the site's description no longer has. */

@@ -1,10 +1,18 @@
 import { expect, test } from "vitest";
-import { formatAzimuth, formatDec, formatRa, parseDec, parseRa, windOf } from "../../src/format/sexagesimal.js";
+import { formatAzimuth, formatDec, formatRa, parseDec, parseRa, windOf, writeDec, writeRa } from "../../src/format/sexagesimal.js";
 
 test("right ascension is written in hours, minutes and seconds, and never as sixty", () => {
   expect(formatRa(5.575556)).toBe("05h 34m 32s");
   expect(formatRa(23.99999)).toBe("00h 00m 00s");
   expect(formatRa(Number.NaN)).toBe("–");
+});
+
+test("what is written into a field is read as the same place", () => {
+  expect([writeRa(23.9999999), writeDec(-0.00001), writeDec(-5.391111)]).toEqual(["00:00:00.00", "+00:00:00.0", "-05:23:28.0"]);
+  for (const [ra, dec] of [[0.71235, 41.26908], [17.9634, -0.4], [23.99, -89.98765]] as const) {
+    expect(parseRa(writeRa(ra))).toBeCloseTo(ra, 5);
+    expect(parseDec(writeDec(dec))).toBeCloseTo(dec, 4);
+  }
 });
 
 test("declination keeps its sign, also within a degree of zero", () => {

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.night.frames.frame_arguments import frame_arguments
 from talaia.gateway.night.frames.frame_settings import FrameSettings
 from talaia.gateway.night.frames.frame_watch import FrameWatch
+from talaia.gateway.night.frames.rotator_steps import turn_steps
 from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
 from talaia.gateway.night.imaging.guide_steps import GuideSteps, dithered_place
 from talaia.gateway.night.night_values import PartRun
@@ -227,6 +228,8 @@ class BlockRun(StepwiseBlock):
         steps += self._settings.steps_for(configuration, self._night.light)
         if isinstance(self.request.target, FixedTarget) and self._night.point is not None:
             return [*steps, self._stand_at(self._night.point, self.request.target)]
+        # Before the field is centred, for a camera off its axis moves the field as it turns.
+        steps += turn_steps(self._night, self.request.target)
         steps.append(self._slew(where, "flipping" if flips else "slewing"))
         if self._parts.solves and isinstance(self.request.target, IcrsTarget):
             steps.append(self._part("centring", "centre", name=configuration.filter))

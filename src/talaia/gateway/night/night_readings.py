@@ -55,6 +55,7 @@ class NightReadings:
             seeing=self._number(night.seeing, now_ns),
             binning=self._number(night.binning.reading if night.binning else "", now_ns),
             gain=self._number(night.gain.reading if night.gain else "", now_ns),
+            rotator=self._number(night.rotator.reading if night.rotator else "", now_ns),
             tracking=judge.sighting_holds(tracking, now_ns) if tracking is not None else None,
         )
 

@@ -14,7 +14,6 @@ import logging
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-import msgspec
 from msgspec.structs import replace
 
 from talaia.clock import SECOND
@@ -35,7 +34,6 @@ from talaia.gateway.night.night_values import (
     PartRun,
     PlanQuestion,
 )
-from talaia.gateway.night.observation_book import ObservationBook
 from talaia.gateway.night.planning.charged_time import seconds_left
 from talaia.gateway.night.planning.planner_process import PlannerProcess
 from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
@@ -130,7 +128,7 @@ class NightService:
         self._on_disk, self._store = on_disk, NightStore(folder)
         self._requests = self._store.read_requests()
         # Each start has ids of its own: observations of one gateway are never told apart wrongly.
-        self._book = ObservationBook(self._store.read_observations(), f"{site.site}-{boot[:12]}")
+        self._book = self._store.read_book(f"{site.site}-{boot[:12]}")
         self._intake = RequestIntake()
         self.planner, self.calls = planner(self._take_plan), NightCalls()
         arming = self._written_arming = self._store.read_arming()
@@ -349,8 +347,8 @@ class NightService:
         ]
         self._hand_over_hours()
         # Encoded now: the book goes on changing while the disk is busy.
-        data = msgspec.json.encode(self._book.content)
-        await self._write(lambda: self._store.write_observations(data), "what was observed")
+        if await self._write(self._store.book_writer(self._book), "what was observed"):
+            self._book.write_whole()
         # On disk first: what the hub was told is never told otherwise by a later run.
         for update in updates:
             if self._takes_night:

@@ -42,6 +42,7 @@ class NightView(NamedTuple):
         binning: of the camera, as it says; none: it does not, or nobody asks.
         gain: of the camera, as it says; none: as for ``binning``.
         tracking: the telescope follows the sky; none: nobody knows, or nobody asks.
+        rotator: the angle at which it stands (°); none: as for ``binning``.
 
     """
 
@@ -59,6 +60,7 @@ class NightView(NamedTuple):
     binning: float | None = None
     gain: float | None = None
     tracking: bool | None = None
+    rotator: float | None = None
 
 
 class NightCommand(NamedTuple):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.observing.requests import Guiding, ImageType
+from talaia.model.observing.targets import IcrsTarget
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from talaia.model.night_frames import FrameCommand, SettingCommand
+    from talaia.model.night_frames import FrameCommand, NightField, SettingCommand
     from talaia.model.night_section import NightSection
     from talaia.model.observing.requests import Configuration, Request, RequestGroup
     from talaia.model.site import Argument, Site
@@ -36,6 +37,7 @@ class SiteAbilities(NamedTuple):
         binning: none: it cannot be chosen.
         gain: none: it cannot be chosen.
         guides: there is a guider.
+        field: how much of the sky a picture shows; none: nobody has described it.
 
     """
 
@@ -45,6 +47,7 @@ class SiteAbilities(NamedTuple):
     binning: SettingRange | None
     gain: SettingRange | None
     guides: bool
+    field: NightField | None
 
 
 def site_abilities(site: Site) -> SiteAbilities | None:
@@ -61,6 +64,7 @@ def site_abilities(site: Site) -> SiteAbilities | None:
         binning=_range_of(_taken_by(site, light, light.binning, night.binning)),
         gain=_range_of(_taken_by(site, light, light.gain, night.gain)),
         guides=night.guider is not None,
+        field=night.field,
     )
 
 
@@ -80,6 +84,7 @@ def site_problems(group: RequestGroup, site: Site) -> list[str]:
         return []
     wanted = [part for request in group.requests for part in request.configurations]
     found = [problem for request in group.requests for problem in _mixture_problems(request)]
+    found += [problem for request in group.requests for problem in _angle_problems(night, request)]
     found += [
         problem
         for configuration in wanted
@@ -99,6 +104,22 @@ def _mixture_problems(request: Request) -> Iterator[str]:
         yield (
             "one request has frames of a target (LIGHT), of the twilight (SKY_FLAT) or of a closed"
             " roof (DARK, BIAS), not of several of them"
+        )
+
+
+def _angle_problems(night: NightSection, request: Request) -> Iterator[str]:
+    """What the camera of a site without a rotator does not show is said before it is handed in."""
+    target = request.target
+    if not isinstance(target, IcrsTarget) or target.position_angle is None:
+        return
+    if night.rotator is not None:
+        return
+    if night.field is None:
+        yield "this site does not say how its camera stands: leave the position angle open"
+    elif not night.field.shows_angle(target.position_angle):
+        yield (
+            f"the camera stands at a position angle of {night.field.position_angle:g}° and cannot"
+            f" be turned to {target.position_angle:g}°"
         )
 
 

@@ -13,7 +13,12 @@ from talaia.model.site import ArgumentType, SignalType
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.night_frames import FrameCommand, NightFlats, SettingCommand
+    from talaia.model.night_frames import (
+        FrameCommand,
+        NightField,
+        NightFlats,
+        SettingCommand,
+    )
     from talaia.model.night_section import NightSection
     from talaia.model.site import Command, Site
 
@@ -23,6 +28,8 @@ __all__ = ["night_findings"]
 _LIGHT = -6.0
 # A picture for focus is exposed so many times as long at the most.
 _MOST_LONGER = 100.0
+# A picture that shows more is an all-sky camera's, on no tangent plane.
+_WIDEST = 60.0
 _NUMBERS = frozenset({ArgumentType.NUMBER, ArgumentType.INTEGER})
 
 
@@ -76,7 +83,7 @@ def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
         for index, exposure in enumerate(night.darks.exposures):
             yield from at_least(f"$.night.darks.exposures[{index}]", exposure, 0)
     if night.bias is not None:
-        yield from _frame_fits(site, "$.night.bias", night.bias)
+        yield from _frame_fits(site, "$.night.bias", night.bias, timed=False)
     yield from _flats_fit(site, night.flats)
     if night.filter is not None:
         where = "$.night.filter"
@@ -94,6 +101,32 @@ def _commands_fit(site: Site, night: NightSection) -> Iterator[Finding]:
                 yield Finding(f"{where}.longer.{name}", f"expected over 0, to {_MOST_LONGER:g}")
     for key in ("binning", "gain"):
         yield from _setting_fits(site, f"$.night.{key}", getattr(night, key))
+    yield from _field_fits(site, night.field)
+
+
+def _field_fits(site: Site, field: NightField | None) -> Iterator[Finding]:
+    if field is None:
+        return
+    where = "$.night.field"
+    for key in ("width", "height"):
+        size = getattr(field, key)
+        # Written so that NaN is found as well.
+        if not 0 < size <= _WIDEST:
+            problem = f"expected over 0, to {_WIDEST:g} °, found {size:g}"
+            yield Finding(f"{where}.{key}", problem, "chip by focal length, times 57.3")
+    if not 0 <= field.position_angle < 360:
+        problem = f"expected 0 to 360 °, found {field.position_angle:g}"
+        yield Finding(f"{where}.position_angle", problem, "from north through east")
+    rotator, where = field.rotator, f"{where}.rotator"
+    if rotator is not None:
+        yield from _arguments_fit(site, where, rotator.command, {"argument": rotator.argument})
+        if not rotator.argument:
+            yield Finding(f"{where}.argument", "nothing takes the angle", "name its argument")
+        yield from _signal_fits(site, f"{where}.reading", rotator.reading)
+        if not -360 <= rotator.zero <= 360:
+            problem = f"expected -360 to 360 °, found {rotator.zero:g}"
+            yield Finding(f"{where}.zero", problem)
+        yield from check_above(f"{where}.within", rotator.within, 0)
 
 
 def _flats_fit(site: Site, flats: NightFlats | None) -> Iterator[Finding]:
@@ -127,9 +160,12 @@ def _setting_fits(site: Site, where: str, rule: SettingCommand | None) -> Iterat
     yield from check_above(f"{where}.within", rule.within, 0)
 
 
-def _frame_fits(site: Site, where: str, frame: FrameCommand) -> Iterator[Finding]:
+def _frame_fits(
+    site: Site, where: str, frame: FrameCommand, *, timed: bool = True
+) -> Iterator[Finding]:
     numbers = {key: getattr(frame, key) for key in ("seconds", "binning", "gain")}
-    if not frame.seconds:
+    # A bias has no length: its command may know the shortest that its camera takes.
+    if timed and not frame.seconds:
         yield Finding(f"{where}.seconds", "nothing says how long it exposes", "name its argument")
     others = {"target": frame.target, **{f"args.{key}": key for key in frame.args}}
     yield from _arguments_fit(site, where, frame.command, numbers, others=others)

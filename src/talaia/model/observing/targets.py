@@ -51,6 +51,8 @@ class IcrsTarget(
         proper_motion_ra: with the cosine of the declination, as Gaia gives it (mas/year).
         proper_motion_dec: (mas/year).
         epoch: at which it stood there (Julian year).
+        position_angle: where a picture's top shall point, from north through east (°, 0 to 360);
+            none: as the camera stands.
 
     """
 
@@ -60,6 +62,7 @@ class IcrsTarget(
     proper_motion_ra: _ProperMotion = 0.0
     proper_motion_dec: _ProperMotion = 0.0
     epoch: Annotated[float, Meta(ge=1800, le=2200)] = 2000.0
+    position_angle: Degrees | None = None
 
 
 class SolarSystemTarget(

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 
-from talaia.hub.api.sites import sky_names
+from talaia.hub.api.sites import sky_field, sky_names
+from talaia.imaging.tangent_plane import angular_distance
 
 OBSERVATORY = (Path(__file__).parents[4] / "examples" / "observatory" / "site.yaml").read_text()
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -122,3 +123,40 @@ async def test_without_the_catalogue_the_hub_says_so(shared_hub, observatory, mo
         "/api/sites/agv/sky", params={"name": "M31"}
     )
     assert answer.json() == {"available": False, "objects": []}
+
+
+async def test_a_piece_of_the_sky_has_its_stars_and_the_outline_of_a_galaxy(
+    shared_hub, observatory
+) -> None:
+    pytest.importorskip("pyongc")
+    answer = await (await shared_hub.client("operator")).get(
+        "/api/sites/agv/sky/field", params={"ra": 10.68, "dec": 41.27, "radius": 2}
+    )
+    found = answer.json()
+    galaxy = found["objects"][0]
+    assert (galaxy["name"], galaxy["also"][0], galaxy["angle"]) == ("NGC0224", "M031", 35.0)
+    assert galaxy["major"] == pytest.approx(2.96, abs=0.01)
+    # nu Andromedae, the brightest there, comes first.
+    magnitudes = [star["magnitude"] for star in found["stars"]]
+    assert magnitudes == sorted(magnitudes)
+    assert magnitudes[0] == pytest.approx(4.5, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("ra", "dec"), [(0.05, 15.0), (359.95, 15.0), (0.5, 68.0), (200.0, 89.9), (3.0, -89)]
+)
+async def test_a_piece_of_the_sky_is_whole_at_the_seam_and_at_the_poles(
+    ra: float, dec: float
+) -> None:
+    pytest.importorskip("pyongc")
+    stars, objects = sky_field.look_around(ra, dec, 5.0)
+    everything = [
+        found
+        for found in sky_names.objects_between((0.0, 360.0), (-90.0, 90.0), 2.5)
+        if angular_distance(ra, dec, found.ra_deg, found.dec_deg) <= 5.0
+    ]
+    assert {found.name for found in objects} == {found.name for found in everything}
+    # Both sides of the seam, and all round the pole.
+    reach = [(star.ra_deg - ra + 180.0) % 360.0 - 180.0 for star in stars]
+    assert min(reach) < -2.0
+    assert max(reach) > 2.0

@@ -248,23 +248,26 @@ export class PlanTimeline extends LitElement {
     const first = Math.ceil(from / HOUR_MS);
     const hours = Array.from({ length: Math.min(48, Math.floor(to / HOUR_MS) - first + 1) }, (_, i) => (first + i) * HOUR_MS);
     const local = zoneName(from * 1000, this.zone);
-    return map(hours, (ms, i) => {
-      const named = i === 0;
-      return html`<div class="hour" ${this.placeSpan(ms, ms)}>
-        <span>${this.clockText(ms)}${named ? ` ${local}` : ""}</span>
-        ${local === "UTC" ? nothing : html`<span class="utc">${formatClock(ms * 1000, "UTC").slice(0, 5)}${named ? " UTC" : ""}</span>`}
-      </div>`;
-    });
+    // Whose hours they are stands in the key: beside them a long name covers the next one.
+    return map(
+      hours,
+      (ms) => html`<div class="hour" ${this.placeSpan(ms, ms)}>
+        <span>${this.clockText(ms)}</span>
+        ${local === "UTC" ? nothing : html`<span class="utc">${formatClock(ms * 1000, "UTC").slice(0, 5)}</span>`}
+      </div>`,
+    );
   }
 
   private renderKey(): TemplateResult {
     const sky = this.sky;
     const present = new Set(sky?.bands.map(({ id }) => id));
+    const local = zoneName(this.span.from * 1000, this.zone);
     return html`<div class="key" aria-hidden="true">
       ${map(this.marks, ([proposal, { letter, colour }]) => html`<span><i ${styled({ "--colour": `var(--t-series-${String(colour)})` })}></i>${letter} ${proposal}</span>`)}
       ${map(DARKNESS.filter(({ id }) => present.has(id)), ({ id, name }) => html`<span><i ${styled({ "--colour": `var(--t-hour-${id})` })}></i>${name}</span>`)}
       ${sky === null || sky.moonUp.length === 0 ? nothing : html`<span><i ${styled({ "--colour": "var(--t-moon)" })}></i>Moon up, ${(sky.moonLit * 100).toFixed(0)} % lit</span>`}
       <span><i ${styled({ "--colour": "var(--t-bad)", "inline-size": "3px", border: "0" })}></i>now</span>
+      <span>${local === "UTC" ? "hours in UTC" : `hours in ${local}, below them in UTC`}</span>
     </div>`;
   }
 

@@ -123,7 +123,7 @@ export class AlertRuleForm extends LitElement {
     return html`<fieldset>
       <legend>Then a rapid request is made</legend>
       ${this.renderField("name", "Called", read, html`<input name="rule.name" maxlength="100" autocomplete="off" .value=${settled(draft.name)} />`, "With the event's name behind it")}
-      ${this.renderField("hours", "Within hours of the event (h)", read, numberInput("rule.hours", draft.hours), "What is older is not asked for")}
+      ${this.renderField("hours", "Within (h)", read, numberInput("rule.hours", draft.hours), "Of the event; what is older is not asked for")}
       ${this.renderField("priority", "Priority", read, numberInput("rule.priority", draft.priority), proposal === null ? "" : `Up to ${String(proposal.max_priority)} in this proposal`)}
       <label class="tick"><input name="rule.active" type="checkbox" .checked=${draft.active} /> The rule is active</label>
     </fieldset>`;

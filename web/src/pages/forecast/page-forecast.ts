@@ -50,6 +50,9 @@ export class PageForecast extends LitElement {
         align-items: start;
         gap: var(--t-space-4);
       }
+      details[open] > summary {
+        margin-block-end: var(--t-space-2);
+      }
       .shares {
         --t-columns: minmax(7rem, 1fr) 4rem 4rem 6rem 7rem;
       }
@@ -163,7 +166,7 @@ export class PageForecast extends LitElement {
     return html`${facts === null
         ? nothing
         : html`<p>
-            ${facts.darkMs === 0 ? "No full darkness" : `Dark for ${formatDuration(facts.darkMs / 1000)}, ${formatDuration(facts.moonlessMs / 1000)} of it without the Moon`}, which is
+            ${facts.darkMs === 0 ? "No full darkness" : `Dark for ${formatDuration(facts.darkMs / 1000)}, ${facts.moonlessMs === 0 ? "none" : formatDuration(facts.moonlessMs / 1000)} of it without the Moon`}, which is
             ${(facts.moonLit * 100).toFixed(0)} % lit.
           </p>`}
       ${blocks.length === 0 ? html`<p class="muted">Nothing is planned in it.</p>` : nothing}

@@ -11,6 +11,7 @@ import "../../elements/values/qr-code.js";
 import "../../elements/forms/rule-list.js";
 import "../admin-tabs.js";
 import "../roles/role-matrix.js";
+import "../shell/confirm-person.js";
 import type { GalleryEntry } from "./entry.js";
 
 /** Three corners, as every QR code has; it holds nothing. */
@@ -37,6 +38,11 @@ function openQuestion(event: Event): void {
   if (!(event.currentTarget instanceof HTMLElement)) return;
   const question = event.currentTarget.parentElement?.querySelector("t-confirm");
   if (question) question.open = true;
+}
+
+function askPerson(event: Event): void {
+  if (!(event.currentTarget instanceof HTMLElement)) return;
+  void event.currentTarget.parentElement?.querySelector("t-confirm-person")?.askPerson();
 }
 
 export const entries: readonly GalleryEntry[] = [
@@ -74,6 +80,15 @@ export const entries: readonly GalleryEntry[] = [
       {
         name: "all kept",
         show: () => html`<t-rules .rules=${passwordRules("a quiet sentence", "Ada", "a quiet sentence")}></t-rules>`,
+      },
+    ],
+  },
+  {
+    tag: "t-confirm-person",
+    states: [
+      {
+        name: "press to open",
+        show: () => html`<t-button @click=${askPerson}>Make Ada an admin…</t-button><t-confirm-person></t-confirm-person>`,
       },
     ],
   },

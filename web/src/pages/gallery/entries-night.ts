@@ -3,7 +3,10 @@
 import { html } from "lit";
 import { proposalMarks, type NightBlock } from "../../series/plan-layout.js";
 import { nightSky } from "../../sky/night-sky.js";
+import type { SkyFieldShape } from "../../generated/api.js";
+import { mosaicOf } from "../../sky/mosaic.js";
 import type { GalleryEntry } from "./entry.js";
+import "../../elements/observatory/framing-view.js";
 import "../../elements/observatory/plan-timeline.js";
 import "../../elements/observatory/sky-chart.js";
 
@@ -29,6 +32,20 @@ const BLOCKS: readonly NightBlock[] = (
   id: String(i), request: String(i), name, proposal, state, reason, startMs: EVENING + start * HOUR, endMs: EVENING + end * HOUR,
 }));
 const MARKS = proposalMarks(BLOCKS.map(({ proposal }) => proposal));
+
+const GALAXY = { raDeg: 10.6848, decDeg: 41.2691 };
+const SKY_OF_M31: SkyFieldShape = {
+  available: true,
+  stars: [[12.45, 41.08, 4.5], [9.22, 41.25, 7.1], [10.1, 41.9, 7.6], [11.6, 40.6, 6.9], [9.7, 40.5, 8], [11.1, 42.2, 8.3], [10.4, 40.8, 7.9]].map(
+    ([ra = 0, dec = 0, magnitude = 0]) => ({ ra_deg: ra, dec_deg: dec, magnitude }),
+  ),
+  objects: [
+    { name: "NGC0224", also: ["M031"], kind: "Galaxy", ra_deg: 10.6848, dec_deg: 41.2691, major: 2.96, minor: 1.16, angle: 35 },
+    { name: "NGC0205", also: ["M110"], kind: "Galaxy", ra_deg: 10.0921, dec_deg: 41.6854, major: 0.27, minor: 0.17, angle: 165 },
+  ],
+};
+const FIELD = { width: 0.8, height: 0.55 };
+const MOSAIC = mosaicOf(GALAXY, FIELD, { across: 2, down: 3, overlap: 0.15, angle: 35, rotates: true });
 
 export const entries: readonly GalleryEntry[] = [
   {
@@ -58,6 +75,32 @@ export const entries: readonly GalleryEntry[] = [
             { name: "M 42", letter: "A", colour: 1, alt: 24, az: 120 },
           ]}
         ></t-sky-chart>`,
+      },
+    ],
+  },
+  {
+    tag: "t-framing-view",
+    states: [
+      {
+        name: "a mosaic",
+        show: () => html`<t-framing-view .anchor=${GALAXY} .span=${4.5} .sky=${SKY_OF_M31} .field=${FIELD} .centre=${GALAXY} .panels=${MOSAIC.panels} name="M 31"></t-framing-view>`,
+      },
+      {
+        name: "one of several fields",
+        show: () => html`<t-framing-view
+          .anchor=${GALAXY}
+          .span=${3}
+          .sky=${SKY_OF_M31}
+          .field=${FIELD}
+          .centre=${GALAXY}
+          .panels=${[{ row: 1, column: 1, centre: GALAXY, angle: 0 }]}
+          .others=${[{ centre: { raDeg: 10.1, decDeg: 41.7 }, angle: 0 }]}
+          name="M 31"
+        ></t-framing-view>`,
+      },
+      {
+        name: "stars not loaded",
+        show: () => html`<t-framing-view .anchor=${GALAXY} .span=${3} .field=${FIELD} .centre=${GALAXY} .panels=${[{ row: 1, column: 1, centre: GALAXY, angle: 0 }]}></t-framing-view>`,
       },
     ],
   },

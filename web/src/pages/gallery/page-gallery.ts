@@ -32,6 +32,8 @@ export class PageGallery extends LitElement {
       }
       figure {
         display: grid;
+        /* What is wider than a phone scrolls inside it, as on its own page. */
+        grid-template-columns: minmax(0, 1fr);
         align-content: space-between;
         gap: var(--t-space-3);
         margin: 0;

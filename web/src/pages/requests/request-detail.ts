@@ -22,6 +22,7 @@ import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi, type GroupStep } from "../../wire/observing-api.js";
 import { constraintsText, motionText } from "./constraint-text.js";
+import { angleText } from "./form/framing-draft.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
@@ -175,6 +176,7 @@ export class RequestDetailView extends LitElement {
       <dt>Urgency</dt>
       <dd>${URGENCY_WORDS[group.urgency]}, priority ${group.priority}</dd>
       ${target?.type === "ICRS" ? html`<dt>J2000</dt><dd>${formatRa(target.ra / 15)} ${formatDec(target.dec)}${motionText(target)}</dd>` : nothing}
+      ${target?.type === "ICRS" && target.position_angle != null ? html`<dt>Position angle</dt><dd>${angleText(target.position_angle)}°, of the top from north through east</dd>` : nothing}
       <dt>${windows.length === 1 ? "Window" : "Windows"}</dt>
       <dd>${map(windows, ({ start_us: start, end_us: end }) => html`<div><t-time .us=${start} .zone=${this.zone}></t-time> to <t-time .us=${end} .zone=${this.zone}></t-time></div>`)}</dd>
       <dt>Must hold</dt>

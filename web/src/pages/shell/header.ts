@@ -147,7 +147,7 @@ export class Header extends LitElement {
           display: none;
         }
       }
-      @media (min-width: 60.01rem) and (max-width: 85rem) {
+      @media (min-width: 60.01rem) and (max-width: 96rem) {
         /* A site's name is worth more than ours. */
         .brand.small .word {
           display: none;

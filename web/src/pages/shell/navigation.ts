@@ -30,6 +30,9 @@ const PLACES: readonly NavigationPlace[] = [
   { page: "people", icon: "shield", title: "Admin" },
 ];
 
+/** So many places leave no room for their icons beside a site's name. */
+const FULL = 8;
+
 @customElement("t-nav")
 export class Navigation extends LitElement {
   static override styles = [
@@ -88,6 +91,12 @@ export class Navigation extends LitElement {
           display: none;
         }
       }
+      /* With all of them the site's name would have no room. */
+      @media (max-width: 96rem) and (min-width: 45.01rem) {
+        .full t-icon {
+          display: none;
+        }
+      }
       @media (max-width: 60rem) and (min-width: 45.01rem) and (max-height: 30rem) {
         a {
           min-block-size: 3rem;
@@ -113,6 +122,11 @@ export class Navigation extends LitElement {
         .people {
           display: none;
         }
+        /* Seven of them stand side by side: the longest word is as wide as its seventh. */
+        .night-here a {
+          font-size: min(0.75rem, 2.7vw);
+          letter-spacing: -0.02em;
+        }
         /* There is no room for eight; the night leads to its pictures. */
         .night-here .archive {
           display: none;
@@ -137,9 +151,10 @@ export class Navigation extends LitElement {
   @property({ type: Boolean }) observing = false;
 
   override render(): TemplateResult {
-    return html`<nav aria-label="Pages" class=${this.observing ? "night-here" : ""}>
+    const places = this.visiblePlaces();
+    return html`<nav aria-label="Pages" class=${`${this.observing ? "night-here" : ""} ${places.length >= FULL ? "full" : ""}`}>
       ${map(
-        this.visiblePlaces(),
+        places,
         (place) => html`<a
           class=${place.page}
           href=${this.pathOf(place.page) ?? nothing}

@@ -16,6 +16,8 @@ __all__ = ["TIME_LAPSE", "lapse_site"]
 TIME_LAPSE = "timelapse"
 # Nobody looks through them: what they show would be minutes old.
 _CAMERAS = frozenset({"cctv", "allsky"})
+# Without the camera the night goes by what the weather station says of the clouds.
+_CLOUDS = "weather/clouds"
 
 
 def lapse_site(site: Site, unix_s: float) -> Site:
@@ -26,9 +28,11 @@ def lapse_site(site: Site, unix_s: float) -> Site:
     devices = {
         name: _still(device) for name, device in site.devices.items() if name not in _CAMERAS
     }
-    return at_dusk(
-        replace(site, site=TIME_LAPSE, name=f"{site.name} (time lapse)", devices=devices), unix_s
-    )
+    night = site.night
+    if night is not None and night.clouds.partition("/")[0] in _CAMERAS:
+        night = replace(night, clouds=_CLOUDS)
+    name = f"{site.name} (time lapse)"
+    return at_dusk(replace(site, site=TIME_LAPSE, name=name, devices=devices, night=night), unix_s)
 
 
 def _still(device: Device) -> Device:

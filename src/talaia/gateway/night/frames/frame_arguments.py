@@ -17,7 +17,9 @@ def frame_arguments(
     rule: FrameCommand, exposure: float, *, target: str = "", binning: int = 1, gain: float | None
 ) -> Mapping[str, Scalar]:
     """Give a frame's arguments, by name."""
-    args: dict[str, Scalar] = {**rule.args, rule.seconds: exposure}
+    args: dict[str, Scalar] = dict(rule.args)
+    if rule.seconds:
+        args[rule.seconds] = exposure
     if rule.target and target:
         args[rule.target] = target[:60]
     if rule.binning:

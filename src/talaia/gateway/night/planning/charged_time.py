@@ -33,13 +33,11 @@ class TimeCharge(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
 
 
-def add_charge(charges: list[TimeCharge], charge: TimeCharge) -> list[TimeCharge]:
-    """Give the charges with one more; what charges nobody, or nothing, is left out."""
-    if charge.seconds <= 0.0 or not charge.proposal:
-        return charges
-    charges = [*charges, charge]
+def add_charge(charges: list[TimeCharge], charge: TimeCharge) -> None:
+    """Add one more to the charges."""
+    charges.append(charge)
     if len(charges) <= MOST_CHARGES:
-        return charges
+        return
     older, newer = charges[: MOST_CHARGES // 2], charges[MOST_CHARGES // 2 :]
     # By the newest number: rather counted a little longer than not at all.
     number = older[-1].number
@@ -47,7 +45,7 @@ def add_charge(charges: list[TimeCharge], charge: TimeCharge) -> list[TimeCharge
         TimeCharge(number=number, proposal=proposal, seconds=seconds)
         for proposal, seconds in charged_seconds(older).items()
     ]
-    return [*merged, *newer]
+    charges[:] = [*merged, *newer]
 
 
 def charged_seconds(charges: Iterable[TimeCharge]) -> dict[str, float]:

@@ -10,7 +10,7 @@ from talaia.hub.api.access import address_of, known_live_of, live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.observing.group_lookup import access_of, role_of
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.ability_schemas import AbilitiesShape, SettingRangeShape
+from talaia.hub.api.schemas.ability_schemas import AbilitiesShape, FieldShape, SettingRangeShape
 from talaia.hub.api.schemas.observing_schemas import (
     MemberAsk,
     MemberShape,
@@ -140,6 +140,17 @@ def _abilities_shape(abilities: SiteAbilities | None) -> AbilitiesShape | None:
     said = abilities._asdict()
     for name in ("exposure", "binning", "gain"):
         said[name] = SettingRangeShape(**said[name]._asdict()) if said[name] is not None else None
+    field = abilities.field
+    said["field"] = (
+        FieldShape(
+            width=field.width,
+            height=field.height,
+            position_angle=field.position_angle,
+            rotates=field.rotator is not None,
+        )
+        if field is not None
+        else None
+    )
     return AbilitiesShape(**said)
 
 

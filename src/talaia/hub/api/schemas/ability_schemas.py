@@ -5,7 +5,7 @@ from __future__ import annotations
 from talaia.hub.api.schemas.common import Schema
 from talaia.model.observing.requests import ImageType  # noqa: TC001 - pydantic reads it
 
-__all__ = ["AbilitiesShape", "SettingRangeShape"]
+__all__ = ["AbilitiesShape", "FieldShape", "SettingRangeShape"]
 
 
 class SettingRangeShape(Schema):
@@ -13,6 +13,19 @@ class SettingRangeShape(Schema):
 
     low: float | None
     high: float | None
+
+
+class FieldShape(Schema):
+    """How much of the sky a picture shows (°).
+
+    ``position_angle``: where its top points, from north through east; ``rotates``: a request may
+    ask for another.
+    """
+
+    width: float
+    height: float
+    position_angle: float
+    rotates: bool
 
 
 class AbilitiesShape(Schema):
@@ -28,3 +41,4 @@ class AbilitiesShape(Schema):
     binning: SettingRangeShape | None
     gain: SettingRangeShape | None
     guides: bool
+    field: FieldShape | None

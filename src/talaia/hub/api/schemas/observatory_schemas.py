@@ -19,8 +19,11 @@ __all__ = [
     "PointingShape",
     "RuleShape",
     "SightingShape",
+    "SkyFieldShape",
     "SkyList",
     "SkyObject",
+    "SkyOutline",
+    "SkyStar",
     "SlewShape",
     "StateNeed",
 ]
@@ -156,6 +159,42 @@ class SkyList(_Shape):
 
     available: bool
     objects: list[SkyObject]
+
+
+class SkyStar(_Shape):
+    """A star of Hipparcos; degrees of J2000, where it stands in 2027."""
+
+    ra_deg: float
+    dec_deg: float
+    magnitude: float
+
+
+class SkyOutline(_Shape):
+    """Something of a catalogue as it lies on the sky; coordinates are degrees of J2000.
+
+    ``major`` and ``minor`` are its diameters (°), none where nobody has measured them; ``angle`` is
+    where the longer one points, from north through east (°).
+    """
+
+    name: str
+    also: list[str]
+    kind: str
+    ra_deg: float
+    dec_deg: float
+    major: float | None
+    minor: float | None
+    angle: float
+
+
+class SkyFieldShape(_Shape):
+    """What is there of a piece of the sky, the brightest stars and the largest objects first.
+
+    ``available`` is false where the hub has no catalogue of objects.
+    """
+
+    available: bool
+    stars: list[SkyStar]
+    objects: list[SkyOutline]
 
 
 class StateNeed(_Shape):

@@ -72,7 +72,10 @@ _MOST_REQUESTS = 1000
 
 
 class IcrsTargetShape(Schema):
-    """A place among the stars (°, ICRS); proper motion as Gaia gives it (mas/year)."""
+    """A place among the stars (°, ICRS); proper motion as Gaia gives it (mas/year).
+
+    ``position_angle``: where a picture's top points, from north through east; none: as it stands.
+    """
 
     type: Literal["ICRS"]
     name: _TargetName = ""
@@ -81,6 +84,7 @@ class IcrsTargetShape(Schema):
     proper_motion_ra: _Motion = 0.0
     proper_motion_dec: _Motion = 0.0
     epoch: float = Field(default=2000.0, ge=1800, le=2200)
+    position_angle: _Degrees | None = None
 
 
 class MovingTargetShape(Schema):

@@ -10,7 +10,7 @@ import functools
 import math
 from typing import Any, NamedTuple
 
-__all__ = ["CatalogObject", "is_there", "look_up"]
+__all__ = ["CatalogObject", "is_there", "look_up", "objects_between"]
 
 # In one answer.
 MOST = 8
@@ -19,7 +19,11 @@ _NOTHING = frozenset({"Duplicated record", "Nonexistent object"})
 
 
 class CatalogObject(NamedTuple):
-    """Something of the catalogue; degrees of J2000, magnitude NaN where nobody has measured it."""
+    """Something of the catalogue; degrees of J2000, magnitude NaN where nobody has measured it.
+
+    ``major`` and ``minor`` are its diameters (°); ``angle`` is where the longer one points, from
+    north through east (°).
+    """
 
     name: str
     also: tuple[str, ...]
@@ -28,6 +32,9 @@ class CatalogObject(NamedTuple):
     ra_deg: float
     dec_deg: float
     magnitude: float
+    major: float | None = None
+    minor: float | None = None
+    angle: float = 0.0
 
 
 @functools.cache
@@ -62,6 +69,29 @@ def look_up(name: str) -> list[CatalogObject]:
     return sorted(there, key=lambda found: (math.isnan(found.magnitude), found.magnitude))[:MOST]
 
 
+def objects_between(
+    ra: tuple[float, float], dec: tuple[float, float], smallest: float
+) -> list[CatalogObject]:
+    """List what lies in a range of right ascension and of declination (°, J2000).
+
+    Reads a file: not for the event loop.
+
+    Args:
+        ra: from, to.
+        dec: from, to.
+        smallest: of its longer diameter (arc minutes); what nobody has measured is left out.
+
+    """
+    catalogue = _load_catalogue()
+    if catalogue is None:
+        return []
+    rows = catalogue.listObjects(
+        minra=ra[0], maxra=ra[1], mindec=dec[0], maxdec=dec[1], minsize=smallest
+    )
+    found = [_catalog_object(row) for row in rows if row.type not in _NOTHING]
+    return [sky_object for sky_object in found if sky_object is not None]
+
+
 def _catalog_object(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has no types
     if row.coords is None:
         return None
@@ -72,6 +102,7 @@ def _catalog_object(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the pac
     blue, visual = row.magnitudes[:2]
     # For some of them only a blue magnitude is known.
     measured = visual if visual is not None else blue
+    major, minor, angle = row.dimensions
     return CatalogObject(
         name=row.name,
         also=tuple(name for name in (messier, *(common or ())) if name),
@@ -80,4 +111,8 @@ def _catalog_object(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the pac
         ra_deg=(hour + minute / 60 + second / 3600) * 15,
         dec_deg=sign * (abs(degree) + abs(arcminute) / 60 + abs(arcsecond) / 3600),
         magnitude=math.nan if measured is None else float(measured),
+        major=None if major is None else float(major) / 60,
+        # Where only one is known it is round.
+        minor=None if major is None else float(minor if minor is not None else major) / 60,
+        angle=float(angle or 0.0),
     )

@@ -3,10 +3,13 @@
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { GroupShape } from "../../../generated/api.js";
 import { clockOf, DAY_US, HOUR_US } from "../../../series/zone-clock.js";
+import type { Mosaic } from "../../../sky/mosaic.js";
+import type { SkyPoint } from "../../../sky/tangent-plane.js";
 import { readCadence, visitsOf, type CadenceDraft, type ReadCadence } from "./cadence.js";
 import { NEW_FRAMES, newGroup, newRequest, replaceRequest, swapRequests, writeField, writeRequest, type GroupDraft, type RequestDraft, type WindowDraft } from "./draft.js";
 import { draftOf, windowDraft, withZone } from "./fill-draft.js";
 import { openedParts, type OpenedParts } from "./form-view.js";
+import { panelRequests, placeTexts } from "./framing-draft.js";
 
 /** A window of a new request lasts so long. */
 const WINDOW_US = 30 * DAY_US;
@@ -20,6 +23,8 @@ export class DraftEditor implements ReactiveController {
   opened: OpenedParts = { motion: false, phase: false };
   cadence: CadenceDraft = { first: "", every: "24", within: "2", visits: "7" };
   cadenceTried = false;
+  /** As it was before the panels of a mosaic were made; null: none were. */
+  beforePanels: { readonly draft: GroupDraft; readonly at: number } | null = null;
   private zone = "UTC";
 
   /**
@@ -55,6 +60,7 @@ export class DraftEditor implements ReactiveController {
 
   private fill(zone: string, nowUs: number, make: () => GroupDraft): void {
     this.zone = zone;
+    this.beforePanels = null;
     this.draft = make();
     this.cadence = { ...this.cadence, first: this.textOf(nowUs + DAY_US).slice(0, 16) };
     this.show(0);
@@ -172,6 +178,29 @@ export class DraftEditor implements ReactiveController {
       this.focus(SHOWN_REQUEST);
     }
     this.host.requestUpdate();
+  };
+
+  moveTarget(centre: SkyPoint): void {
+    this.changeRequest(placeTexts(centre));
+  }
+
+  /** In the place of the request stand the panels of its mosaic. */
+  makePanels(mosaic: Mosaic, rotates: boolean): void {
+    const { request, at, draft } = this;
+    if (request === undefined) return;
+    this.beforePanels = { draft, at };
+    this.change(replaceRequest(draft, at, panelRequests(request, mosaic, rotates)));
+    this.show(at);
+    this.focus(SHOWN_REQUEST);
+  }
+
+  readonly undoPanels = (): void => {
+    if (this.beforePanels === null) return;
+    const { draft, at } = this.beforePanels;
+    this.beforePanels = null;
+    this.change(draft);
+    this.show(at);
+    this.focus(`${SHOWN_REQUEST}, [name=way]`);
   };
 
   private windowFrom(startUs: number, lasts: number): WindowDraft {

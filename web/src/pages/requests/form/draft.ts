@@ -41,6 +41,8 @@ export interface RequestDraft {
   readonly motionRa: string;
   readonly motionDec: string;
   readonly epoch: string;
+  /** Position angle of the pictures; empty: as the camera stands. */
+  readonly angle: string;
   readonly body: SolarSystemBody;
   readonly altitude: string;
   readonly azimuth: string;
@@ -86,7 +88,7 @@ export const NEW_FRAMES: FramesDraft = { type: "LIGHT", filter: "", exposure: "6
 /** What a new request begins with. */
 export function newRequest(window: WindowDraft): RequestDraft {
   return {
-    way: "stars", target: "", ra: "", dec: "", motionRa: "", motionDec: "", epoch: "", body: "moon", altitude: "60", azimuth: "180",
+    way: "stars", target: "", ra: "", dec: "", motionRa: "", motionDec: "", epoch: "", angle: "", body: "moon", altitude: "60", azimuth: "180",
     minAltitude: "30", maxAirmass: "", moonDistance: "20", moonLit: "", sunAltitude: "-12", hourAngle: "", seeing: "", clouds: "",
     phasePeriod: "", phaseEpoch: "", phaseStart: "", phaseEnd: "", windows: [window], frames: [NEW_FRAMES],
   };

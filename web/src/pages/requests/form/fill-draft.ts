@@ -84,7 +84,7 @@ function targetFields(target: RequestShape["target"]): Partial<RequestDraft> {
       const { proper_motion_ra: ra = 0, proper_motion_dec: dec = 0, epoch = 2000 } = target;
       const moves = ra !== 0 || dec !== 0 || epoch !== 2000;
       const motion = moves ? { motionRa: numberText(ra), motionDec: numberText(dec), epoch: numberText(epoch) } : {};
-      return { way: "stars", target: name, ...coordinateTexts(target.ra, target.dec), ...motion };
+      return { way: "stars", target: name, ...coordinateTexts(target.ra, target.dec), ...motion, angle: numberText(target.position_angle) };
     }
     case "SOLAR_SYSTEM":
       return { way: "body", target: name, body: target.body };

@@ -2,7 +2,7 @@
 
 import type { AbilitiesShape, ConstraintsShape, GroupAsk, RequestAsk, RequestShape, WindowShape } from "../../../generated/api.js";
 import { parseMoment } from "../../../format/julian-date.js";
-import { parseDec, parseRa } from "../../../format/sexagesimal.js";
+import { parseDec, parseRa, wrapped } from "../../../format/sexagesimal.js";
 import { rowField, type GroupDraft, type GroupField, type RequestDraft, type RequestField, type WindowDraft } from "./draft.js";
 import { FieldReader } from "./field-reader.js";
 import { readFrames } from "./read-frames.js";
@@ -100,8 +100,11 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
         proper_motion_dec: fields.optional("motionDec", draft.motionDec, [-20_000, 20_000], "Proper motion in mas/year", 0),
         epoch: fields.optional("epoch", draft.epoch, [1800, 2200], "Epoch, a year", 2000),
       };
+      const angle = fields.optional("angle", draft.angle, [-360, 360], "Position angle in °", null);
       const isRead = (["ra", "dec", "motionRa", "motionDec", "epoch"] as const).every((field) => !fields.problems.has(field));
-      return isRead ? { type: "ICRS", name, ra: (ra * 15) % 360, dec, ...motion } : null;
+      // As it was written, where it can be: a remainder has other last digits.
+      const turned = angle === null || Number.isNaN(angle) ? {} : { position_angle: angle >= 0 && angle < 360 ? angle : wrapped(angle, 360) };
+      return isRead ? { type: "ICRS", name, ra: (ra * 15) % 360, dec, ...motion, ...turned } : null;
     }
   }
 }

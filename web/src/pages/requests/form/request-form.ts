@@ -20,6 +20,7 @@ import { renderConstraints } from "./constraint-fields.js";
 import { DraftEditor } from "./draft-editor.js";
 import { movedToNow } from "./fill-draft.js";
 import { formStyle } from "./form-style.js";
+import { renderFraming } from "./framing-fields.js";
 import type { FormView } from "./form-view.js";
 import { renderFrames } from "./frame-fields.js";
 import { renderPurpose, renderRequestList, requestTitle } from "./group-fields.js";
@@ -50,6 +51,8 @@ export class RequestForm extends LitElement {
   /** `group` is a pattern: what is written here becomes a group of its own. */
   @property({ type: Boolean }) again = false;
   @state() private tried = false;
+  /** Framing is open: only then its stars are loaded. */
+  @state() private framed = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly action = new ActionController(this);
@@ -101,6 +104,7 @@ export class RequestForm extends LitElement {
     return html`<form class="sheet" novalidate @submit=${this.onSubmit} @input=${editor.onInput}>
       <h2>${this.heading()}</h2>
       ${renderPurpose(view)} ${renderRequestList(view, editor)} ${renderTarget(view, this.finder)} ${renderAdvice(this.finder.problem)}
+      ${renderFraming(view, editor, this.site, this.framed, this.onFraming)}
       ${renderFrames(view, editor)} ${renderConstraints(view)} ${renderWindows(view, editor, cadence)} ${this.renderOutlook(read, readRequest)}
       <p>Open shutter ${formatDuration(read.shutterS)}. ${read.asked === null ? this.quotaText(draft.proposal) : ""}</p>
       ${tried && read.asked === null ? html`<p role="alert">${problemText(read)}</p>` : nothing} ${renderAdvice(this.action.problem)}
@@ -152,6 +156,10 @@ export class RequestForm extends LitElement {
     if (at !== this.editor.at) this.editor.show(at);
     void focusInside(this, 't-field[error]:not([error=""]) > :is(input, select)');
   }
+
+  private readonly onFraming = (event: Event): void => {
+    if (event.currentTarget instanceof HTMLDetailsElement) this.framed = event.currentTarget.open;
+  };
 
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();

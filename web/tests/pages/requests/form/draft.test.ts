@@ -11,7 +11,7 @@ const NOW = momentOf("2026-11-23T20:00:00");
 const END = momentOf("2026-12-23T20:00:00");
 const WINDOW = { start: "2026-11-23T20:00:00", end: "2026-12-23T20:00:00", startUs: null, endUs: null };
 const ABILITIES: AbilitiesShape = {
-  filters: ["R", "Ha"], types: ["LIGHT", "DARK", "BIAS"], exposure: { low: 0.01, high: 600 }, binning: { low: 1, high: 4 }, gain: { low: 0, high: 300 }, guides: false,
+  filters: ["R", "Ha"], types: ["LIGHT", "DARK", "BIAS"], exposure: { low: 0.01, high: 600 }, binning: { low: 1, high: 4 }, gain: { low: 0, high: 300 }, guides: false, field: null,
 };
 const READING: DraftReading = { momentOf, nowUs: NOW, abilities: ABILITIES };
 
