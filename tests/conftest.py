@@ -19,8 +19,8 @@ settings.register_profile(
 )
 settings.load_profile("talaia")
 
-# The HTTP client asks for it at each lock that it takes. Where it is not installed all folders would
-# be searched each time, which is a tenth of what tests of the hub compute; now it is absent at once.
+# The HTTP client asks for it at each lock that it takes. Where it is not installed all folders
+# would be searched each time, a tenth of what tests of the hub compute; now it is absent at once.
 sys.modules.setdefault("sniffio", None)  # type: ignore[arg-type]
 
 # What a test that is marked as pure does not do: it would not belong to the quick ring.
