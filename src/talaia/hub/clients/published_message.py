@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import msgspec
+from talaia.wire.nested_json import decode_nested
 
 __all__ = ["read_fields", "read_published"]
 
@@ -15,8 +15,8 @@ def read_fields(data: bytes) -> dict[str, object]:
 
     """
     try:
-        return msgspec.json.decode(data or b"{}", type=dict[str, object] | None) or {}
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        return decode_nested(data or b"{}", dict[str, object] | None) or {}
+    except ValueError as error:
         raise ValueError(f"not the fields of a message, by name: {str(error)[:200]}") from error
 
 

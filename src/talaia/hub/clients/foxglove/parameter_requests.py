@@ -6,14 +6,13 @@ import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
-import msgspec
-
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer
 from talaia.hub.clients.robot_parameters import read_parameters
 from talaia.wire.browser import PageCommand
 from talaia.wire.foxglove.server_messages import FoxgloveParameter, ParameterValues
 from talaia.wire.frames import CommandPhase
+from talaia.wire.nested_json import decode_nested
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -162,8 +161,8 @@ class ParameterRequests:
         if len(self._wishes) >= _MOST_SET:
             return f"at most {_MOST_SET} are set at once"
         try:
-            value = msgspec.json.decode(bytes(one.value))
-        except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+            value = decode_nested(bytes(one.value))
+        except ValueError as error:
             return f"not a value: {str(error)[:200]}"
         found = parameter.find_command(value)
         if isinstance(found, str):
