@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import msgspec
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 __all__ = ["MOST_LEVELS", "check_depth", "decode_nested"]
 
@@ -13,15 +16,15 @@ __all__ = ["MOST_LEVELS", "check_depth", "decode_nested"]
 MOST_LEVELS = 64
 
 
-def decode_nested(data: bytes | str, kind: Any = Any) -> Any:  # noqa: ANN401 - of the type given
-    """Read JSON of any depth that is told beforehand; ``kind`` is a type of msgspec's.
+def decode_nested(data: bytes | str) -> object:
+    """Read JSON.
 
     Raises:
-        ValueError: no JSON, of another type, or over `MOST_LEVELS` deep.
+        ValueError: it is none, or over `MOST_LEVELS` deep.
 
     """
     try:
-        read = msgspec.json.decode(data, type=kind)
+        read: object = msgspec.json.decode(data)
     except RecursionError as error:
         raise ValueError(f"nested deeper than {MOST_LEVELS} levels") from error
     except UnicodeError as error:
@@ -59,7 +62,7 @@ def check_depth(data: bytes | str, read: object) -> None:
     raise ValueError(f"nested deeper than {MOST_LEVELS} levels")
 
 
-def _inside(value: object) -> Any:  # noqa: ANN401 - of JSON anything
+def _inside(value: object) -> Iterable[object]:
     if isinstance(value, list):
         return value
     fields = value if isinstance(value, dict) else getattr(value, "__dict__", {})

@@ -26,7 +26,6 @@ _PLUMBING_TYPES = (
     "action_msgs/",
     "roscpp/",
 )
-_NOTHING = "rosapi does not tell what a request holds"
 
 
 class ProbedRequests:
@@ -40,7 +39,7 @@ class ProbedRequests:
     async def find_services(self) -> tuple[ServiceFound, ...]:
         """Describe the services of the robot's nodes."""
         answer = await self._questions.ask_service("/rosapi/services")
-        found = []
+        found: list[ServiceFound] = []
         for name in sorted(set(texts_of(answer, "services"))):
             if name.endswith(_PLUMBING_ENDINGS) or name.startswith(_PLUMBING_NAMES):
                 continue
@@ -60,13 +59,15 @@ class ProbedRequests:
         return tuple(found)
 
     async def find_actions(self) -> tuple[ActionFound, ...]:
-        """Describe the actions of the robot's nodes; those whose type rosapi tells."""
+        """Describe the actions of the robot's nodes."""
         answer = await self._questions.ask_service("/rosapi/action_servers")
-        found = []
+        found: list[ActionFound] = []
         for name in sorted(set(texts_of(answer, "action_servers")))[:_MOST]:
             said = await self._questions.ask_service("/rosapi/action_type", action=name)
             kind = _text(said, "type")
             if "/" not in kind:
+                # Older ones only list them.
+                found.append(ActionFound(name, "", (), "this rosapi tells no types of actions"))
                 continue
             details = await self._questions.ask_service("/rosapi/action_goal_details", type=kind)
             found.append(

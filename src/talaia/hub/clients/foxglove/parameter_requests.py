@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, cast
 
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer
@@ -170,7 +170,8 @@ class ParameterRequests:
         number = new_token()
         # Before it is asked: its end may come at once.
         self._wishes[number] = wish
-        wish.waiting[number] = one.name, value
+        # A command has been found for it, so it is of a parameter's kinds.
+        wish.waiting[number] = one.name, cast("ParameterValue", value)
         problem = self._connection.request(
             PageCommand(
                 site=self._connection.live.name,

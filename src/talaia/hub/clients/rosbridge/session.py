@@ -344,9 +344,11 @@ def _read_fields(args: bytes) -> dict[str, object]:
 
     """
     try:
-        read = decode_nested(args, dict[str, object] | list[object] | None)
+        read = decode_nested(args)
     except ValueError as error:
         raise ValueError(f"not the arguments of a call: {str(error)[:200]}") from error
+    if not isinstance(read, dict | list | None):
+        raise ValueError(f"not the arguments of a call: {repr(read)[:100]}")  # noqa: TRY004 - of what a client said
     # A list has them in their order; most have one.
     return (
         read if isinstance(read, dict) else {str(at): value for at, value in enumerate(read or ())}
