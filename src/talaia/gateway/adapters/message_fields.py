@@ -49,10 +49,16 @@ _ABOUT = {
 
 
 class ReadableFields(NamedTuple):
-    """What can be read of a message, and in words what cannot."""
+    """What can be read of a message, and in words what cannot.
+
+    Attributes:
+        stamped: it says itself of when it is, in a header.
+
+    """
 
     fields: tuple[FieldFound, ...]
     left_out: tuple[str, ...]
+    stamped: bool = False
 
 
 class RosMessageType(NamedTuple):
@@ -93,7 +99,8 @@ def shape_of(
             kind=kind, type_name=type_name, message=message, prefix="", above=None, depth=0
         )
     )
-    return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out))
+    stamped = ("header", "std_msgs/Header") in kind.fields
+    return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out), stamped)
 
 
 class _Walk:

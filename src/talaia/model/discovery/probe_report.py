@@ -74,6 +74,7 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
         names: of a topic that carries many sensors (CloudConnect's ``/metric``, ROS's
             ``/diagnostics``): their names that were heard.
         left_out: what was left out of ``fields`` and why, in words.
+        stamped: its messages say themselves of when they are, in a header.
         problem: why it cannot be read at all, in words; empty when it can.
 
     """
@@ -87,6 +88,7 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
     fields: tuple[FieldFound, ...] = ()
     names: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    stamped: bool = False
     problem: str = ""
 
 

@@ -243,6 +243,7 @@ class _Look:
                 fields=shape.fields,
                 names=tuple(sorted(heard.names)) if heard is not None else (),
                 left_out=shape.left_out,
+                stamped=shape.stamped,
                 problem=problem,
             )
 
