@@ -67,7 +67,17 @@ export class PageTopics extends LitElement {
       .name {
         font-family: var(--t-mono);
       }
+      .all {
+        display: none;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+      }
       @media (max-width: 60rem) {
+        /* The list is not beside it there. */
+        .all {
+          display: inline-flex;
+        }
         .both {
           grid-template-columns: minmax(0, 1fr);
         }
@@ -138,7 +148,10 @@ export class PageTopics extends LitElement {
           ? nothing
           : known !== undefined
             ? html`<t-topic .site=${this.site} .topic=${chosen} .type=${known.type} .online=${this.isOnline()}></t-topic>`
-            : html`<t-problem what=${`There is no topic ${chosen} that you may follow.`} how="The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics."></t-problem>`}
+            : html`<div>
+                <t-problem what=${`There is no topic ${chosen} that you may follow.`} how="The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics."></t-problem>
+                <a class="all" href=${sitePath(this.site, "topics")}>All topics</a>
+              </div>`}
       </div>`;
   }
 
