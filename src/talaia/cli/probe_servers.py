@@ -83,12 +83,14 @@ def look_at_bridge(options: argparse.Namespace, seconds: float) -> Found:
         host, port = read_server_address("--rosbridge", url, _BRIDGE_PORT)
         url = f"ws://{f'[{host}]' if ':' in host else host}:{port}"
     _check_address("--rosbridge", url, ("ws", "wss"), "ws://robot.local:9090")
+    # Here, not at the top: the other protocols can be looked at without it.
     try:
         from talaia.gateway.adapters.rosbridge.probe import probe_bridge
     except ImportError as error:
         raise PartMissing("talaia probe --rosbridge", error.name or "rosbags", "gateway") from error
     from talaia.model.discovery.probe_report import FORMAT, Found
 
+    # As MQTT and HTTP: what was asked goes along, so that the description has it.
     asked = Found(
         talaia_probe=FORMAT,
         protocol="rosbridge",

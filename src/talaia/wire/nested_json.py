@@ -50,6 +50,7 @@ def check_depth(data: bytes | str, read: object) -> None:
         return
     # Level by level, and not by a call for each: the depth is what is not known.
     level = [read]
+    # Each turn goes one level down; what is left then lies deeper than the bound.
     for _ in range(MOST_LEVELS):
         level = [
             inner

@@ -90,18 +90,18 @@ class SharedTopic {
     this.socket = this.open(this.rate, {
       onUpdate: (update) => {
         this.update = update;
-        for (const each of this.followings) each.onUpdate(update);
+        for (const following of this.followings) following.onUpdate(update);
       },
       onMessage: (message) => {
         this.hearMessage({ message, tree: JSON.parse(message.tree), nowMs: performance.now() });
       },
       onTrouble: (why) => {
-        for (const each of this.followings) each.onTrouble(why);
+        for (const following of this.followings) following.onTrouble(why);
       },
       onState: (state, why) => {
         this.link = state;
         this.why = why;
-        for (const each of this.followings) each.onState(state, why);
+        for (const following of this.followings) following.onState(state, why);
       },
     });
   }
@@ -113,7 +113,7 @@ class SharedTopic {
     while (this.kept.length > 1 && (this.kept.length > MOST_KEPT || letters > MOST_LETTERS)) {
       letters -= this.kept.shift()?.message.tree.length ?? 0;
     }
-    for (const each of this.followings) each.onMessage(heard);
+    for (const following of this.followings) following.onMessage(heard);
   }
 }
 

@@ -1,7 +1,8 @@
 """What a ROS message holds: every number, truth and text in it, by path. Pure.
 
 Works on lists of fields and constants, as a ROS 2 class (`ros2_kinds`) or a ROS 1 definition
-(`ros1_kinds`) tells them, and on one message for the lengths of lists.
+(`ros1_kinds`) tells them, and on one message for the lengths of lists. Long, because one descent
+and what it makes of each kind of field are one thing.
 """
 
 from __future__ import annotations

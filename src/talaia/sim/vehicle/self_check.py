@@ -54,6 +54,7 @@ class MotorHeat:
 
     def pass_time(self, seconds: float, rate: float) -> None:
         """Turn at ``rate`` (rad/s) for a while."""
+        # Towards where it would end, the faster the further it is from there.
         goal = self._AIR + self._PER_RATE * abs(rate)
         self.celsius += (goal - self.celsius) * -math.expm1(-seconds / self._SLOW_S)
 
@@ -76,6 +77,7 @@ def check_vehicle(
     stopped: bool,
 ) -> list[HealthStatus]:
     """Judge all parts; ``camera`` tells whether it draws, None where there is none."""
+    # By parts, the first word: pages show them as a tree.
     found = [_check_battery(battery)]
     for side, motor, rate in zip(("left", "right"), heat, wheel_rates(motion), strict=True):
         found.append(_check_motor(side, motor, rate))
@@ -91,6 +93,7 @@ def check_vehicle(
 
 def _check_battery(battery: Battery) -> HealthStatus:
     level, message = HealthLevel.OK, "in order"
+    # The alarm of the example comes between the two.
     if battery.charge < _EMPTY:
         level, message = HealthLevel.ERROR, "nearly empty; drive it to its charger"
     elif battery.charge < _LOW:

@@ -77,10 +77,12 @@ class _Heard:
         self.names: set[str] = set()
 
     def count_message(self, message: object) -> None:
+        # By our clock: most messages have no stamp, and a stamp may be wrong.
         self._last = time.monotonic()
         self._first = self._first or self._last
         self._count += 1
         self.message = message
+        # Each message of such a topic may be another sensor's, so that one is not enough.
         if self._named and len(self.names) < _MOST_NAMES:
             with contextlib.suppress(FieldError):
                 self.names |= set(names_in(message, self._type_name))
@@ -152,6 +154,7 @@ class _Look:
             try:
                 said = read_message(data)
             except FieldError:
+                # One frame that is none says nothing of the others.
                 continue
             heard = self._heard.get(said.topic) if said.op == "publish" else None
             if heard is not None:
@@ -167,6 +170,7 @@ class _Look:
                 f"{TOPICS_SERVICE}: {topics}. Start rosapi beside it"
             )
         self._ros = await self._find_version()
+        # All definitions in one answer: the server reads its files once.
         answer = await self._questions.ask_service(RAW_TYPES_SERVICE)
         types = [long_name(name) for name in texts_of(answer, "types")]
         self._texts = dict(zip(types, texts_of(answer, "typedefs_full_text"), strict=False))
@@ -200,6 +204,7 @@ class _Look:
             if self._counts(topic)[0] and found.type_name not in _LARGE:
                 self._heard[topic] = _Heard(found.type_name)
                 await self._say("subscribe", topic, type=type_for(found.type_name, self._ros))
+        # What comes is counted by who reads meanwhile.
         await asyncio.sleep(self._asked.seconds)
         for topic in self._heard:
             await self._say("unsubscribe", topic)
@@ -226,6 +231,7 @@ class _Look:
             for topic, found in listed.items()
             if found.type_name == _STATUS
         }
+        # They make sense only together, and nobody reads one as a signal.
         parts = {f"{name}/{part}" for name in actions for part in _ACTION_PARTS}
         for topic, found in sorted(listed.items()):
             publishers, subscribers = self._counts(topic)
@@ -252,6 +258,7 @@ class _Look:
             _, definition = find_definition(type_name, self._texts.get(type_name, ""), self._ros)
         except BadDefinition as error:
             return ReadableFields((), ()), str(error)
+        # Read as bytes would be: so lists have their length, also those that came as base64.
         message, problem = None, ""
         if heard is not None and heard.message is not None:
             try:

@@ -47,6 +47,7 @@ class ProbedRequests:
             kind = _text(said, "type")
             if kind.startswith(_PLUMBING_TYPES) or "/_action/" in name or len(found) >= _MOST:
                 continue
+            # Its node may have left since it was listed.
             if "/" not in kind:
                 found.append(ServiceFound(name, "", (), "it does not answer"))
                 continue
@@ -84,6 +85,7 @@ class ProbedRequests:
         if not parts:
             # A request of nothing has no definition in ROS 1's rosapi.
             return (), details if isinstance(details, str) else ""
+        # The request itself, and then the types of its fields.
         first, request = parts[0]
         shape = shape_of(kind=request, type_name=first or kind, find=dict(parts).get)
         lists = [field.split(":", 1)[0] for field in shape.left_out]
@@ -112,6 +114,7 @@ def _declared(kind: str, length: int) -> str:
     return f"{kind}[{length}]" if length else f"sequence<{kind}>"
 
 
+# Of an answer nothing is sure: it comes from another machine, of any version.
 def _text(answer: object, name: str) -> str:
     found = getattr(answer, name, "")
     return found if isinstance(found, str) else ""
