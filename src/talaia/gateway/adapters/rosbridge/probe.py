@@ -111,12 +111,12 @@ def probe_bridge(asked: Found, folder: Path) -> Found:
     except SettingsError as error:
         raise AdapterLost(str(error)) from error
 
-    async def look() -> Found:
+    async def visit_server() -> Found:
         async with dial_server(asked.url, headers, tls, max_size=_MAX_FRAME) as socket:
             return await _Look(socket, asked).find_all()
 
     try:
-        return asyncio.run(look())
+        return asyncio.run(visit_server())
     except (OSError, TimeoutError, WebSocketException, ConnectionClosed) as error:
         why = str(error) or type(error).__name__
         raise AdapterLost(f"no rosbridge server answers at {asked.url} ({why})") from error
@@ -136,7 +136,7 @@ class _Look:
 
     async def find_all(self) -> Found:
         reading = asyncio.ensure_future(self._read_frames())
-        looking = asyncio.ensure_future(self._look())
+        looking = asyncio.ensure_future(self._ask_and_listen())
         try:
             await asyncio.wait([reading, looking], return_when=asyncio.FIRST_COMPLETED)
             # Whoever reads ends first only where the connection has.
@@ -162,7 +162,7 @@ class _Look:
             else:
                 self._questions.take_answer(said)
 
-    async def _look(self) -> Found:
+    async def _ask_and_listen(self) -> Found:
         topics = await read_topics(self._questions)
         if isinstance(topics, str):
             raise AdapterLost(
@@ -203,13 +203,15 @@ class _Look:
         for topic, found in listed.items():
             if self._counts(topic)[0] and found.type_name not in _LARGE:
                 self._heard[topic] = _Heard(found.type_name)
-                await self._say("subscribe", topic, type=type_for(found.type_name, self._ros))
+                await self._send_topic_frame(
+                    "subscribe", topic, type=type_for(found.type_name, self._ros)
+                )
         # What comes is counted by who reads meanwhile.
         await asyncio.sleep(self._asked.seconds)
         for topic in self._heard:
-            await self._say("unsubscribe", topic)
+            await self._send_topic_frame("unsubscribe", topic)
 
-    async def _say(self, op: str, topic: str, **more: str) -> None:
+    async def _send_topic_frame(self, op: str, topic: str, **more: str) -> None:
         await self._socket.send(write_frame(op, id=f"probe {topic}", topic=topic, **more))
 
     def _counts(self, topic: str) -> tuple[int, int]:
