@@ -4,33 +4,85 @@
 
 Starts the demo, opens each protocol as its admin, and writes docs/pictures/client-<name>.png: pages
 with npm's roslib, socket.io-client and @foxglove/ws-protocol, unchanged, which list what they are
-told; the metrics as a browser shows them; what `talaia watch` prints; cards of protocols.
+told; the metrics as a browser shows them; what `talaia watch` prints; what `mosquitto_sub` prints
+and pysparkplug reads of a Mosquitto that the demo's hub publishes to; cards of protocols.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import html
 import http.server
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from playwright.sync_api import Browser, Page, sync_playwright
 from take_pictures import FLAGS, ROOT, TARGET, running_demo, sign_in
 
 from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 WEB = ROOT / "web"
 SITE = "agv"
 PROTOCOLS = tuple(CLIENT_PROTOCOLS)
 # Of which the documentation shows the card.
 CARDS = ("foxglove", "mqtt")
+# What the demo's hub publishes, by a token that is written once there is one.
+BROKER = """\
+broker: {{host: 127.0.0.1, port: {port}, tls: false}}
+token_file: mqtt.token
+sparkplug: {{group: plant}}
+sites:
+  agv: {{signals: ["sensors/*", "power/*", "base/speed"]}}
+"""
+# Every metric that comes, as pysparkplug reads it: births have names, later messages aliases.
+SPARKPLUG = """\
+import asyncio, sys, time
+
+import aiomqtt
+from pysparkplug import DBirth, DData, DataType, MessageType, Metric, NCmd, Topic
+
+NOW_MS = round(time.time() * 1000)
+REBIRTH = Metric(NOW_MS, "Node Control/Rebirth", DataType.BOOLEAN, value=True)
+
+
+def show(topic, payload):
+    for metric in payload.metrics:
+        if not metric.name.startswith("Device Control"):
+            said = metric.value
+            said = round(said, 4) if isinstance(said, float) else said
+            row = f"{topic.message_type.name:<6}  {topic.device_id:<12}  {metric.name:<13} {said}"
+            print(row, flush=True)
+
+
+async def main():
+    births = {}
+    async with aiomqtt.Client("127.0.0.1", int(sys.argv[1])) as client:
+        await client.subscribe("spBv1.0/plant/+/talaia/+")
+        asked = NCmd(NOW_MS, (REBIRTH,)).encode(include_dtypes=True)
+        await client.publish(str(Topic("plant", MessageType.NCMD, "talaia")), asked, qos=1)
+        async for message in client.messages:
+            topic = Topic.from_str(str(message.topic))
+            if topic.message_type is MessageType.DBIRTH:
+                births[topic.device_id] = DBirth.decode(message.payload)
+                show(topic, births[topic.device_id])
+            elif topic.message_type is MessageType.DDATA and topic.device_id in births:
+                show(topic, DData.decode(message.payload, birth=births[topic.device_id]))
+
+
+asyncio.run(main())
+"""
 # A tool's own page: a table that its script fills.
 PAGE = """<!doctype html><meta charset="utf-8"><title>{title}</title>
 <style>
@@ -122,9 +174,10 @@ def main(wanted: list[str]) -> int:
     path = shutil.which("chromium") or shutil.which("google-chrome")
     clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
     with (
-        running_demo() as (address, passwords, _),
-        sync_playwright() as play,
         tempfile.TemporaryDirectory() as folder,
+        running_broker(Path(folder)) as port,
+        running_demo("--mqtt", f"{folder}/mqtt.yaml") as (address, passwords, _),
+        sync_playwright() as play,
     ):
         browser = play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
@@ -134,6 +187,7 @@ def main(wanted: list[str]) -> int:
             threading.Thread(target=server.serve_forever, daemon=True).start()
             origin = f"http://127.0.0.1:{server.server_address[1]}"
             token = open_protocols(page, origin)
+            Path(folder, "mqtt.token").write_text(token)
             for name in TOOLS:
                 if not wanted or name in wanted:
                     take_tool(browser, Path(folder), name, (origin, address, token))
@@ -141,6 +195,9 @@ def main(wanted: list[str]) -> int:
         for name, picture in (("metrics", take_metrics), ("watch", take_watch)):
             if not wanted or name in wanted:
                 picture(browser, address, token)
+        for name, terminal in (("mqtt", take_mqtt), ("sparkplug", take_sparkplug)):
+            if not wanted or name in wanted:
+                terminal(browser, Path(folder), port)
         if not wanted or "cards" in wanted:
             take_cards(page, address)
         browser.close()
@@ -234,17 +291,60 @@ def take_watch(browser: Browser, address: str, token: str) -> None:
         env={**os.environ, "TALAIA_HUB": address, "TALAIA_TOKEN": token},
         stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
+    take_terminal(browser, "watch", f"talaia watch '{asked[0]}'", process)
+
+
+def take_terminal(
+    browser: Browser, name: str, command: str, process: subprocess.Popen[str], width: int = 800
+) -> None:
+    """Take the first lines that a program prints, below the words that started it; end it."""
     lines = [next(process.stdout or iter(())) for _ in range(26)]
     process.terminate()
     process.wait(10)
-    page = browser.new_page(viewport={"width": 800, "height": 540})
+    page = browser.new_page(viewport={"width": width, "height": 540})
     page.set_content(
         "<body style='margin: 0; background: #1c1c1c; color: #ddd'>"
         "<pre style='margin: 1rem; font: 13px/1.45 monospace'>"
-        f"$ talaia watch '{asked[0]}'\n{html.escape(''.join(lines))}</pre>"
+        f"$ {html.escape(command)}\n{html.escape(''.join(lines))}</pre>"
     )
-    page.screenshot(path=TARGET / "client-watch.png")
+    page.screenshot(path=TARGET / f"client-{name}.png")
     page.close()
+
+
+@contextlib.contextmanager
+def running_broker(folder: Path) -> Iterator[int]:
+    """Run Mosquitto on loopback, and write what the hub is to publish there; give its port."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+    (folder / "mqtt.yaml").write_text(BROKER.format(port=port))
+    conf = folder / "mosquitto.conf"
+    conf.write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
+    program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin") or "mosquitto"
+    broker = subprocess.Popen([program, "-c", str(conf)], stderr=subprocess.DEVNULL)
+    try:
+        yield port
+    finally:
+        broker.terminate()
+        broker.wait(10)
+
+
+def take_mqtt(browser: Browser, _folder: Path, port: int) -> None:
+    """Take what Mosquitto's own subscriber prints."""
+    words = ["mosquitto_sub", "-p", str(port), "-v", "-t", f"talaia/{SITE}/#"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    command = f"mosquitto_sub -h broker.example -v -t 'talaia/{SITE}/#'"
+    take_terminal(browser, "mqtt", command, process, width=1100)
+
+
+def take_sparkplug(browser: Browser, folder: Path, port: int) -> None:
+    """Take what a host of Sparkplug B reads."""
+    script = folder / "read_sparkplug.py"
+    script.write_text(SPARKPLUG)
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(port)], stdout=subprocess.PIPE, text=True
+    )
+    take_terminal(browser, "sparkplug", "python read_sparkplug.py   # by pysparkplug", process)
 
 
 def take_cards(page: Page, address: str) -> None:

@@ -53,11 +53,11 @@ def main(wanted: list[str]) -> int:
 
 
 @contextmanager
-def running_demo() -> Iterator[tuple[str, dict[str, str], Path]]:
+def running_demo(*options: str) -> Iterator[tuple[str, dict[str, str], Path]]:
     """Run the demo; give its address, the passwords by name, and its folder."""
     folder = tempfile.mkdtemp(prefix="talaia-pictures-")
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", folder],
+        [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", folder, *options],
         stdout=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     alarm = threading.Timer(60, process.kill)

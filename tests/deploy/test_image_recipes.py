@@ -46,6 +46,12 @@ CLEAN = {
 # What is installed is run twice and thrown away: nothing is compiled that is never imported.
 CLEAN["PIP_COMPILE"] = "0"
 FROM_INDEX = "TALAIA_PROOF_TABLE" in os.environ
+TABLE_HEAD = """# What the images' recipes install
+
+Made by `make proofs ONLY=images`: the steps of the recipes, run from the index into clean \
+environments, and what came.
+
+"""
 # The Python of a distribution's own ROS 2, and that of the gateway in its image.
 DISTROS = {"humble": "3.10"}
 GATEWAYS_PYTHON = "3.12"
@@ -130,7 +136,10 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
     assert run(*pip, "check").startswith("No broken requirements")
     if table := os.environ.get("TALAIA_PROOF_TABLE"):
         came = run(*pip, "list", "--format", "freeze").replace("\n", "\n- ").rstrip("- \n")
-        with Path(table).open("w" if image == "hub" else "a") as file:
+        # The first of them.
+        begins = image == "hub"
+        with Path(table).open("w" if begins else "a") as file:
+            file.write(TABLE_HEAD if begins else "")
             file.write(f"## What came for `{install[-1]}`\n\n- {came}\n\n")
 
 

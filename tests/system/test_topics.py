@@ -123,6 +123,8 @@ def test_diagnostics_are_a_tree_that_grows_stale_and_is_heard_only_while_looked_
     node(page, "Kitchen/Fan/left").get_by_role("button").click()
     expect(node(page, "Kitchen/Fan/left")).to_contain_text("4.1 A")
     picture(page, "topic-diagnostics-tile")
+    followed: list[str] = []
+    page.on("websocket", lambda one: followed.append(one.url) if "/ws/topic" in one.url else None)
     page.goto(f"{kitchen.address}/sites/{SITE}/topics?topic=/diagnostics")
     # Said again until it is heard: the page has only just asked for it.
     while not node(page, "oven").count():
@@ -131,6 +133,8 @@ def test_diagnostics_are_a_tree_that_grows_stale_and_is_heard_only_while_looked_
     # What nobody says again is stale; what this page did not hear yet is not there.
     expect(node(page, "oven")).to_have_attribute("data-level", "warn", timeout=PATIENCE_MS)
     expect(node(page, "Kitchen")).to_have_count(0)
+    # The page's own facts and the tree within it.
+    assert len(followed) == 1
     expect(node(page, "oven")).to_have_attribute("data-level", "stale", timeout=PATIENCE_MS)
     picture(page, "topic-diagnostics-stale")
     page.close()

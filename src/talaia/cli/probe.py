@@ -18,6 +18,7 @@ from talaia.cli.errors import CliError, PartMissing
 from talaia.cli.probe_servers import (
     add_server_options,
     look_at_alpaca,
+    look_at_bridge,
     look_at_broker,
     look_at_server,
     read_server_address,
@@ -53,8 +54,9 @@ def main(argv: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(
         "talaia probe",
         description="List what a live robot offers: topics of ROS 2 or ROS 1 with fields and "
-        "rates, services, actions; the devices of an INDI or Alpaca server; the topics of an "
-        "MQTT broker; the fields that an HTTP address answers with. It only listens, or asks once.",
+        "rates, services, actions, also behind a rosbridge server; the devices of an INDI or "
+        "Alpaca server; the topics of an MQTT broker; the fields that an HTTP address answers "
+        "with. It only listens, or asks once.",
     )
     add_options(parser)
     parser.add_argument("--fields", action="store_true", help="list every field and property, too")
@@ -103,6 +105,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="look at an ASCOM Alpaca server (default: the one that answers Alpaca's discovery)",
     )
     which.add_argument(
+        "--rosbridge",
+        metavar="URL",
+        help="look at ROS 1 or 2 behind a rosbridge server with rosapi: ws://HOST[:9090], wss://…",
+    )
+    which.add_argument(
         "--mqtt", metavar="URL", help="look at an MQTT broker: mqtt://HOST or mqtts://HOST[:PORT]"
     )
     which.add_argument(
@@ -147,8 +154,12 @@ def probe_robot(options: argparse.Namespace) -> Found:
         return look_at_broker(options, options.seconds or SECONDS)
     if options.http is not None:
         return look_at_server(options)
-    if options.user or options.password_file or options.token_file or options.ca:
-        raise CliError("--user, --password-file, --token-file and --ca are for --mqtt and --http")
+    if options.user or options.password_file:
+        raise CliError("--user and --password-file are for --mqtt and --http")
+    if options.rosbridge is not None:
+        return look_at_bridge(options, options.seconds or SECONDS)
+    if options.token_file or options.ca:
+        raise CliError("--token-file and --ca are for --mqtt, --http and --rosbridge")
     if options.alpaca is not None:
         return look_at_alpaca(options, options.seconds or SECONDS)
     if options.indi is not None:

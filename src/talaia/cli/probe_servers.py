@@ -1,4 +1,4 @@
-"""``--mqtt``, ``--http`` and ``--alpaca`` of `talaia probe` and `init`: brokers and servers."""
+"""``--mqtt``, ``--http``, ``--rosbridge`` and ``--alpaca`` of `talaia probe` and `init`."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ if TYPE_CHECKING:
 __all__ = [
     "add_server_options",
     "look_at_alpaca",
+    "look_at_bridge",
     "look_at_broker",
     "look_at_server",
     "read_server_address",
 ]
 
-# Alpaca's usual one.
+# Their usual ones.
 _ALPACA_PORT = 11_111
+_BRIDGE_PORT = 9090
 
 
 def add_server_options(parser: argparse.ArgumentParser) -> None:
@@ -34,9 +36,11 @@ def add_server_options(parser: argparse.ArgumentParser) -> None:
         default="",
         help="a file with that user's password; passwords stand in no command",
     )
-    parser.add_argument("--token-file", default="", help="HTTP: a file with a bearer token")
     parser.add_argument(
-        "--ca", default="", help="mqtts, https: a file of authorities (default: the system's)"
+        "--token-file", default="", help="HTTP, rosbridge: a file with a bearer token"
+    )
+    parser.add_argument(
+        "--ca", default="", help="mqtts, https, wss: a file of authorities (default: the system's)"
     )
 
 
@@ -62,6 +66,42 @@ def look_at_broker(options: argparse.Namespace, seconds: float) -> Found:
     print(f"listening for {seconds:g} s …", file=sys.stderr, flush=True)
     login = BrokerLogin(url, Path(), options.user, options.password_file, options.ca)
     return probe_broker(login, seconds)
+
+
+def look_at_bridge(options: argparse.Namespace, seconds: float) -> Found:
+    """Ask a rosbridge server what its robot has, and listen for a while.
+
+    Raises:
+        CliError: it is no such server's address.
+        PartMissing: what it takes is not installed here.
+        AdapterLost: it is not reached, or has no rosapi.
+
+    """
+    # People name it by its host; without TLS then, as its own tools do.
+    url = options.rosbridge
+    if "://" not in url:
+        host, port = read_server_address("--rosbridge", url, _BRIDGE_PORT)
+        url = f"ws://{f'[{host}]' if ':' in host else host}:{port}"
+    _check_address("--rosbridge", url, ("ws", "wss"), "ws://robot.local:9090")
+    # Here, not at the top: the other protocols can be looked at without it.
+    try:
+        from talaia.gateway.adapters.rosbridge.probe import probe_bridge
+    except ImportError as error:
+        raise PartMissing("talaia probe --rosbridge", error.name or "rosbags", "gateway") from error
+    from talaia.model.discovery.probe_report import FORMAT, Found
+
+    # As MQTT and HTTP: what was asked goes along, so that the description has it.
+    asked = Found(
+        talaia_probe=FORMAT,
+        protocol="rosbridge",
+        where=f"the rosbridge server {url}",
+        seconds=seconds,
+        url=url,
+        token_file=options.token_file,
+        ca=options.ca,
+    )
+    print(f"listening for {seconds:g} s …", file=sys.stderr, flush=True)
+    return probe_bridge(asked, Path())
 
 
 def look_at_server(options: argparse.Namespace) -> Found:

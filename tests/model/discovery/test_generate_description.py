@@ -51,6 +51,31 @@ def found(*topics: TopicFound, **more: object) -> Found:
     return msgspec.structs.replace(base, topics=topics, **more)
 
 
+def test_of_stamped_topics_the_arrival_is_kept_beside_the_stamp() -> None:
+    imu = TopicFound(
+        topic="/imu",
+        type="sensor_msgs/msg/Imu",
+        publishers=1,
+        rate=100.0,
+        stamped=True,
+        fields=(FieldFound("angular_velocity.z", "number", "rad/s"),),
+    )
+    latched = msgspec.structs.replace(imu, topic="/kept", latched=True)
+    plain = msgspec.structs.replace(imu, topic="/plain", stamped=False)
+    # Of a topic without a signal nobody asks when it came.
+    empty = msgspec.structs.replace(imu, topic="/empty", fields=())
+    site = propose_description(found(imu, latched, plain, empty), "robot", "Robot", "UTC").site
+    assert not check_site(site)
+    signals = {
+        word: each for device in site.devices.values() for word, each in device.signals.items()
+    }
+    delays = {word: each for word, each in signals.items() if each.source.delay}
+    assert {word: each.source.topic for word, each in delays.items()} == {"imu_delay": "/imu"}
+    delay = delays["imu_delay"]
+    # No tile of the first page, and a sample only when it changes, or twice an hour.
+    assert (delay.unit, delay.primary, delay.deadband, delay.max_age) == ("s", False, 0.02, 3600)
+
+
 def test_transforms_scans_maps_paths_clouds_and_diagnostics_are_open_to_those_who_view() -> None:
     kinds = ("nav_msgs/msg/Path", "sensor_msgs/msg/LaserScan", "std_msgs/msg/String")
     topics = [TopicFound(topic=f"/t{n}", type=kind) for n, kind in enumerate(kinds)]

@@ -105,6 +105,7 @@ def test_a_key_moves_it(vehicle: Vehicle, peer: Peer) -> None:
 def test_stop_holds_it_until_it_is_released(vehicle: Vehicle, peer: Peer) -> None:
     odometry = peer.collect(message("nav_msgs/msg/Odometry"), "/odom")
     wandering = peer.collect(message("std_msgs/msg/Bool"), "/wandering")
+    health = peer.collect(message("diagnostic_msgs/msg/DiagnosticArray"), "/diagnostics")
     bool_kind = message("std_msgs/msg/Bool")
     stop = peer.node.create_publisher(bool_kind, "/stop", 10)
     drive = Drive(peer)
@@ -113,6 +114,8 @@ def test_stop_holds_it_until_it_is_released(vehicle: Vehicle, peer: Peer) -> Non
     assert peer.until(lambda: wandering and wandering[-1].data)
     stop.publish(bool_kind(data=True))
     assert peer.until(lambda: not wandering[-1].data)
+    assert peer.until(lambda: health and levels_in(health[-1])["base: STOP"] == b"\x01")
+    assert levels_in(health[-1])["battery: cells"] == b"\x00"
     refused = ask_to_wander(peer, on=True)
     assert not refused.success
     assert "STOP" in refused.message
@@ -131,6 +134,10 @@ def test_a_command_ends_wandering_and_it_says_so(vehicle: Vehicle, peer: Peer) -
     assert peer.until(lambda: wandering and wandering[-1].data)
     drive.send(0.0)
     assert peer.until(lambda: not wandering[-1].data, 2.0)
+
+
+def levels_in(health: Any) -> dict[str, bytes]:
+    return {status.name: status.level for status in health.status}
 
 
 def ask_to_wander(peer: Peer, *, on: bool) -> Any:

@@ -3,8 +3,8 @@
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { TopicMessage, TopicUpdate } from "../generated/wire.js";
 import { TopicFlow } from "../series/topic-flow.js";
-import { socketUrl } from "../wire/media-socket.js";
-import { topicPath, TopicSocket, type TopicLink } from "../topics/topic-socket.js";
+import { sharedTopics, type HeardMessage } from "../topics/shared-topics.js";
+import type { TopicLink } from "../topics/topic-socket.js";
 
 /**
  * - `loading`: nothing is known yet
@@ -28,7 +28,7 @@ export class TopicFollower implements ReactiveController {
   flow = new TopicFlow();
   private link: TopicLink = "connecting";
   private asked: { readonly site: string; readonly topic: string; readonly rate: number } | null = null;
-  private socket: TopicSocket | null = null;
+  private stopFollowing: (() => void) | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   /** @param onMessage is called with what each message says, and when it came (`performance.now`) */
@@ -42,7 +42,7 @@ export class TopicFollower implements ReactiveController {
   /** Follows a topic; the same again changes nothing. Call it from `willUpdate`; empty follows none. */
   follow(site: string, topic: string, rate: number): void {
     const { asked } = this;
-    if (asked !== null && asked.site === site && asked.topic === topic) return;
+    if (asked !== null && asked.site === site && asked.topic === topic && asked.rate === rate) return;
     this.stop();
     this.update = null;
     this.message = null;
@@ -80,46 +80,42 @@ export class TopicFollower implements ReactiveController {
   }
 
   private open(): void {
-    if (this.asked === null || this.socket !== null || document.hidden) return;
+    if (this.asked === null || this.stopFollowing !== null || document.hidden) return;
     const { site, topic, rate } = this.asked;
     this.why = "";
-    this.socket = new TopicSocket(
-      { url: socketUrl(topicPath(site, topic, rate), location) },
-      {
-        onUpdate: (update) => {
-          this.update = update;
-          this.host.requestUpdate();
-        },
-        onMessage: (message) => {
-          this.receiveMessage(message);
-        },
-        onTrouble: (why) => {
-          this.why = why;
-          this.host.requestUpdate();
-        },
-        onState: (state, why) => {
-          this.link = state;
-          this.why = why;
-          this.host.requestUpdate();
-        },
+    this.stopFollowing = sharedTopics.follow(site, topic, rate, {
+      onUpdate: (update) => {
+        this.update = update;
+        this.host.requestUpdate();
       },
-    );
+      onMessage: (heard) => {
+        this.receiveMessage(heard);
+      },
+      onTrouble: (why) => {
+        this.why = why;
+        this.host.requestUpdate();
+      },
+      onState: (state, why) => {
+        this.link = state;
+        this.why = why;
+        this.host.requestUpdate();
+      },
+    });
   }
 
   private stop(): void {
     clearTimeout(this.timer);
     this.timer = undefined;
-    this.socket?.close();
-    this.socket = null;
+    this.stopFollowing?.();
+    this.stopFollowing = null;
   }
 
-  private receiveMessage(message: TopicMessage): void {
-    const nowMs = performance.now();
+  private receiveMessage({ message, tree, nowMs }: HeardMessage): void {
     this.message = message;
     this.why = "";
     this.flow.count({ seq: message.seq, timeUs: message.time_us, ageMs: message.age_ms }, nowMs);
-    this.tree = JSON.parse(message.tree);
-    this.onMessage(this.tree, nowMs);
+    this.tree = tree;
+    this.onMessage(tree, nowMs);
     this.host.requestUpdate();
   }
 

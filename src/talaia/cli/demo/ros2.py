@@ -84,6 +84,9 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--no-time-lapse", action="store_true", help="without the nights at high speed"
     )
+    parser.add_argument(
+        "--mqtt", type=Path, metavar="FILE", help="of `talaia hub`: publish to an MQTT broker"
+    )
     return parser.parse_args(argv)
 
 
@@ -105,6 +108,7 @@ async def _start_robots(
     logins = await make_logins(settings)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
     hub += ["--simulated-site", OBSERVATORY, "--simulated-site", TIME_LAPSE]
+    hub += [] if options.mqtt is None else ["--mqtt", str(options.mqtt)]
     gateways = [await _gateway_command(robot, settings) for robot in robots]
     parts.append(await start_talaia("hub", hub, data / "hub.log", restart=True))
     for robot, words in zip(robots, gateways, strict=True):

@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
-import msgspec
-
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import ChannelReading
@@ -18,6 +16,7 @@ from talaia.gateway.samples.field_paths import text_of
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.model.connections.json_path import parse_json_path
 from talaia.model.site import SignalType
+from talaia.wire.nested_json import decode_nested
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -64,9 +63,9 @@ def parse_payload(data: bytes) -> JsonText:
     except UnicodeDecodeError:
         raise FieldError("", "it is not UTF-8 text") from None
     try:
-        return JsonText(text, msgspec.json.decode(data), is_json=True)
-    # Beside what is plainly none: NaN, which JSON has not, and thousands of brackets.
-    except (msgspec.DecodeError, RecursionError):
+        return JsonText(text, decode_nested(data), is_json=True)
+    # Beside what is plainly none: NaN, which JSON has not, and dozens of brackets.
+    except ValueError:
         return JsonText(text, None, is_json=False)
 
 

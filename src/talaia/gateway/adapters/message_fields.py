@@ -1,7 +1,8 @@
 """What a ROS message holds: every number, truth and text in it, by path. Pure.
 
 Works on lists of fields and constants, as a ROS 2 class (`ros2_kinds`) or a ROS 1 definition
-(`ros1_kinds`) tells them, and on one message for the lengths of lists.
+(`ros1_kinds`) tells them, and on one message for the lengths of lists. Long, because one descent
+and what it makes of each kind of field are one thing.
 """
 
 from __future__ import annotations
@@ -49,10 +50,16 @@ _ABOUT = {
 
 
 class ReadableFields(NamedTuple):
-    """What can be read of a message, and in words what cannot."""
+    """What can be read of a message, and in words what cannot.
+
+    Attributes:
+        stamped: it says itself of when it is, in a header.
+
+    """
 
     fields: tuple[FieldFound, ...]
     left_out: tuple[str, ...]
+    stamped: bool = False
 
 
 class RosMessageType(NamedTuple):
@@ -93,7 +100,8 @@ def shape_of(
             kind=kind, type_name=type_name, message=message, prefix="", above=None, depth=0
         )
     )
-    return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out))
+    stamped = ("header", "std_msgs/Header") in kind.fields
+    return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out), stamped)
 
 
 class _Walk:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import msgspec
+from talaia.wire.nested_json import decode_nested
 
 __all__ = ["read_fields", "read_published"]
 
@@ -15,9 +15,12 @@ def read_fields(data: bytes) -> dict[str, object]:
 
     """
     try:
-        return msgspec.json.decode(data or b"{}", type=dict[str, object] | None) or {}
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        read = decode_nested(data or b"{}")
+    except ValueError as error:
         raise ValueError(f"not the fields of a message, by name: {str(error)[:200]}") from error
+    if not isinstance(read, dict | None):
+        raise ValueError(f"not the fields of a message, by name: {repr(read)[:100]}")  # noqa: TRY004 - of what a client said
+    return read or {}
 
 
 def read_published(encoding: str, kind: str, data: bytes) -> dict[str, object]:

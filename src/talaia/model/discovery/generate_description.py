@@ -16,7 +16,13 @@ import msgspec
 from talaia.model.camera_addresses import NO_ADDRESS, why_no_camera
 from talaia.model.checks.site_checks import check_site
 from talaia.model.closed_lists import LogLevel
-from talaia.model.connection import AlpacaConnection, IndiConnection, Ros1Connection, RosSource
+from talaia.model.connection import (
+    AlpacaConnection,
+    IndiConnection,
+    Ros1Connection,
+    RosbridgeConnection,
+    RosSource,
+)
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
 from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
@@ -152,6 +158,8 @@ def _connections_of(found: Found) -> dict[str, Connection]:
     match found.protocol:
         case "ros1":
             return {"ros1": _ros1_of(found)}
+        case "rosbridge":
+            return {"rosbridge": _rosbridge_of(found)}
         case "indi":
             return {"indi": IndiConnection(host=found.host, port=found.port)}
         case "alpaca":
@@ -166,6 +174,12 @@ def _connections_of(found: Found) -> dict[str, Connection]:
 
 def _ros1_of(found: Found) -> Ros1Connection:
     return Ros1Connection(master=found.master, log=LogLevel.WARNING, use_sim_time=found.sim_time)
+
+
+def _rosbridge_of(found: Found) -> RosbridgeConnection:
+    return RosbridgeConnection(
+        url=found.url, ros=found.ros, ca=found.ca, token_file=found.token_file
+    )
 
 
 def _alpaca_of(found: Found) -> AlpacaConnection:

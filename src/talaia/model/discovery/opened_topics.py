@@ -29,7 +29,7 @@ _ALWAYS = ("/tf", "/tf_static", "/diagnostics")
 
 def topics_to_open(found: Found) -> tuple[TopicRule, ...]:
     """Open transforms, scans, maps, paths, clouds and diagnostics, where topics can be tapped."""
-    if found.protocol not in {"ros1", "ros2"}:
+    if found.protocol not in {"ros1", "ros2", "rosbridge"}:
         return ()
     seen = sorted(topic.topic for topic in found.topics if topic.type in _TYPES)
     return tuple(

@@ -1,6 +1,6 @@
 """What is out there, as `talaia probe` writes it down and `talaia init` reads it.
 
-Values only: who looked (ROS 2, ROS 1, INDI, Alpaca, MQTT, HTTP) fills them, and
+Values only: who looked (ROS 2, ROS 1, rosbridge, INDI, Alpaca, MQTT, HTTP) fills them, and
 `propose_description` makes a description of them.
 The JSON form is the contract between a probe on the robot and a configurator on a laptop.
 """
@@ -74,6 +74,7 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
         names: of a topic that carries many sensors (CloudConnect's ``/metric``, ROS's
             ``/diagnostics``): their names that were heard.
         left_out: what was left out of ``fields`` and why, in words.
+        stamped: its messages say themselves of when they are, in a header.
         problem: why it cannot be read at all, in words; empty when it can.
 
     """
@@ -87,6 +88,7 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
     fields: tuple[FieldFound, ...] = ()
     names: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    stamped: bool = False
     problem: str = ""
 
 
@@ -209,7 +211,7 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
 
     Attributes:
         talaia_probe: version of this form; 1.
-        protocol: ``ros2``, ``ros1``, ``indi``, ``alpaca``, ``mqtt`` or ``http``.
+        protocol: ``ros2``, ``ros1``, ``rosbridge``, ``indi``, ``alpaca``, ``mqtt`` or ``http``.
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
@@ -219,7 +221,8 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         master: where the ROS 1 master answers; empty for other protocols.
         host: of the INDI or Alpaca server; empty for other protocols.
         port: of that server.
-        url: of the MQTT broker, or the address that a server was asked for.
+        ros: which ROS stands behind a rosbridge server, 1 or 2; 0 for other protocols.
+        url: of the MQTT broker or rosbridge server, or the address that a server was asked for.
         user: that signed in there.
         password_file: where its password was read; never the password.
         token_file: where a server's token was read.
@@ -242,6 +245,7 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     host: str = ""
     port: int = 0
     devices: tuple[DeviceFound, ...] = ()
+    ros: int = 0
     url: str = ""
     user: str = ""
     password_file: str = ""

@@ -69,6 +69,8 @@ _MEANINGS = (
 )
 # A topic whose spacing is not known: it speaks now and then.
 _RARE_S = 3600.0
+# Delays within it are one: a page shows no difference, and a day of them takes no room.
+_DELAY_DEADBAND_S = 0.02
 _GEOGRAPHIC = "sensor_msgs/msg/NavSatFix"
 
 
@@ -96,7 +98,9 @@ class ProposedSignals:
         if topic.names:
             for sensor in topic.names:
                 signals[free_word(word_of(sensor), signals)] = _sensor_of(topic, sensor)
+            self._add_delay(signals, topic)
             return True
+        before = len(signals)
         for word, signal in _positions_of(topic):
             signals[free_word(word, signals)] = signal
         for field in topic.fields:
@@ -104,10 +108,28 @@ class ProposedSignals:
                 continue
             name = self._name_of(topic, field)
             signals[free_word(word_of(name), signals)] = _signal_of(topic, field, name)
+        if len(signals) > before:
+            self._add_delay(signals, topic)
         if not signals:
             # A device without anything on it would be an empty page.
             del self._signals[place]
         return bool(signals)
+
+    def _add_delay(self, signals: dict[str, Signal], topic: TopicFound) -> None:
+        """Keep by how much messages come after their stamps, so that no arrival is lost."""
+        if not topic.stamped or topic.latched:
+            # What is latched is as old as it likes when somebody comes to hear it.
+            return
+        name = f"{readable_name(last_part(topic.topic))} delay"
+        signals[free_word(word_of(name), signals)] = Signal(
+            name=name,
+            unit="s",
+            deadband=_DELAY_DEADBAND_S,
+            # Repeated twice in it, where nothing changes.
+            max_age=_RARE_S,
+            primary=False,
+            source=RosSource(topic=topic.topic, type=topic.type, delay=True),
+        )
 
     def add_signal(self, place: DevicePlace, word: str, signal: Signal) -> None:
         """Add a signal that is no topic's."""

@@ -27,7 +27,8 @@ def name_robot(found: Found, host: str) -> str:
         host: name of the machine that looked.
 
     """
-    if not found.url and (namespace := robot_namespace(found.topics)):
+    # Topics of brokers have no namespace of ROS.
+    if found.protocol not in ("mqtt", "http") and (namespace := robot_namespace(found.topics)):
         return namespace
     other = urlsplit(found.master or found.url).hostname or found.host
     if other not in _LOCAL and not other.startswith("127."):

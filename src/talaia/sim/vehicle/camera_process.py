@@ -72,6 +72,11 @@ class CameraProcess:
                 self._lost = True
                 logger.warning("the camera's process ended; there are no more pictures")
 
+    @property
+    def lost(self) -> bool:
+        """Whether its process ended, as far as it was noticed."""
+        return self._lost
+
     def close(self) -> None:
         """End the process."""
         # The end of its input ends it.

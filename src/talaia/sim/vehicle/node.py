@@ -14,6 +14,7 @@ from std_srvs.srv import SetBool
 
 from talaia.sim.vehicle.base import Base, Change, Ramp
 from talaia.sim.vehicle.publishers import RELIABLE, VehiclePublishers
+from talaia.sim.vehicle.self_check import MotorHeat, check_vehicle, wheel_rates
 from talaia.sim.vehicle.sensors import Battery
 from talaia.sim.vehicle.wander import Wander
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.sim.vehicle.actuation_log import ActuationLog
     from talaia.sim.vehicle.camera_process import CameraProcess
-    from talaia.sim.vehicle.world import World
+    from talaia.sim.vehicle.world import Motion, World
 
 __all__ = ["TICK_S", "Inputs", "Loop"]
 
@@ -162,6 +163,9 @@ class Loop:
         self._ramp = Ramp()
         self._wander = Wander(seed)
         self._battery = Battery()
+        self._heat = (MotorHeat(), MotorHeat())
+        # Of the simulated time.
+        self._checked_s = 0.0
         self._eye = eye
         # Time simulated so far (s).
         self._seconds = 0.0
@@ -192,7 +196,7 @@ class Loop:
         with self._lock:
             self._log.write_change(self._base.pass_time(self._clock.monotonic_ns()))
             wanted = (self._base.speed, self._base.turn)
-            wandering = self._base.wandering
+            wandering, stopped = self._base.wandering, self._base.stopped
         self._ramp.follow_velocity(seconds, *wanted)
         motion = self._world.step(seconds, self._ramp.speed, self._ramp.turn)
         if self._eye is not None:
@@ -214,9 +218,24 @@ class Loop:
             self._reports.publish_place(stamp, motion, self._seconds)
         if tick % 50 == 1:
             self._reports.publish_battery(stamp, self._battery)
+        if tick % 50 == 22:
+            self._check_health(stamp, motion, stopped=stopped)
         if tick % 50 == 8 or wandering != self._told_wandering:
             self._told_wandering = wandering
             self._reports.publish_wandering(on=wandering)
+
+    def _check_health(self, stamp: object, motion: Motion, *, stopped: bool) -> None:
+        seconds, self._checked_s = self._seconds - self._checked_s, self._seconds
+        for motor, rate in zip(self._heat, wheel_rates(motion), strict=True):
+            motor.pass_time(seconds, rate)
+        found = check_vehicle(
+            battery=self._battery,
+            motion=motion,
+            heat=self._heat,
+            camera=None if self._eye is None else not self._eye.lost,
+            stopped=stopped,
+        )
+        self._reports.publish_health(stamp, found)
 
     def _look_around(self, stamp: object, *, wandering: bool) -> None:
         ranges: npt.NDArray[np.float32] = self._world.scan_lidar()

@@ -21,6 +21,7 @@ from sensor_msgs.msg import (
 )
 from std_msgs.msg import Bool, Float64, String
 
+from talaia.sim.vehicle.self_check import wheel_rates
 from talaia.sim.vehicle.sensors import Battery, on_earth, room_temperature
 from talaia.sim.vehicle.world import LIDAR_RANGE, SONAR_FIELD, SONAR_RANGE, Motion, World
 
@@ -28,6 +29,12 @@ if TYPE_CHECKING:
     import numpy as np
     from rclpy.node import Node
 
+    from talaia.sim.vehicle.self_check import HealthStatus
+
+try:  # a robot's own Python may lack it
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+except ImportError:
+    DiagnosticArray = None
 try:  # not on PyPI; there where ROS itself is installed
     from tf2_msgs.msg import TFMessage
 except ImportError:
@@ -71,6 +78,11 @@ class VehiclePublishers:
         self._speed = self._make_publisher(Float64, "/speed")
         self._wandering = node.create_publisher(Bool, "/wandering", LASTING)
         self._metric = self._make_publisher(String, "/metric")
+        self._diagnostics = (
+            self._make_publisher(DiagnosticArray, "/diagnostics")
+            if DiagnosticArray is not None
+            else None
+        )
         # What the sonars measured last (m), said once more by `publish_metrics`.
         self._measured = {"ultrasonic1": 0.0, "ultrasonic2": 0.0, "ultrasonic3": 0.0}
         self._prepare_messages()
@@ -111,11 +123,7 @@ class VehiclePublishers:
         message = self._joints_message
         message.header.stamp = stamp
         message.position = [motion.left, motion.right]
-        aside = motion.turn * World.WHEEL_BASE / 2
-        message.velocity = [
-            (motion.speed - aside) / World.WHEEL_RADIUS,
-            (motion.speed + aside) / World.WHEEL_RADIUS,
-        ]
+        message.velocity = list(wheel_rates(motion))
         self._joints.publish(message)
 
     def publish_scan(self, stamp: Message, ranges: np.typing.NDArray[np.float32]) -> None:
@@ -170,6 +178,25 @@ class VehiclePublishers:
         # By its definition negative while the battery discharges.
         message.current = -battery.current
         self._battery.publish(message)
+
+    def publish_health(self, stamp: Message, found: list[HealthStatus]) -> None:
+        """Publish the vehicle's health as ROS's diagnostics, where their package is installed."""
+        if self._diagnostics is None:
+            return
+        message = DiagnosticArray()
+        message.header.stamp = stamp
+        message.status = [
+            DiagnosticStatus(
+                # ROS 2 has a byte there, which Python has as bytes.
+                level=bytes([one.level]),
+                name=one.name,
+                message=one.message,
+                hardware_id=one.hardware,
+                values=[KeyValue(key=key, value=value) for key, value in one.values.items()],
+            )
+            for one in found
+        ]
+        self._diagnostics.publish(message)
 
     def publish_wandering(self, *, on: bool) -> None:
         """Publish whether the vehicle drives about by itself."""

@@ -101,7 +101,9 @@ def decode_client(frame: bytes | str) -> FoxgloveMessage:
         if op is not None and op not in _KINDS:
             raise UnknownKind(op) from error
         raise PeerError(f"a message that is not in the protocol: {error}") from error
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+    except RecursionError as error:
+        raise PeerError("a message that is nested too deeply") from error
+    except (msgspec.DecodeError, UnicodeError) as error:
         raise PeerError(f"a message that is no JSON: {error}") from error
 
 

@@ -63,7 +63,9 @@ def decode_rosbridge(text: str) -> RosbridgeMessage:
         if head.op not in _KINDS:
             raise RosbridgeMistake(f"unknown operation {head.op[:100]!r}", head.id) from error
         raise RosbridgeMistake(f"{head.op}: {str(error)[:500]}", head.id) from error
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+    except RecursionError as error:
+        raise RosbridgeMistake("a message that is nested too deeply") from error
+    except (msgspec.DecodeError, UnicodeError) as error:
         raise RosbridgeMistake(f"a message that is no JSON: {str(error)[:500]}") from error
 
 

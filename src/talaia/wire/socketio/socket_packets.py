@@ -7,9 +7,8 @@ import re
 from enum import IntEnum
 from typing import NamedTuple
 
-import msgspec
-
 from talaia.wire.errors import PeerError
+from talaia.wire.nested_json import decode_nested
 
 __all__ = ["SocketAssembly", "SocketKind", "SocketPacket", "encode_socket"]
 
@@ -115,10 +114,7 @@ class SocketAssembly:
             return None
         packet, attached = self._waiting, self._attached
         self._waiting, self._attached, self._size = None, [], 0
-        try:
-            return packet._replace(data=_attach_bytes(packet.data, attached))
-        except RecursionError as error:
-            raise PeerError("an event that is nested too deeply") from error
+        return packet._replace(data=_attach_bytes(packet.data, attached))
 
 
 def _read_packet(text: str) -> tuple[SocketPacket, int]:
@@ -133,9 +129,11 @@ def _read_packet(text: str) -> tuple[SocketPacket, int]:
         raise PeerError(f"a namespace has at most {_LONGEST_NAMESPACE} letters")
     rest = text[head.end() :]
     try:
-        data = msgspec.json.decode(rest) if rest else None
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
-        raise PeerError(f"what follows {head[0][:100]!r} is no JSON: {str(error)[:200]}") from error
+        data = decode_nested(rest) if rest else None
+    except ValueError as error:
+        raise PeerError(
+            f"what follows {head[0][:100]!r} is no JSON that is read here: {str(error)[:200]}"
+        ) from error
     plain = _WITH_BYTES.get(kind, kind)
     if plain is SocketKind.EVENT and not _names_event(data):
         raise PeerError("an event is a list that begins with its name")

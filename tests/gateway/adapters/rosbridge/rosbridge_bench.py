@@ -50,8 +50,13 @@ def raw_path(path: Path) -> Path:
 
 
 @asynccontextmanager
-async def recording(url: str, path: Path, *, raw: bool = False) -> AsyncIterator[str]:
-    """Stand between a client and a real server, and write down what both say."""
+async def recording(
+    url: str, path: Path, *, raw: bool = False, both: bool = False
+) -> AsyncIterator[str]:
+    """Stand between a client and a real server, and write down what both say on one connection.
+
+    With ``both``, what is said on the gateway's connection for raw topics, too.
+    """
     lines: dict[bool, list[str]] = {False: [], True: []}
 
     async def handle(client: ServerConnection) -> None:
@@ -77,8 +82,9 @@ async def recording(url: str, path: Path, *, raw: bool = False) -> AsyncIterator
 
     async with serve(handle, "127.0.0.1", 0, max_size=_MAX, compression=None) as one:
         yield f"ws://127.0.0.1:{one.sockets[0].getsockname()[1]}"
-    target = raw_path(path) if raw else path
-    await asyncio.to_thread(target.write_text, "\n".join(lines[raw]) + "\n")
+    for which in {raw, *((False, True) if both else ())}:
+        target = raw_path(path) if which else path
+        await asyncio.to_thread(target.write_text, "\n".join(lines[which]) + "\n")
 
 
 class Replay:

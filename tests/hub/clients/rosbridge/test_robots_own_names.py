@@ -150,6 +150,26 @@ async def test_what_no_command_makes_is_refused_in_words_and_moves_nothing(world
     assert not await commands_sent(world, gateway)
 
 
+async def test_nested_lists_are_refused_by_their_depth_and_the_client_goes_on(world) -> None:
+    gateway = await begin_site(world)
+    await open_protocol(world.hub, "rosbridge")
+    token = await token_of(world.hub, "driver")
+    client = await RawClient().connect(address_of(world.hub, "agv", token))
+    # The decoder reads hundreds of levels; what compares them with a command's fields could not.
+    for depth in (65, 300, 500, 900):
+        nested = "[" * depth + "]" * depth
+        said = f'{{"op":"call_service","id":"called","service":"/light","args":{{"a":{nested}}}}}'
+        await client.socket.send(said)
+        found = await client.hear("service_response", lambda said: said.get("id") == "called")
+        assert "nested deeper than 64 levels" in found["values"]
+    for message in (nested, "[" * 100_000):
+        await client.socket.send(f'{{"op":"publish","topic":"/horn","msg":{{"data":{message}}}}}')
+        await client.hear("status", lambda said: "nested" in said["msg"])
+    assert (await client.call("/rosapi/topics"))["result"]
+    await client.close()
+    assert not await commands_sent(world, gateway)
+
+
 async def test_published_message_that_the_gateway_refuses_is_told(world) -> None:
     gateway = await begin_site(world)
     async with await roslibpy_client(world, "driver") as client:

@@ -166,7 +166,7 @@ export class Shell extends LitElement {
     return html`
       <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
       <div class="top">
-        <t-header .site=${site}>
+        <t-header role="banner" .site=${site}>
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
         </t-header>
         ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}

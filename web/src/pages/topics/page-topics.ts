@@ -67,7 +67,17 @@ export class PageTopics extends LitElement {
       .name {
         font-family: var(--t-mono);
       }
+      .all {
+        display: none;
+        align-items: center;
+        min-block-size: var(--t-touch);
+        font-weight: var(--t-weight-strong);
+      }
       @media (max-width: 60rem) {
+        /* The list is not beside it there. */
+        .all {
+          display: inline-flex;
+        }
         .both {
           grid-template-columns: minmax(0, 1fr);
         }
@@ -130,15 +140,18 @@ export class PageTopics extends LitElement {
   private renderContent({ topics }: TopicTable): TemplateResult {
     const chosen = this.chosenTopic();
     if (topics.length === 0 && chosen === "") return this.renderEmpty();
-    const known = topics.some(({ topic }) => topic === chosen);
+    const known = topics.find(({ topic }) => topic === chosen);
     return html`${this.isOnline() ? nothing : html`<t-banner kind="warn">The robot's gateway is not connected; these are the topics that it had.</t-banner>`}
       <div class=${chosen === "" ? "both list-only" : "both"}>
         ${this.renderList(topics, chosen)}
         ${chosen === ""
           ? nothing
-          : known
-            ? html`<t-topic .site=${this.site} .topic=${chosen} .online=${this.isOnline()}></t-topic>`
-            : html`<t-problem what=${`There is no topic ${chosen} that you may follow.`} how="The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics."></t-problem>`}
+          : known !== undefined
+            ? html`<t-topic .site=${this.site} .topic=${chosen} .type=${known.type} .online=${this.isOnline()}></t-topic>`
+            : html`<div>
+                <t-problem what=${`There is no topic ${chosen} that you may follow.`} how="The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics."></t-problem>
+                <a class="all" href=${sitePath(this.site, "topics")}>All topics</a>
+              </div>`}
       </div>`;
   }
 

@@ -12,6 +12,7 @@ import { formatBytes } from "../../format/bytes.js";
 import type { TopicMessage } from "../../generated/wire.js";
 import { sitePath } from "../../state/router.js";
 import { topicTile } from "../../tiles/catalog.js";
+import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import { rateText } from "./topic-list.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -108,6 +109,8 @@ export class TopicDetail extends LitElement {
 
   @property() site = "";
   @property() topic = "";
+  /** Of its messages, as far as it is known. */
+  @property() type = "";
   @property({ type: Boolean }) online = false;
 
   /** What is held while it is paused; null while it is not. */
@@ -126,8 +129,11 @@ export class TopicDetail extends LitElement {
       this.held = null;
       this.search = "";
     }
-    this.follower.follow(this.site, this.topic, RATE);
-    void topicTile(this.follower.update?.type ?? "")?.load();
+    // What the list says, until the topic itself says it: so the rate is right from the beginning.
+    const tile = topicTile(this.follower.update?.type ?? this.type);
+    // A tile follows the same topic: at its rate, so that one socket does for both.
+    this.follower.follow(this.site, this.topic, tile === null ? RATE : ALL_MESSAGES);
+    void tile?.load();
   }
 
   override render(): TemplateResult {

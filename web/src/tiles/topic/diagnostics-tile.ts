@@ -8,10 +8,9 @@ import { base, raisedBox } from "../../elements/base/base-style.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { DiagnosticsBook } from "../../series/diagnostics.js";
 import { topicPagePath } from "../../state/router.js";
+import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import "../../elements/topic/diagnostics-tree.js";
 
-/** All that come: each message may be another node's. */
-const RATE = 20;
 /** What stands in the place of the tree, and not above it. */
 const INSTEAD: readonly TopicState[] = ["loading", "waiting", "forbidden"];
 
@@ -62,7 +61,7 @@ export class DiagnosticsTile extends LitElement {
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     if (changed.has("site") || changed.has("topic")) this.book.clear();
-    this.follower.follow(this.site, this.topic, RATE);
+    this.follower.follow(this.site, this.topic, ALL_MESSAGES);
   }
 
   override render(): TemplateResult {

@@ -312,6 +312,7 @@ class _Look:
                 fields=shape.fields,
                 names=tuple(sorted(one.names)) if one is not None else (),
                 left_out=shape.left_out,
+                stamped=shape.stamped,
                 problem=problem,
             )
 

@@ -221,6 +221,7 @@ class _Look:
                 fields=shape.fields,
                 names=tuple(heard.names) if heard is not None else (),
                 left_out=shape.left_out,
+                stamped=shape.stamped,
                 problem=problem,
             )
 

@@ -82,10 +82,19 @@ class MessageSerializer:
             FieldError: a value does not fit its field.
 
         """
-        message = self._make_part(values, self._definition.name, "")
+        message = self.build_message(values)
         if self._ros == 1:
             return bytes(self._store.serialize_ros1(message, self._definition.name))
         return self._encoder.encode_message(message)
+
+    def build_message(self, values: object) -> Any:  # noqa: ANN401 - of a class made by rosbags
+        """Give the message itself: lists are lists, however the server wrote them.
+
+        Raises:
+            FieldError: a value does not fit its field.
+
+        """
+        return self._make_part(values, self._definition.name, "")
 
     def _make_part(self, values: object, name: str, where: str) -> Any:  # noqa: ANN401
         fields = self._definition.parts[name].fields

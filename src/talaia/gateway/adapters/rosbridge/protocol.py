@@ -16,6 +16,7 @@ from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.samples.field_paths import compile_getter, number_of, parse_path
 from talaia.wire.frames import CommandPhase
+from talaia.wire.nested_json import check_depth
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -131,6 +132,7 @@ def read_message(data: str | bytes) -> ServerMessage:
     else:
         try:
             found = json.loads(data, object_hook=_make_attributes)
+            check_depth(data, found)
         except (ValueError, RecursionError) as error:
             raise FieldError("", f"the server sent no JSON: {error}") from error
     said = getattr(found, "__dict__", {}) if isinstance(found, MessageAttributes) else {}

@@ -21,7 +21,7 @@ from talaia.gateway.adapters.ros2.type_definitions.message_text import messages_
 from talaia.gateway.adapters.rosbridge.message_values import MessageSerializer, cbor_carries
 from talaia.gateway.tap_ports import TopicDefinition
 
-__all__ = ["ServerType", "learn_type", "told_definition"]
+__all__ = ["ServerType", "find_definition", "learn_type", "told_definition"]
 
 # What rosapi says where it has no text.
 _FAILED = "# failed"
@@ -57,15 +57,25 @@ def learn_type(type_name: str, text: str, ros: int) -> ServerType:
         BadDefinition: nothing is known of it, or nothing that can be used.
 
     """
-    if not text or text.startswith(_FAILED) or len(text) > _LONGEST:
-        text = _distributions_text(type_name, ros)
-    definition = told_definition(type_name, text, ros)
+    text, definition = find_definition(type_name, text, ros)
     form = (
         TopicDefinition("ros1msg", text, "ros1")
         if ros == 1
         else TopicDefinition("ros2msg", definition_text(definition), "cdr")
     )
     return ServerType(form, MessageSerializer(definition, ros), cbor=cbor_carries(definition, ros))
+
+
+def find_definition(type_name: str, text: str, ros: int) -> tuple[str, TypeDefinition]:
+    """Read a type by the robot's text, or else by the newest distribution's; give that, too.
+
+    Raises:
+        BadDefinition: nothing is known of it, or nothing that can be used.
+
+    """
+    if not text or text.startswith(_FAILED) or len(text) > _LONGEST:
+        text = _distributions_text(type_name, ros)
+    return text, told_definition(type_name, text, ros)
 
 
 def told_definition(type_name: str, text: str, ros: int) -> TypeDefinition:

@@ -28,7 +28,7 @@ class ServerQuestions:
         # By service.
         self._asked: dict[str, asyncio.Future[ServerMessage]] = {}
 
-    async def ask_service(self, service: str, **args: str) -> object | str:
+    async def ask_service(self, service: str, /, **args: str) -> object | str:
         """Give the values of a service's answer, or why there are none."""
         answer: asyncio.Future[ServerMessage] = asyncio.get_running_loop().create_future()
         self._asked[service] = answer

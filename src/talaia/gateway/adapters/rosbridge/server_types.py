@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.rosbridge.robot_definitions import ServerType
     from talaia.gateway.adapters.rosbridge.server_questions import ServerQuestions
 
-__all__ = ["ServerTypes", "long_name"]
+__all__ = ["RAW_TYPES_SERVICE", "ServerTypes", "long_name"]
 
-_TEXTS = "/rosapi/topics_and_raw_types"
+RAW_TYPES_SERVICE = "/rosapi/topics_and_raw_types"
 # Between two questions (s): the robot reads the files of all its types for one.
 _AGAIN_S = 30.0
 
@@ -41,7 +41,7 @@ class ServerTypes:
         loop = asyncio.get_running_loop()
         if type_name not in self._texts and loop.time() >= self._again:
             self._again = loop.time() + _AGAIN_S
-            answer = await self._questions.ask_service(_TEXTS)
+            answer = await self._questions.ask_service(RAW_TYPES_SERVICE)
             types = [long_name(name) for name in texts_of(answer, "types")]
             self._texts = dict(zip(types, texts_of(answer, "typedefs_full_text"), strict=False))
         # On another thread: it compiles code, and may read the definitions of a distribution.

@@ -14,6 +14,7 @@ from talaia.gateway.errors import FieldError
 from talaia.gateway.video.jpeg import jpeg_size, pixels_in
 from talaia.gateway.video.pixels import MOST_PIXELS
 from talaia.model.connections.json_path import parse_json_path
+from talaia.wire.nested_json import check_depth, decode_nested
 from talaia.wire.socketio.founding_namespaces import SENSED
 
 if TYPE_CHECKING:
@@ -140,14 +141,15 @@ def _unpack_sensor(item: object) -> object:
 def _read_text(text: str) -> object:
     """Read JSON, or a list or dictionary as Python writes it; other text stays what it is."""
     try:
-        return msgspec.json.decode(text)
-    except (msgspec.DecodeError, RecursionError, UnicodeError):
+        return decode_nested(text)
+    except ValueError:
         pass
     if len(text) > _LONGEST_LITERAL or not text.lstrip().startswith(("{", "[")):
         return text
     try:
         # Literals only: names and calls are refused, so nothing of it is run.
         read: object = ast.literal_eval(text.strip())
+        check_depth(text, read)
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
         return text
     return read

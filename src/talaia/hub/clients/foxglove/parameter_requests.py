@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
-
-import msgspec
+from typing import TYPE_CHECKING, Protocol, cast
 
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer
@@ -14,6 +12,7 @@ from talaia.hub.clients.robot_parameters import read_parameters
 from talaia.wire.browser import PageCommand
 from talaia.wire.foxglove.server_messages import FoxgloveParameter, ParameterValues
 from talaia.wire.frames import CommandPhase
+from talaia.wire.nested_json import decode_nested
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -162,8 +161,8 @@ class ParameterRequests:
         if len(self._wishes) >= _MOST_SET:
             return f"at most {_MOST_SET} are set at once"
         try:
-            value = msgspec.json.decode(bytes(one.value))
-        except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+            value = decode_nested(bytes(one.value))
+        except ValueError as error:
             return f"not a value: {str(error)[:200]}"
         found = parameter.find_command(value)
         if isinstance(found, str):
@@ -171,7 +170,8 @@ class ParameterRequests:
         number = new_token()
         # Before it is asked: its end may come at once.
         self._wishes[number] = wish
-        wish.waiting[number] = one.name, value
+        # A command has been found for it, so it is of a parameter's kinds.
+        wish.waiting[number] = one.name, cast("ParameterValue", value)
         problem = self._connection.request(
             PageCommand(
                 site=self._connection.live.name,

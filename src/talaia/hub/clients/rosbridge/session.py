@@ -32,6 +32,7 @@ from talaia.wire.browser import (
 )
 from talaia.wire.frames import CommandPhase
 from talaia.wire.gateway_messages.field_types import Arguments, Scalar
+from talaia.wire.nested_json import decode_nested
 from talaia.wire.rosbridge import client_messages as said
 from talaia.wire.rosbridge.codec import (
     MAX_ROSBRIDGE_FRAME,
@@ -343,9 +344,11 @@ def _read_fields(args: bytes) -> dict[str, object]:
 
     """
     try:
-        read = msgspec.json.decode(args, type=dict[str, object] | list[object] | None)
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        read = decode_nested(args)
+    except ValueError as error:
         raise ValueError(f"not the arguments of a call: {str(error)[:200]}") from error
+    if not isinstance(read, dict | list | None):
+        raise ValueError(f"not the arguments of a call: {repr(read)[:100]}")  # noqa: TRY004 - of what a client said
     # A list has them in their order; most have one.
     return (
         read if isinstance(read, dict) else {str(at): value for at, value in enumerate(read or ())}
@@ -365,9 +368,9 @@ def _read_setting(args: bytes) -> tuple[str, object]:
     if not isinstance(name, str) or not isinstance(value, str):
         raise ValueError("expected the name of a parameter, and its value as JSON in a text")  # noqa: TRY004 - of what a client said
     try:
-        return name[:500], msgspec.json.decode(value)
-    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
-        raise ValueError(f"not JSON: {value[:100]!r}") from error
+        return name[:500], decode_nested(value)
+    except ValueError as error:
+        raise ValueError(f"not JSON: {value[:100]!r}: {str(error)[:200]}") from error
 
 
 def _read_call(args: bytes, offered: RosService) -> RobotCall:

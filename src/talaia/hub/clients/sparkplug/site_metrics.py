@@ -12,6 +12,7 @@ from talaia.hub.clients.mqtt.command_relay import CommandRelay
 from talaia.hub.clients.mqtt.publication import SitePublication, make_publication
 from talaia.hub.clients.sparkplug.device_metrics import DeviceMetrics
 from talaia.wire.mqtt.topic_tree import CommandTopic, TopicTree
+from talaia.wire.nested_json import decode_nested
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -136,8 +137,8 @@ def command_payload(control: ControlMetric, metric: ReadMetric) -> bytes:
     if control.command and text:
         try:
             # Read here: what is put in as it stands could bring keys of its own with it.
-            said["args"] = msgspec.json.decode(text)
-        except (msgspec.DecodeError, RecursionError):
+            said["args"] = decode_nested(text)
+        except ValueError:
             # No arguments; it is refused as such.
             said["args"] = text
     return msgspec.json.encode(said)

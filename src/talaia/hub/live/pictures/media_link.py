@@ -49,6 +49,8 @@ __all__ = ["GatewayCamera", "MediaLinks", "MediaReceivers"]
 
 # One that does not read must not hold up the end (s).
 _FAREWELL_S = 0.5
+# Reading a larger message takes long enough to be felt by who drives (bytes).
+_LARGE = 16 * 1024
 # What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
@@ -123,6 +125,10 @@ class GatewayCamera:
                     receivers.boxes(message)
                 case TapMessage() | TopicList() | TapSchema() | TapError() | RobotGraph():
                     receivers.taps(message)
+                    # What has come already is read without a pause: of a large message all pieces,
+                    # and driving frames of pages would stand behind them.
+                    if len(data or b"") >= _LARGE:
+                        await asyncio.sleep(0)
                 case BeatReply():
                     # The hub sends no beats here: the link's own tell how far the clocks are apart.
                     pass
