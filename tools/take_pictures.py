@@ -270,9 +270,11 @@ def observe(browser: Browser, address: str, password: str) -> None:
     page.goto(f"{address}{part}/telescope")
     page.get_by_role("button", name="Unpark").click()
     page.wait_for_timeout(3000)
-    page.get_by_label("Altitude (°)").fill("60")
-    page.get_by_label("Azimuth (°)").fill("35")
-    page.get_by_role("button", name="Send").click()
+    # It goes to places on the sky and rates, too, each with a form of its own.
+    form = page.locator("t-command", has=page.get_by_label("Altitude (°)"))
+    form.get_by_label("Altitude (°)").fill("60")
+    form.get_by_label("Azimuth (°)").fill("35")
+    form.get_by_role("button", name="Send").click()
     page.wait_for_timeout(25_000)
     page.close()
 
