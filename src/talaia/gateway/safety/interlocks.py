@@ -178,36 +178,25 @@ class Interlocks:
     def begin_command(
         self, device: str, command: str, who: str, *, args: Mapping[str, Field], now_ns: int
     ) -> None:
-        """Hear of each command that was accepted, with its arguments by name.
-
-        It may stop or resume a closing, or send a telescope to where its dome turns, too.
-        """
+        """Hear of each command that was accepted: of a roof's closing, or where a dome turns to."""
         self.enclosures.apply_command(device, command, who)
-        described, place = self._site.devices.get(device), self._site.place
-        if described is None or described.pointing is None or place is None:
-            return
-        pointed = described.pointing.commands.get(command)
-        if pointed is None:
-            return
-        to = pointed_place(pointed, args, place, self._wall_ns())
-        if not isinstance(to, str):
-            self.enclosures.begin_slew(device, to.az, now_ns)
+        place, pointing = self._site.place, self._site.devices[device].pointing
+        names = pointing.commands.get(command) if pointing is not None else None
+        if place is not None and names is not None:
+            to = pointed_place(names, args, place, self._wall_ns())
+            if not isinstance(to, str):
+                self.enclosures.begin_slew(device, to.az, now_ns)
 
     def _pointing_problem(self, device: str, what: str, args: Mapping[str, Field]) -> str:
-        described = self._site.devices.get(device)
-        if described is None or described.pointing is None or self._site.place is None:
+        described, place = self._site.devices.get(device), self._site.place
+        if described is None or described.pointing is None or place is None:
             return ""
         # Commands that point nowhere are not looked at here.
-        pointed = described.pointing.commands.get(what)
-        if pointed is None:
+        rule = described.pointing
+        if (names := rule.commands.get(what)) is None:
             return ""
-        return pointing_problem(
-            rule=described.pointing,
-            names=pointed,
-            args=args,
-            place=self._site.place,
-            wall_ns=self._wall_ns(),
-        )
+        wall_ns = self._wall_ns()
+        return pointing_problem(rule=rule, names=names, args=args, place=place, wall_ns=wall_ns)
 
     def handle_override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
