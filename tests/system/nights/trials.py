@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import time
 from collections.abc import Awaitable, Callable
@@ -35,6 +36,8 @@ FAULTS = (
 Deed = Callable[[], Awaitable[None] | None]
 Deeds = tuple[Deed, Deed | None]
 RAIN_S = (120.0, 900.0)
+# What hands at the dome did is theirs for so long while a gateway looks after it (s).
+HAND_S = 15.0
 
 
 class Trial(NamedTuple):
@@ -132,6 +135,12 @@ class SeededNight:
             self.world.at(at, self.line("weather", words))
             self.world.at(at + self._dice.uniform(*RAIN_S), self.line("weather", "clear"))
 
+    def restart_gateway(self) -> None:
+        """Have somebody look after the roof again, whatever hands did to it meanwhile."""
+        self.world.start_gateway()
+        now = self.world.truths[-1].at
+        self.by_hand = [(since, min(until, now + HAND_S)) for since, until in self.by_hand]
+
     def ask_rapid(self) -> None:
         """Have something become urgent, if there is anybody to hear of it."""
         if self.world.gateway is None or not self.world.hub.there:
@@ -179,7 +188,7 @@ class SeededNight:
         world.robot.bring_about("weather", "clear")
         world.disk_full = False
         if world.gateway is None:
-            world.start_gateway()
+            self.restart_gateway()
         await world.pass_time(300.0)
         world.hub_back()
         await world.pass_time(60.0)
@@ -203,7 +212,7 @@ def _cut_power(night: SeededNight) -> Deeds:
 def _kill(night: SeededNight) -> Deeds:
     async def restart() -> None:
         if night.world.gateway is None:
-            night.world.start_gateway()
+            night.restart_gateway()
 
     return night.world.kill_gateway, restart
 
@@ -253,8 +262,9 @@ def _on_site(night: SeededNight) -> Deeds:
 
     def move() -> None:
         now = night.world.truths[-1].at
-        # A hand's doing is the hand's until the guard has had its time.
-        night.by_hand.append((now, now + 15.0))
+        # A hand's doing is the hand's until the guard has had its time; a dead one has none.
+        alive = night.world.gateway is not None
+        night.by_hand.append((now, now + HAND_S if alive else math.inf))
         night.world.robot.bring_about("dome", words)
 
     return move, move
