@@ -93,7 +93,7 @@ def main() -> int:
             lambda path: judge_night(options.score, path, words, clear=options.clear), nights
         )
         for path, row in zip(nights, found, strict=True):
-            print(path.name, f"gap {row['gap']:.1f} shutter {row['shutter']:.3f}", flush=True)
+            print(path.name, f"gap {row['gap']:.1f} shutter {row['shutter']:.3f} refused {row['refused']}", flush=True)
             size = 10 ** round(np.log10(size_of(path)))
             by_size.setdefault(size, []).append(row)
     for size, rows in sorted(by_size.items()):
