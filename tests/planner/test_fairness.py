@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from talaia.model.observing.plan import Instrument
 from talaia.planner.fairness import EVEN_HANDED, INDIFFERENT, ShareProblem
-from talaia.planner.feasibility import Feasibility
 from talaia.planner.night_problem import FrameRun, NightProblem, ProposalLimit, Visit
 from talaia.planner.outlook import WeatherOutlook
 from talaia.planner.progress import NightProgress
 from talaia.planner.search import THOROUGH, NightSearch
 from talaia.planner.sky import TelescopePlace, compute_sky
-from talaia.model.observing.plan import Instrument
 
 pytestmark = pytest.mark.pure
 
@@ -55,12 +54,12 @@ def test_no_price_of_a_share_grows_beyond_its_limit_or_below_nothing(planned):
     assert pulls.max() <= 2.0
 
 
-def planned_shares(fairness) -> np.ndarray:
+def planned_shares(fairness):
     """Plan four hours that one proposal with the higher priority could fill alone."""
     problem = NightProblem(start=0.0, length_s=LENGTH, sky=SKY, instrument=Instrument())
-    problem.proposals = tuple(
+    problem.proposals = [
         ProposalLimit(name, share=0.5, seconds_left=1e6) for name in ("rich", "poor")
-    )
+    ]
     problem.add_visits(
         tuple(
             Visit(
@@ -71,6 +70,7 @@ def planned_shares(fairness) -> np.ndarray:
                 windows=((0, LENGTH),),
                 proposal=proposal,
                 priority=10.0 + 3.0 * (proposal == 0),
+                shutter_s=600.0,
             )
             for proposal in (0, 1)
             for number in range(30)

@@ -29,7 +29,7 @@ class FairnessRule(NamedTuple):
 
     """
 
-    slack: float = 0.1
+    slack: float = 0.08
     most: float = 1.0
 
 
@@ -52,10 +52,6 @@ class ShareProblem(NamedTuple):
     got_s: Floats
     slack: float
     most: float
-
-    def no_pulls(self) -> Floats:
-        """Give the prices of a night in which all shares are right: of too much, of too little."""
-        return np.zeros((2, len(self.due)))
 
     def tilts(self, pulls: Floats) -> Floats:
         """Give what a second of each proposal earns by these prices; it pays where below zero."""

@@ -226,8 +226,10 @@ class _Places:
     def evaluate(
         self, summed: Floats, allocation: Floats, tilts: Floats | None
     ) -> tuple[float, Floats, Floats, Floats]:
-        """Give what all visits earn, the demand for each cell less one, and by proposal what is
-        spent of its allocation and what shutter time it gets (s)."""
+        """Give what all visits earn, and the demand for each cell less one.
+
+        The others are by proposal: what is spent of its allocation, and its shutter time (s).
+        """
         gains = self._gains(summed, allocation, tilts)
         if not gains.shape[1]:
             nothing = np.zeros(len(allocation))
@@ -240,7 +242,7 @@ class _Places:
         demand -= np.bincount(end, minlength=self.cells + 1)
         payers = self._asked.proposal[rows]
 
-        def by_payer(seconds: Floats) -> Floats:
+        def by_payer(seconds: Floats | Ints) -> Floats:
             return np.bincount(payers, weights=seconds, minlength=len(allocation)).astype(float)
 
         # What lies behind a closing that may come is got only so likely.

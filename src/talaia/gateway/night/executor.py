@@ -15,19 +15,19 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from talaia.gateway.night.arming import NightArming
-from talaia.gateway.night.coming_to_rest import NOT_PARKED, ComingToRest
 from talaia.gateway.night.frames.closed_time import ClosedTime
 from talaia.gateway.night.night_summary import NightReport
 from talaia.gateway.night.night_values import NightAction, NightEvent
 from talaia.gateway.night.observing_run import ObservingRun
 from talaia.gateway.night.request_chooser import RequestChooser
-from talaia.gateway.night.roof_steps import (
+from talaia.gateway.night.roof.coming_to_rest import NOT_PARKED, ComingToRest
+from talaia.gateway.night.roof.roof_steps import (
     abort_commands,
     leave_reason,
     opening_steps,
 )
+from talaia.gateway.night.roof.unended_commands import GUARD_S, UnendedCommands
 from talaia.gateway.night.step_runner import StepRunner, StepsState
-from talaia.gateway.night.unended_commands import GUARD_S, UnendedCommands
 from talaia.model.observing.states import SuspensionCause
 from talaia.wire.frames import NightPhase, NightState
 
@@ -81,19 +81,16 @@ class NightExecutor:
         """
         self._night, self._roof = night, enclosure
         self.arming = arming if arming is not None else NightArming()
-        self.phase, self.why = _P.DISARMED, ""
+        self.phase, self.why = _phase_at_rest(self.arming), ""
         self._since: float | None = None
         counter = itertools.count(1)
         self._next_id: Callable[[], str] = lambda: f"{id_prefix}-{next(counter)}"
-        # Into which phase parking leads, and since when it has lasted.
-        self._after_parking = _P.WAITING if self.arming.armed_by else _P.DISARMED
-        if self.arming.fault:
-            self.phase = self._after_parking = _P.FAULT
-            self.why = self.arming.fault
+        # Into which phase parking leads.
+        self._after_parking = _phase_at_rest(self.arming)
         if self.arming.armed_by or self.arming.opened:
             # What an earlier run left open is closed before anything else.
-            self.phase = _P.PARKING
-            self.why = self.why or "the gateway has just been started"
+            self.phase, self.why = _P.PARKING, "the gateway has just been started"
+        self.why = self.arming.fault or self.why
         self._steps: StepRunner | None = None
         self._rest = ComingToRest(night, enclosure, self._next_id)
         self.chooser = RequestChooser(night, place)
@@ -316,12 +313,10 @@ class NightExecutor:
 
     def _stay_at_rest(self, view: NightView) -> None:
         """Do nothing but park a telescope that the night itself has left standing."""
-        if not self.arming.opened:
-            return
-        if view.parked is True or (view.person and view.closed is False):
-            # Or it is in the hands of whoever opened the roof.
-            self.arming = replace(self.arming, opened=False)
-        self._actions += self._rest.keep_parking(view)
+        if self.arming.opened:
+            at_rest, actions = self._rest.keep_parking(view)
+            self.arming = replace(self.arming, opened=not at_rest)
+            self._actions += actions
 
     def _park(self, view: NightView, after: NightPhase, why: str) -> None:
         self._after_parking, self._steps = after, None
@@ -361,6 +356,13 @@ class NightExecutor:
         if phase is not self.phase:
             self._since = view.time
         self.phase, self.why = phase, why
+
+
+def _phase_at_rest(arming: NightArming) -> NightPhase:
+    """Give what a night is while nothing of it is open."""
+    if arming.fault:
+        return _P.FAULT
+    return _P.WAITING if arming.armed_by else _P.DISARMED
 
 
 def _with_block(

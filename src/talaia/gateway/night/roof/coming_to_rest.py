@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.night.night_values import NightEvent
-from talaia.gateway.night.roof_steps import closing_steps, parking_steps
+from talaia.gateway.night.roof.roof_steps import closing_steps, parking_steps
 from talaia.gateway.night.step_runner import StepRunner, StepsState
 
 if TYPE_CHECKING:
@@ -81,16 +81,21 @@ class ComingToRest:
         self._park_at = view.now + PARK_AGAIN_S
         return True, [*actions, NightEvent("night_not_parked", NOT_PARKED, good=False)]
 
-    def keep_parking(self, view: NightView) -> list[NightAction]:
-        """Ask a telescope under a closed roof to park, as long as it does not and nobody acts."""
-        if view.person or view.closed is not True or view.parked is True:
+    def keep_parking(self, view: NightView) -> tuple[bool, list[NightAction]]:
+        """Ask a telescope under a closed roof to park, as long as it does not and nobody acts.
+
+        Gives whether it is at rest, or in the hands of whoever opened the roof; and what to ask.
+        """
+        if view.parked is True or (view.person and view.closed is False):
+            return True, []
+        if view.person or view.closed is not True:
             self._steps = None
-            return []
+            return False, []
         if self._steps is None:
             if view.now < self._park_at:
-                return []
+                return False, []
             self._steps = StepRunner(parking_steps(self._roof, asks_first=False), self._next_id)
         actions: list[NightAction] = [*self._steps.update_steps(view)]
         if self._steps.state is not StepsState.RUNNING:
             self._steps, self._park_at = None, view.now + PARK_AGAIN_S
-        return actions
+        return False, actions
