@@ -95,7 +95,7 @@ def main() -> int:
         for path, row in zip(nights, found, strict=True):
             print(
                 path.name,
-                f"gap {row['gap']:.1f} shutter {row['shutter']:.3f} refused {row['refused']}",
+                *(f"{name} {row[name]:.3g}" for name in ("gap", "shutter", "unfair", "refused")),
                 flush=True,
             )
             size = 10 ** round(np.log10(size_of(path)))
