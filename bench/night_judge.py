@@ -85,15 +85,19 @@ def main() -> int:
     parser.add_argument("--clear", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    words = ["--fair"] if options.fair else []
+    fair = ["--fair"] if options.fair else []
     nights = sorted(options.folder.glob(options.match))
     by_size: dict[int, list[dict[str, Any]]] = {}
     with ThreadPoolExecutor(options.jobs) as pool:
         found = pool.map(
-            lambda path: judge_night(options.score, path, words, clear=options.clear), nights
+            lambda path: judge_night(options.score, path, fair, clear=options.clear), nights
         )
         for path, row in zip(nights, found, strict=True):
-            print(path.name, f"gap {row['gap']:.1f} shutter {row['shutter']:.3f}", flush=True)
+            print(
+                path.name,
+                *(f"{name} {row[name]:.3g}" for name in ("gap", "shutter", "unfair", "refused")),
+                flush=True,
+            )
             size = 10 ** round(np.log10(size_of(path)))
             by_size.setdefault(size, []).append(row)
     for size, rows in sorted(by_size.items()):

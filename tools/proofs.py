@@ -67,10 +67,11 @@ JOBS = (
     ),
     Job(
         "nights",
-        "thirty seeded nights with faults and people: no roof open when unsafe, nothing lost",
+        "thirty seeded nights, dusk to dawn, with faults and people: no roof open when unsafe,"
+        " nothing lost, a safe morning",
         ("-m", "system.nights", "--table", "{table}"),
         "docs/nights-table.md",
-        minutes=15,
+        minutes=20,
     ),
     Job(
         "crash-loop",

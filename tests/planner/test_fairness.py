@@ -1,4 +1,4 @@
-"""What a proposal's minutes count for, by what it lacks."""
+"""What a second of each proposal earns or pays, for the shares that are due."""
 
 from __future__ import annotations
 
@@ -6,37 +6,84 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.planner.fairness import EVEN_HANDED, INDIFFERENT, adjust_merits
+from talaia.model.observing.plan import Instrument
+from talaia.planner.fairness import EVEN_HANDED, INDIFFERENT, ShareProblem
+from talaia.planner.night_problem import FrameRun, NightProblem, ProposalLimit, Visit
+from talaia.planner.outlook import WeatherOutlook
+from talaia.planner.progress import NightProgress
+from talaia.planner.search import THOROUGH, NightSearch
+from talaia.planner.sky import TelescopePlace, compute_sky
 
 pytestmark = pytest.mark.pure
 
 DUE = np.array([0.5, 0.5, 0.0])
+LENGTH = 14_400
+# 2027-01-18, 22:00 UTC.
+SKY = compute_sky(TelescopePlace(42.05, 0.73), 1_800_309_600.0, LENGTH)
 
 
-def test_who_lacks_counts_for_more_and_who_has_too_much_less():
-    shutter = np.array([9000.0, 1000.0, 500.0])
-    merits = adjust_merits(EVEN_HANDED, np.ones(3), due=DUE, shutter_s=shutter)
-    assert merits[0] < 1.0 < merits[1]
+def shares(got: tuple[float, ...], most: float = 5.0) -> ShareProblem:
+    return ShareProblem(due=DUE, got_s=np.array(got), slack=0.1, most=most)
+
+
+def test_who_would_get_too_little_earns_and_who_would_get_too_much_pays():
+    asked = shares((0.0, 0.0, 0.0))
+    excess = asked.excess(np.array([9000.0, 1000.0, 0.0]))
+    assert excess[0, 0] == pytest.approx(3000.0)
+    assert excess[1, 1] == pytest.approx(3000.0)
+    pulls = asked.moved(np.zeros((2, 3)), excess / 3000.0)
+    tilts = asked.tilts(pulls)
+    assert tilts[0] < 0.0 < tilts[1]
     # Rapid requests: nothing is due to them, and their priority alone counts.
-    assert merits[2] == 1.0
+    assert tilts[2] == 0.0
 
 
-def test_shares_that_agree_well_enough_let_it_fade():
-    shutter = np.array([5000.0, 4900.0, 0.0])
-    merits = adjust_merits(EVEN_HANDED, np.array([1.5, 0.5, 1.0]), due=DUE, shutter_s=shutter)
-    assert 1.0 < merits[0] < 1.5
-    assert 0.5 < merits[1] < 1.0
+def test_what_was_got_before_counts():
+    asked = shares((9000.0, 0.0, 0.0))
+    # As much for the other makes it even.
+    assert (asked.excess(np.array([0.0, 9000.0, 0.0])) < 0.0).all()
 
 
-def test_without_the_rule_priorities_alone_count():
-    shutter = np.array([9000.0, 0.0, 0.0])
-    merits = adjust_merits(INDIFFERENT, np.ones(3), due=DUE, shutter_s=shutter)
-    assert (merits == 1.0).all()
+@given(st.lists(st.floats(0, 1e5), min_size=3, max_size=3))
+def test_no_price_of_a_share_grows_beyond_its_limit_or_below_nothing(planned):
+    asked = shares((100.0, 0.0, 0.0), most=2.0)
+    pulls = np.zeros((2, 3))
+    for _ in range(20):
+        pulls = asked.moved(pulls, asked.excess(np.array(planned)))
+    assert pulls.min() >= 0.0
+    assert pulls.max() <= 2.0
 
 
-@given(st.lists(st.floats(0, 1e6), min_size=3, max_size=3))
-def test_no_merit_grows_beyond_its_limit(shutter):
-    merits = np.ones(3)
-    for _ in range(100):
-        merits = adjust_merits(EVEN_HANDED, merits, due=DUE, shutter_s=np.array(shutter))
-    assert 1.0 / EVEN_HANDED.most <= merits.min() <= merits.max() <= EVEN_HANDED.most
+def planned_shares(fairness):
+    """Plan four hours that one proposal with the higher priority could fill alone."""
+    problem = NightProblem(start=0.0, length_s=LENGTH, sky=SKY, instrument=Instrument())
+    problem.proposals = [
+        ProposalLimit(name, share=0.5, seconds_left=1e6) for name in ("rich", "poor")
+    ]
+    problem.add_visits(
+        tuple(
+            Visit(
+                id=f"{proposal}{number}",
+                ra=100.0 + 2.0 * number,
+                dec=30.0,
+                runs=(FrameRun(10, 60.0),),
+                windows=((0, LENGTH),),
+                proposal=proposal,
+                priority=10.0 + 3.0 * (proposal == 0),
+                shutter_s=600.0,
+            )
+            for proposal in (0, 1)
+            for number in range(30)
+        )
+    )
+    progress = NightProgress(problem)
+    search = NightSearch(progress, WeatherOutlook(), fairness)
+    search.search(0, THOROUGH)
+    rows = [step.row for step in search.plan]
+    seconds = np.bincount(problem.table.proposal[rows], problem.table.shutter_s[rows], 2)
+    return seconds / seconds.sum()
+
+
+def test_a_plan_keeps_to_what_is_due_when_it_is_asked_to():
+    assert planned_shares(INDIFFERENT)[0] > 0.9
+    assert planned_shares(EVEN_HANDED)[0] == pytest.approx(0.5, abs=EVEN_HANDED.slack + 0.05)

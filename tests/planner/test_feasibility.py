@@ -79,3 +79,16 @@ def test_a_shorter_block_fits_where_the_whole_did_not():
 def test_a_block_longer_than_any_night_never_starts():
     visit = Visit(id="v", dec=80.0, runs=(FrameRun(10_000, 86_400.0),) * 100, windows=((0, 600),))
     assert feasibility_of(visit).next_start(0, 0) == NEVER
+
+
+@pytest.mark.parametrize(("beyond", "allowed"), [(0.005, False), (0.02, True)])
+def test_the_last_thousandths_of_a_degree_of_the_sun_are_left_to_other_skies(beyond, allowed):
+    visit = Visit(
+        id="v",
+        ra=83.8,
+        dec=20.0,
+        runs=(FrameRun(1, 1.0),),
+        windows=((0, LENGTH),),
+        max_sun_altitude=float(SKY.sun_altitude.max()) + beyond,
+    )
+    assert bool(feasibility_of(visit).allowed.all()) is allowed

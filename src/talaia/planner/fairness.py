@@ -1,8 +1,10 @@
-"""Fairness to allocations: what a proposal's minutes count for, by the share that it lacks.
+"""Fairness to allocations: what a second of each proposal earns or pays, by the share it lacks.
 
 A search that only adds up priorities gives most of a night to whoever asks with the highest ones.
-Here the minutes of a proposal that will get less than its share count for more, and the others'
-for less, until shares and dues agree well enough.
+"No share is further from what is due than so much" is a constraint as others are, and has prices as
+they have: each second of a proposal that would get too little earns something beside its priority,
+and each of one that would get too much pays. They are found with the prices of time, so that no
+more value is given for shares than shares need.
 """
 
 from __future__ import annotations
@@ -14,49 +16,66 @@ import numpy as np
 if TYPE_CHECKING:
     from talaia.planner.sky import Floats
 
-__all__ = ["EVEN_HANDED", "INDIFFERENT", "FairnessRule", "adjust_merits"]
-
-
-# Power of a merit that is left of it at each step in which nothing is lacking.
-_FADING = 0.95
+__all__ = ["EVEN_HANDED", "INDIFFERENT", "FairnessRule", "ShareProblem"]
 
 
 class FairnessRule(NamedTuple):
     """How strongly shares are held to what is due.
 
     Attributes:
-        gain: of each step; 0: priorities alone count.
         slack: a difference of shares up to this is no matter.
-        most: no minute counts for more than this many times its priority, nor less than one over.
+        most: a second too much or too little costs at most so many times what one is usually
+            worth; 0: priorities alone count.
 
     """
 
-    gain: float = 0.8
-    slack: float = 0.1
-    most: float = 2.0
+    slack: float = 0.08
+    most: float = 1.0
 
 
 EVEN_HANDED = FairnessRule()
-INDIFFERENT = FairnessRule(gain=0.0)
+INDIFFERENT = FairnessRule(most=0.0)
 
 
-def adjust_merits(rule: FairnessRule, merits: Floats, *, due: Floats, shutter_s: Floats) -> Floats:
-    """Give what a proposal's minutes count for from now on.
+class ShareProblem(NamedTuple):
+    """Whose shares are to come near to what, as arrays over proposals.
 
-    Args:
-        rule: see `FairnessRule`.
-        merits: what they counted for so far (1: their priority).
-        due: share of the shutter time that each proposal is due (0 to 1).
-        shutter_s: what each has got and will get by the plan (s).
+    Attributes:
+        due: share of the shutter time that each is due (0 to 1); 0: its priority alone counts.
+        got_s: shutter time that each has got (s).
+        slack: see `FairnessRule`.
+        most: a second of difference costs at most so much.
 
     """
-    total = float(shutter_s.sum())
-    if rule.gain <= 0.0 or total <= 0.0:
-        return merits
-    lack = due - shutter_s / total
-    lack = np.sign(lack) * np.maximum(np.abs(lack) - rule.slack, 0.0)
-    # What is well enough goes back to its priority, slowly.
-    rest = np.where(lack == 0.0, merits**_FADING, merits)
-    adjusted = np.clip(rest * np.exp(rule.gain * lack), 1.0 / rule.most, rule.most)
-    # Nothing is due to a proposal of rapid requests: their priority alone counts.
-    return np.where(due > 0.0, adjusted, 1.0)
+
+    due: Floats
+    got_s: Floats
+    slack: float
+    most: float
+
+    def tilts(self, pulls: Floats) -> Floats:
+        """Give what a second of each proposal earns by these prices; it pays where below zero."""
+        above, below = pulls
+        # Each second of anybody makes what is due to all the others more.
+        common = (above * (self.due + self.slack) - below * (self.due - self.slack)).sum()
+        tilts = below - above + common
+        return np.asarray(np.where(self.due > 0.0, tilts, 0.0))
+
+    def excess(self, planned_s: Floats) -> Floats:
+        """Give by how much each share would be too much, and too little (s; below zero: not)."""
+        whole = self.got_s + planned_s
+        total = whole.sum()
+        above = whole - (self.due + self.slack) * total
+        below = (self.due - self.slack) * total - whole
+        # Nothing is due to a proposal of rapid requests.
+        return np.asarray(np.where(self.due > 0.0, np.stack([above, below]), -np.inf))
+
+    def paid(self, pulls: Floats) -> float:
+        """Give what the shares that there are already add to a bound by these prices."""
+        nothing = np.zeros(len(self.due))
+        excess = np.where(pulls > 0.0, self.excess(nothing), 0.0)
+        return -float((pulls * excess).sum())
+
+    def moved(self, pulls: Floats, step_s: Floats) -> Floats:
+        """Give the prices after a step; none is below zero or beyond the most."""
+        return np.asarray(np.clip(pulls + step_s, 0.0, self.most))

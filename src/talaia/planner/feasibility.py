@@ -26,8 +26,10 @@ Bools = NDArray[np.bool_]
 # A start that does not come in this night (s).
 NEVER = 1 << 28
 _NO_MARK = np.int16(32_000)
-# Of altitudes and Moon distances, for the last bits of single precision (sine of an angle).
-_GRAIN = 2e-6
+# Of altitudes and Moon distances (sine of an angle; 0.001°), and of the Sun (°): who judges a block
+# by a sky of other make finds other last digits, and a block that is refused is an idle telescope.
+_GRAIN = 2e-5
+_SUN_GRAIN = 0.01
 # Rows whose sky is worked out at a time, so that what lies between stays in the cache.
 _ROWS = 1024
 
@@ -140,7 +142,7 @@ def constraint_masks(problem: NightProblem, visits: Sequence[Visit]) -> list[tup
         to_moon[row] = (track * sky.moon).sum(0)
     moon_down = (sky.moon_altitude <= 0.0)[None, :]
     masks = [
-        ("sun", (sky.sun_altitude[None, :] <= sun_limit - 1e-4) | indoors),
+        ("sun", (sky.sun_altitude[None, :] <= sun_limit - _SUN_GRAIN) | indoors),
         ("altitude", (sine >= np.sin(np.radians(floor)).astype(np.float32) + _GRAIN) | indoors),
         ("airmass", (sine >= (1.0 / airmass).astype(np.float32) + _GRAIN) | indoors),
         (

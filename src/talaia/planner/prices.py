@@ -20,6 +20,7 @@ from talaia.planner.sky import MARK_S
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.planner.fairness import ShareProblem
     from talaia.planner.feasibility import Feasibility
     from talaia.planner.night_problem import Ints
     from talaia.planner.sky import Floats
@@ -36,6 +37,8 @@ _AMBITION = 0.08
 _PATIENCE = 10
 # The prices of allocations move so much less than those of time.
 _ALLOCATION_SCALE = 20.0
+# And those of shares.
+_SHARE_SCALE = 20.0
 
 
 class PriceProblem(NamedTuple):
@@ -50,6 +53,8 @@ class PriceProblem(NamedTuple):
         weights: of a value by the mark at which its block begins (marks).
         second: from when on.
         overhead: what leads to a block, typically (s).
+        shutters: shutter time of each (s; n).
+        shares: who is to get how much of that; none: priorities alone count.
 
     """
 
@@ -61,6 +66,8 @@ class PriceProblem(NamedTuple):
     weights: Floats
     second: int
     overhead: float
+    shutters: Floats
+    shares: ShareProblem | None = None
 
 
 class TimePrices(NamedTuple):
@@ -73,6 +80,8 @@ class TimePrices(NamedTuple):
         rents: what each visit earns at its best place (n).
         margins: the same, below zero where it earns nothing (n).
         bound: no plan is worth more, if every visit takes the typical overhead.
+        pulls: prices of shares that are too much, and too little; see `ShareProblem`.
+        tilts: what a second of each proposal's shutter earns beside its priority.
 
     """
 
@@ -82,6 +91,8 @@ class TimePrices(NamedTuple):
     rents: Floats
     margins: Floats
     bound: float
+    pulls: Floats
+    tilts: Floats
 
     def until(self, seconds: Ints) -> Floats:
         """Give the price of all time before the given seconds."""
@@ -112,18 +123,24 @@ def find_prices(
     else:
         slots = np.full(len(begins), _usual_rate(asked) * CELL_S)
         allocation = np.zeros(len(asked.seconds_left))
+    shares, pulls = asked.shares, np.zeros((2, len(allocation)))
+    if former is not None and shares is not None:
+        pulls = shares.moved(former.pulls, pulls)
     slots[gone] = 0.0
-    best_bound, best = np.inf, (slots, allocation)
+    best_bound, best = np.inf, (slots, allocation, pulls)
     ambition, since = _AMBITION, 0
     for _ in range(iterations):
         if stopped():
             break
         price = np.repeat(slots, width)[:cells]
-        bound, slope, spent = places.evaluate(_sums(price), allocation)
+        tilts = None if shares is None else shares.tilts(pulls)
+        bound, slope, spent, planned_s = places.evaluate(_sums(price), allocation, tilts)
         bound += float(price[asked.second // CELL_S :].sum())
         bound += float((allocation * asked.seconds_left).sum())
+        if shares is not None:
+            bound += shares.paid(pulls)
         if bound < best_bound * (1.0 - 1e-4):
-            best_bound, best, since = bound, (slots, allocation), 0
+            best_bound, best, since = bound, (slots, allocation, pulls), 0
         else:
             since += 1
             if since >= _PATIENCE:
@@ -134,14 +151,22 @@ def find_prices(
         demand[gone | ((slots <= 0.0) & (demand < 0.0))] = 0.0
         excess[(allocation <= 0.0) & (excess < 0.0)] = 0.0
         norm = float((demand**2).sum() / width + (excess**2).sum() / _ALLOCATION_SCALE)
+        unfair = np.zeros_like(pulls)
+        if shares is not None:
+            unfair = shares.excess(planned_s) / CELL_S
+            unfair[(pulls <= 0.0) & (unfair < 0.0)] = 0.0
+            norm += float((unfair**2).sum() / _SHARE_SCALE)
         if norm <= 0.0:
             break
         step = (bound - best_bound * (1.0 - ambition)) / norm
         slots = np.maximum(0.0, slots + step / width * demand)
         allocation = np.maximum(0.0, allocation + step / _ALLOCATION_SCALE / CELL_S * excess)
-    slots, allocation = best
+        if shares is not None:
+            pulls = shares.moved(pulls, step / _SHARE_SCALE / CELL_S * unfair)
+    slots, allocation, pulls = best
     price = np.repeat(slots, width)[:cells]
-    margins = places.margins(_sums(price), allocation)
+    tilts = None if shares is None else shares.tilts(pulls)
+    margins = places.margins(_sums(price), allocation, tilts)
     return TimePrices(
         cells=price,
         summed=_sums(price),
@@ -149,6 +174,8 @@ def find_prices(
         rents=np.maximum(margins, 0.0),
         margins=margins,
         bound=best_bound,
+        pulls=pulls,
+        tilts=np.zeros(len(allocation)) if tilts is None else tilts,
     )
 
 
@@ -181,32 +208,44 @@ class _Places:
         length = np.round(asked.blocks / CELL_S).astype(np.int64)[:, None]
         self._from = np.clip(begin * _CELLS_IN_MARK - lead, 0, self.cells)
         self._to = np.clip(begin * _CELLS_IN_MARK + length, 0, self.cells)
-        worth = asked.values[:, None] * asked.weights[np.minimum(begin, len(asked.weights) - 1)]
-        self._worth = np.where(fits, worth, -1e9)
+        self._weights = asked.weights[np.minimum(begin, len(asked.weights) - 1)]
+        self._worth = np.where(fits, asked.values[:, None] * self._weights, -1e9)
         self._count = np.arange(len(asked.rows))
 
-    def _gains(self, summed: Floats, allocation: Floats) -> Floats:
+    def _gains(self, summed: Floats, allocation: Floats, tilts: Floats | None) -> Floats:
         gains = self._worth - summed.take(self._to) + summed.take(self._from)
+        if tilts is not None:
+            earned = tilts[self._asked.proposal] * self._asked.shutters
+            gains += earned[:, None] * self._weights
         gains -= (allocation[self._asked.proposal] * self._asked.blocks)[:, None]
         return np.asarray(gains)
 
-    def margins(self, summed: Floats, allocation: Floats) -> Floats:
-        return np.asarray(self._gains(summed, allocation).max(axis=1, initial=-1e9))
+    def margins(self, summed: Floats, allocation: Floats, tilts: Floats | None) -> Floats:
+        return np.asarray(self._gains(summed, allocation, tilts).max(axis=1, initial=-1e9))
 
-    def evaluate(self, summed: Floats, allocation: Floats) -> tuple[float, Floats, Floats]:
-        """Give what all visits earn, the demand for each cell less one, and allocations spent."""
-        gains = self._gains(summed, allocation)
+    def evaluate(
+        self, summed: Floats, allocation: Floats, tilts: Floats | None
+    ) -> tuple[float, Floats, Floats, Floats]:
+        """Give what all visits earn, and the demand for each cell less one.
+
+        The others are by proposal: what is spent of its allocation, and its shutter time (s).
+        """
+        gains = self._gains(summed, allocation, tilts)
         if not gains.shape[1]:
-            return 0.0, np.full(self.cells, -1.0), np.zeros(len(allocation))
+            nothing = np.zeros(len(allocation))
+            return 0.0, np.full(self.cells, -1.0), nothing, nothing
         place = gains.argmax(axis=1)
         earned = gains[self._count, place]
         rows = np.flatnonzero(earned > 0.0)
         begin, end = self._from[rows, place[rows]], self._to[rows, place[rows]]
         demand = np.bincount(begin, minlength=self.cells + 1).astype(np.float64)
         demand -= np.bincount(end, minlength=self.cells + 1)
-        spent = np.bincount(
-            self._asked.proposal[rows],
-            weights=self._asked.blocks[rows],
-            minlength=len(allocation),
-        ).astype(np.float64)
-        return float(earned[rows].sum()), np.cumsum(demand)[:-1] - 1.0, spent
+        payers = self._asked.proposal[rows]
+
+        def by_payer(seconds: Floats | Ints) -> Floats:
+            return np.bincount(payers, weights=seconds, minlength=len(allocation)).astype(float)
+
+        # What lies behind a closing that may come is got only so likely.
+        likely = self._asked.shutters[rows] * self._weights[rows, place[rows]]
+        spent, planned_s = by_payer(self._asked.blocks[rows]), by_payer(likely)
+        return float(earned[rows].sum()), np.cumsum(demand)[:-1] - 1.0, spent, planned_s

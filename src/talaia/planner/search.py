@@ -19,7 +19,7 @@ from talaia.planner.beam_search import (
     score_order,
     search_beam,
 )
-from talaia.planner.fairness import FairnessRule, adjust_merits
+from talaia.planner.fairness import FairnessRule, ShareProblem
 from talaia.planner.prices import PriceProblem, TimePrices, find_prices
 from talaia.planner.sky import MARK_S
 
@@ -83,8 +83,6 @@ class NightSearch:
         self.plan: tuple[OrderedVisit, ...] = ()
         self.method = ""
         self.bound: float | None = None
-        # Of a minute of each proposal's shutter, beside its priority.
-        self.merits: Floats = np.ones(len(progress.problem.proposals))
         self._prices: TimePrices | None = None
         # Of the rounds in idle time, which look from a later second on.
         self._idle_prices: TimePrices | None = None
@@ -109,7 +107,6 @@ class NightSearch:
 
         """
         progress = self._progress
-        self._adjust_merits()
         rows = self._choose_rows(second)
         if not rows.size:
             self.plan, self.method = (), "dispatch"
@@ -117,10 +114,12 @@ class NightSearch:
         problem = progress.problem
         marks = np.arange(progress.feasibility.marks, dtype=np.float64) * MARK_S
         weights = self._outlook.weights(marks - float(second if since is None else since))
-        values = problem.table.value[rows] * self.merits[problem.table.proposal[rows]]
+        blocks = problem.table.block_s[rows]
+        values = problem.table.value[rows] * self._outlook.completion(blocks)
         prices = self._prices = self._find_prices(
             second, rows, values, weights, iterations=effort.iterations, stopped=stopped
         )
+        values = values + self._tilted(rows)
         field = self._make_field(rows, values, weights, prices, most=effort.candidates)
         kept = tuple(step.row for step in self.plan)
         orders = [("kept", kept)]
@@ -175,17 +174,24 @@ class NightSearch:
         paid = self._prices.until(np.array([begin, end]))
         return float(paid[1] - paid[0]) / (end - begin) * 60.0
 
-    def _adjust_merits(self) -> None:
-        progress = self._progress
-        table, limits = progress.problem.table, progress.problem.proposals
-        if len(self.merits) < len(limits):
-            more = np.ones(len(limits) - len(self.merits))
-            self.merits = np.concatenate([self.merits, more])
-        shutter_s = progress.shutter_s.copy()
-        planned = [step.row for step in self.plan if not progress.done[step.row]]
-        np.add.at(shutter_s, table.proposal[planned], table.shutter_s[planned])
-        due = np.array([limit.share for limit in limits])
-        self.merits = adjust_merits(self._fairness, self.merits, due=due, shutter_s=shutter_s)
+    def _tilted(self, rows: Ints) -> Floats:
+        """Give what visits earn beside their priority, for the shares of their proposals."""
+        table, prices = self._progress.problem.table, self._prices
+        if prices is None or not prices.tilts.any():
+            return np.zeros(len(rows))
+        # One that has just come to the night has lacked nothing yet.
+        tilts = np.zeros(len(self._progress.problem.proposals))
+        tilts[: len(prices.tilts)] = prices.tilts
+        return np.asarray(tilts[table.proposal[rows]] * table.shutter_s[rows])
+
+    def _shares(self, rows: Ints, values: Floats) -> ShareProblem | None:
+        rule, progress = self._fairness, self._progress
+        shutter_s = float(progress.problem.table.shutter_s[rows].sum())
+        if rule.most <= 0.0 or shutter_s <= 0.0:
+            return None
+        due = np.array([limit.share for limit in progress.problem.proposals])
+        usual = float(values.sum()) / shutter_s
+        return ShareProblem(due, progress.shutter_s, rule.slack, rule.most * usual)
 
     def _choose_rows(self, second: int) -> Ints:
         """Choose visits that could begin at all: for each half hour those worth most a minute."""
@@ -197,7 +203,7 @@ class NightSearch:
         begin = progress.feasibility.startable(rows, marks)
         fits = begin < marks[None, :] + _COVER_S // MARK_S
         table = progress.problem.table
-        rate = table.value[rows] * self.merits[table.proposal[rows]]
+        rate = table.value[rows] + self._tilted(rows)
         rate = rate / (table.block_s[rows] + self._usual_overhead())
         chosen = np.zeros(len(rows), np.bool_)
         for slot in range(len(marks)):
@@ -237,6 +243,8 @@ class NightSearch:
             weights=weights,
             second=second,
             overhead=self._usual_overhead(),
+            shutters=table.shutter_s[rows],
+            shares=self._shares(rows, values),
         )
         former = self._prices
         if former is not None and len(former.proposals) != len(limits):

@@ -88,14 +88,10 @@ class PlanningSession:
         self._idle = IdleRounds(self._progress, self._search)
 
     def begin_from(self, former: PlanningSession) -> None:
-        """Take the order of another session's plan for a beginning, and what proposals lack."""
+        """Take the order of another session's plan for a beginning."""
         names = [former._problem.table.visits[step.row].id for step in former._search.plan]
         index = self._problem.table.index
         self._search.plan_first([index[name] for name in names if name in index])
-        merits = dict(
-            zip((one.id for one in former._problem.proposals), former._search.merits, strict=False)
-        )
-        self._search.merits = np.array([merits.get(p.id, 1.0) for p in self._problem.proposals])
 
     def add_requests(self, groups: Sequence[RequestGroup]) -> None:
         """Take in requests that are new, or again those that are pending."""

@@ -19,7 +19,7 @@ from talaia.gateway.commands.command_service import CommandService
 from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.safety.enclosure_guard import Hold
+from talaia.gateway.safety.dome_following import Hold
 from talaia.model.arguments import fields_of
 from talaia.model.interlocks.enclosure import Enclosure
 from talaia.model.interlocks.interlock import Step

@@ -17,7 +17,7 @@ from talaia.gateway.commands.command_service import CommandService
 from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
 from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.safety.enclosure_guard import Hold
+from talaia.gateway.safety.dome_following import Hold
 from talaia.model.yaml_text.load import read_site
 from talaia.wire.frames import CommandPhase, CommandRequest, CommandState
 

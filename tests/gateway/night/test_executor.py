@@ -18,8 +18,8 @@ from talaia.gateway.night.arming import NightArming
 from talaia.gateway.night.block_run import SLEWS_BEFORE_FRAME, BlockParts
 from talaia.gateway.night.imaging.guide_steps import GUIDE_AGAIN_S
 from talaia.gateway.night.night_values import NightView, PlanQuestion
+from talaia.gateway.night.roof.unended_commands import GUARD_S
 from talaia.gateway.night.target_place import arcseconds_between
-from talaia.gateway.night.unended_commands import GUARD_S
 from talaia.model.observing.requests import Guiding, Urgency
 from talaia.model.observing.states import ObservationState, SuspensionCause
 from talaia.model.observing.targets import FixedTarget, SolarSystemBody, SolarSystemTarget

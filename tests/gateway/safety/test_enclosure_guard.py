@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import pytest
@@ -18,13 +17,10 @@ from talaia.gateway.safety.enclosure_guard import (
     EnclosureEvent,
     EnclosureGuard,
     EnclosureReadings,
-    Follower,
-    hold_of,
 )
 from talaia.model.interlocks.enclosure import (
     ClosingOrder,
     Enclosure,
-    Follow,
     PastDeadline,
     Sighting,
 )
@@ -347,67 +343,3 @@ def test_whatever_happened_before_once_all_works_again_the_roof_closes_within_it
     assert one.position == 0
     closes = one.times("dome/close")
     assert len(closes) <= 3 + one.now / SECOND / 2
-
-
-FOLLOW = Follow(
-    target="t/az",
-    azimuth="d/az",
-    when=Sighting(signal="t/state", is_one_of=("tracking",)),
-    command="dome/goto",
-)
-
-
-@pytest.mark.parametrize(
-    ("target", "azimuth", "settled", "expected"),
-    [
-        (100.0, 94.0, True, 100.0),
-        (100.0, 96.0, True, None),
-        (1.0, 358.0, True, None),
-        (3.0, 357.0, True, 3.0),
-        (100.0, 10.0, False, None),
-        (None, 10.0, True, None),
-        (100.0, None, True, None),
-    ],
-)
-def test_a_dome_follows_to_the_final_target_only_and_only_when_it_is_worth_it(
-    target: float | None,
-    azimuth: float | None,
-    settled: bool,  # noqa: FBT001 - given by the table
-    expected: float | None,
-) -> None:
-    step = Follower(FOLLOW).next_step(target, azimuth, 0, settled=settled)
-    assert (None if step is None else step.args["azimuth"]) == expected
-
-
-def test_a_dome_that_does_not_come_is_not_asked_at_every_look() -> None:
-    one = Follower(FOLLOW)
-    asked = [one.next_step(100.0, 0.0, at * TICK, settled=True) for at in range(100)]
-    assert sum(each is not None for each in asked) == 2
-
-
-@pytest.mark.parametrize(
-    ("seen", "said", "final"),
-    [
-        ({}, None, False),
-        ({"apart": 5.0}, None, False),
-        ({"apart": 40.0}, "40° from the telescope", False),
-        ({"apart": None}, "where telescope and dome stand", False),
-        ({"moving": True}, "on its way", False),
-        ({"moving": None}, "on its way", False),
-        ({"is_open": False}, "until it is open", False),
-        ({"is_open": None}, "until it is open", False),
-        ({"is_open": False, "closed": True}, "it is closed", True),
-    ],
-)
-def test_an_exposure_waits_for_dome_and_telescope_and_not_for_a_closed_roof(
-    seen: dict[str, Any],
-    said: str | None,
-    final: bool,  # noqa: FBT001 - given by the table
-) -> None:
-    good = {"is_open": True, "closed": False, "moving": False, "apart": 0.0}
-    held = hold_of(FOLLOW, **{**good, **seen})
-    if said is None:
-        assert held is None
-    else:
-        assert held is not None
-        assert (said in held.why, held.final) == (True, final)

@@ -23,12 +23,12 @@ import traceback
 from pathlib import Path
 
 from ..conftest import absent_ros1
+from ..proof_state import ROOT, code_state
 from .results import PROTOCOLS, SEEDS, Results, Trial, table
 from .rows import ROWS, run_trial
 from .trial import DISKS, Row, Run, disk_of
 from .world import World
 
-ROOT = Path(__file__).resolve().parents[3]
 # A row that takes longer hangs.
 TRIAL_S = 180.0
 # A world is begun anew after so many trials: what a long life brings is the soak's matter.
@@ -36,17 +36,6 @@ LIFE = 60
 # So many seeds of one kind of roof before those of the other.
 TOGETHER = 5
 LANES = {"ROS 2": 4, "ROS 1": 2, "INDI": 1}
-
-
-def code_state() -> str:
-    """Name the state of the code as `tools/proofs.py` does."""
-    spec = importlib.util.spec_from_file_location("proofs", ROOT / "tools" / "proofs.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["proofs"] = module
-    spec.loader.exec_module(module)
-    return str(module.code_state())
 
 
 def wanted(options: argparse.Namespace, protocol: str) -> list[tuple[Row, int]]:

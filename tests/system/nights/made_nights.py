@@ -38,6 +38,14 @@ def dawn_of(place: Place, month: int, day: int, sun: float) -> float:
     return time
 
 
+def dusk_of(place: Place, month: int, day: int, sun: float) -> float:
+    """Give when the Sun has sunk to that altitude in the evening before (s since the epoch)."""
+    time = float(calendar.timegm((2026, month, day, 0, 0, 0)))
+    while sun_altitude(place, time) < sun:
+        time -= 60.0
+    return time
+
+
 def clock_at(unix: float) -> HandClock:
     # Monotonic time does not begin with nothing: a machine has run before its gateway.
     return HandClock(round(unix * SECOND), 1000 * SECOND)
@@ -73,12 +81,17 @@ def asked(
     )
 
 
-def some_requests(dice: random.Random, dusk: float, place: Place) -> list[RequestGroup]:
+def some_requests(
+    dice: random.Random, dusk: float, place: Place, hours: float
+) -> list[RequestGroup]:
     """Give some that may be observed in such a night, most of them."""
+    # Enough for most of it, and of a short night for all of it.
+    count = dice.randint(6, 10) + round(dice.uniform(1.0, 3.0) * max(0.0, hours - 3.0))
+    last = max(4.0, hours)
     return [
         asked(
             f"r{number:02d}",
-            dusk + dice.uniform(1.0, 4.0) * 3600.0,
+            dusk + dice.uniform(1.0, last) * 3600.0,
             place,
             frames=dice.randint(2, 6),
             seconds=dice.choice((30.0, 60.0, 120.0, 240.0)),
@@ -86,5 +99,5 @@ def some_requests(dice: random.Random, dusk: float, place: Place) -> list[Reques
             dec=dice.uniform(10.0, 80.0),
             priority=dice.uniform(1.0, 30.0),
         )
-        for number in range(dice.randint(6, 10))
+        for number in range(count)
     ]

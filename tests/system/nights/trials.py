@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import time
 from collections.abc import Awaitable, Callable
@@ -10,9 +11,10 @@ from typing import NamedTuple
 
 from talaia.gateway.night.imaging.star_parts import PartOutcome
 from talaia.model.interlocks.enclosure import Place
+from talaia.model.observing.requests import RequestGroup, Urgency
 
 from .judge import judge_night
-from .made_nights import clock_at, dawn_of, site_at, some_requests
+from .made_nights import asked, clock_at, dawn_of, dusk_of, site_at, some_requests
 from .night_world import NightWorld, live_through
 
 FAULTS = (
@@ -28,11 +30,14 @@ FAULTS = (
     "hands on site",
     "silent weather",
     "dead planner",
+    "rapid request",
 )
 # What begins something, and what ends it.
 Deed = Callable[[], Awaitable[None] | None]
 Deeds = tuple[Deed, Deed | None]
 RAIN_S = (120.0, 900.0)
+# What hands at the dome did is theirs for so long while a gateway looks after it (s).
+HAND_S = 15.0
 
 
 class Trial(NamedTuple):
@@ -85,28 +90,32 @@ class SeededGuider:
 class SeededNight:
     """One night: its world, and what is to happen in it."""
 
-    def __init__(self, seed: int, data: Path, *, hours: float) -> None:
-        """Throw the dice."""
+    def __init__(
+        self, seed: int, data: Path, *, hours: float | None, faults: tuple[str, ...] = ()
+    ) -> None:
+        """Throw the dice; ``hours``: before it is too bright to observe; none: from dusk on."""
         self._dice = dice = random.Random(seed)
         self.seed = seed
         self._site = site_at(dice.uniform(38.0, 50.0))
         place = self._site.place
         assert place is not None
         self._place: Place = place
-        dawn = dawn_of(place, dice.randint(1, 12), dice.randint(1, 28), sun=-12.0)
-        self._began, self._hours = dawn - hours * 3600.0, hours
+        month, day = dice.randint(1, 12), dice.randint(1, 28)
+        dawn = dawn_of(place, month, day, sun=-12.0)
+        # Armed while it is still too bright to open.
+        dusk = dusk_of(place, month, day, sun=-5.0) if hours is None else dawn - hours * 3600.0
+        self._began, self._hours = dusk, (dawn - dusk) / 3600.0
         self.guider = SeededGuider()
-        # Each seed has its own fault for certain, and one or two others by chance.
-        self.faults = (
-            FAULTS[seed % len(FAULTS)],
-            *dice.sample(FAULTS, dice.randint(1, 2)),
-        )
+        # Each seed has its own fault for certain, and others by chance.
+        more = dice.randint(1, 2) if hours is not None else dice.randint(2, 4)
+        self.faults = faults or (FAULTS[seed % len(FAULTS)], *dice.sample(FAULTS, more))
         # When somebody at the dome moved it (s, monotonic).
         self.by_hand: list[tuple[float, float]] = []
         self.world = NightWorld(
             site=self._site, clock=clock_at(self._began), data=data, seed=seed, guider=self.guider
         )
         self.asked: list[str] = []
+        self.groups: list[RequestGroup] = []
 
     def _moment(self) -> float:
         return self._dice.uniform(0.05, 0.8) * self._hours * 3600.0
@@ -115,14 +124,41 @@ class SeededNight:
         for name in dict.fromkeys(self.faults):
             begin, end = DEEDS[name](self)
             at, lasts = self._moment(), self._dice.uniform(20.0, 600.0)
+            # It never sees the roof open.
+            at = 60.0 if name == "hub away all night" else at
             self.world.at(at, begin)
             if end is not None:
                 self.world.at(at + lasts, end)
-        for _ in range(self._dice.randint(0, 2)):
+        for _ in range(self._dice.randint(0, 2 + int(self._hours / 4.0))):
             at = self._moment()
             words = self._dice.choice(("rain", "wind", "humid", "clouds"))
             self.world.at(at, self.line("weather", words))
             self.world.at(at + self._dice.uniform(*RAIN_S), self.line("weather", "clear"))
+
+    def restart_gateway(self) -> None:
+        """Have somebody look after the roof again, whatever hands did to it meanwhile."""
+        self.world.start_gateway()
+        now = self.world.truths[-1].at
+        self.by_hand = [(since, min(until, now + HAND_S)) for since, until in self.by_hand]
+
+    def ask_rapid(self) -> None:
+        """Have something become urgent, if there is anybody to hear of it."""
+        if self.world.gateway is None or not self.world.hub.there:
+            return
+        urgent = asked(
+            f"rapid{len(self.groups):02d}",
+            self.world.unix,
+            self._place,
+            frames=2,
+            seconds=30.0,
+            hours_east=self._dice.uniform(-2.0, 2.0),
+            dec=self._dice.uniform(15.0, 70.0),
+            urgency=Urgency.RAPID_RESPONSE,
+            priority=30.0,
+        )
+        self.groups.append(urgent)
+        self.asked.append(urgent.requests[0].id)
+        self.world.ask(self.groups, len(self.groups))
 
     def line(self, device: str, words: str) -> Callable[[], None]:
         return lambda: self.world.robot.bring_about(device, words)
@@ -131,13 +167,16 @@ class SeededNight:
         """Live through it, to the morning."""
         world.robot.bring_about("weather", "clear")
         world.start_gateway()
-        groups = some_requests(self._dice, self._began, self._place)
-        self.asked = [request.id for group in groups for request in group.requests]
-        world.ask(groups)
+        self.groups = some_requests(self._dice, self._began, self._place, self._hours)
+        self.asked = [request.id for group in self.groups for request in group.requests]
+        world.ask(self.groups)
         await world.pass_time(self._dice.uniform(1.0, 60.0))
         world.arm()
         self._plan_faults()
-        await world.until(lambda: world.sun > -7.5, (self._hours + 3.0) * 3600.0, "dawn")
+        middle = self._began + self._hours * 1800.0
+        await world.until(
+            lambda: world.sun > -7.5 and world.unix > middle, (self._hours + 3.0) * 3600.0, "dawn"
+        )
         # What hinders it is over by then; what has to be safe has a while to become so.
         await self._morning(world)
 
@@ -149,7 +188,7 @@ class SeededNight:
         world.robot.bring_about("weather", "clear")
         world.disk_full = False
         if world.gateway is None:
-            world.start_gateway()
+            self.restart_gateway()
         await world.pass_time(300.0)
         world.hub_back()
         await world.pass_time(60.0)
@@ -173,7 +212,7 @@ def _cut_power(night: SeededNight) -> Deeds:
 def _kill(night: SeededNight) -> Deeds:
     async def restart() -> None:
         if night.world.gateway is None:
-            night.world.start_gateway()
+            night.restart_gateway()
 
     return night.world.kill_gateway, restart
 
@@ -223,8 +262,9 @@ def _on_site(night: SeededNight) -> Deeds:
 
     def move() -> None:
         now = night.world.truths[-1].at
-        # A hand's doing is the hand's until the guard has had its time.
-        night.by_hand.append((now, now + 15.0))
+        # A hand's doing is the hand's until the guard has had its time; a dead one has none.
+        alive = night.world.gateway is not None
+        night.by_hand.append((now, now + HAND_S if alive else math.inf))
         night.world.robot.bring_about("dome", words)
 
     return move, move
@@ -241,6 +281,10 @@ def _mute_planner(night: SeededNight) -> Deeds:
     return mute(True), mute(False)
 
 
+def _rapid(night: SeededNight) -> Deeds:
+    return night.ask_rapid, night.ask_rapid
+
+
 DEEDS = {
     "stuck dome": _deed_of("dome", "stuck"),
     "lost guide star": _lose_star,
@@ -254,13 +298,16 @@ DEEDS = {
     "hands on site": _on_site,
     "silent weather": _deed_of("weather", "hang"),
     "dead planner": _mute_planner,
+    "rapid request": _rapid,
 }
 
 
-def run_trial(seed: int, data: Path, *, hours: float = 1.2) -> Trial:
-    """Live through a seed's night and judge it."""
+def run_trial(
+    seed: int, data: Path, *, hours: float | None = None, faults: tuple[str, ...] = ()
+) -> Trial:
+    """Live through a seed's night, or the last ``hours`` of it, and judge it."""
     began = time.process_time()
-    night = SeededNight(seed, data, hours=hours)
+    night = SeededNight(seed, data, hours=hours, faults=faults)
     world = live_through(lambda: night.world, night.live)
     wrong = judge_night(world, night.asked, night.by_hand)
     states = {one.request for one in world.hub.updates.values() if one.state.name == "COMPLETED"}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.gateway.safety.enclosure_guard import Hold
+    from talaia.gateway.safety.dome_following import Hold
     from talaia.gateway.safety.interlocks import Interlocks
     from talaia.wire.frames import Scalar
 
@@ -31,8 +31,8 @@ class CommandGuard:
         """Say what a command has to wait for before the robot is asked; none when for nothing."""
         return None
 
-    def command_began(self, device: str, command: str, who: str) -> None:
-        """Hear of each command of a person that begins."""
+    def command_began(self, device: str, command: str, who: str, args: dict[str, Scalar]) -> None:
+        """Hear of each command of a person that begins; ``args`` by name."""
 
     def command_ended(self, device: str) -> None:
         """Hear of which device a command has ended."""
@@ -58,9 +58,10 @@ class InterlockGuard(CommandGuard):
         """See `CommandGuard`."""
         return self._interlocks.enclosures.hold_for(device, command, self._clock.monotonic_ns())
 
-    def command_began(self, device: str, command: str, who: str) -> None:
+    def command_began(self, device: str, command: str, who: str, args: dict[str, Scalar]) -> None:
         """See `CommandGuard`."""
-        self._interlocks.enclosures.apply_command(device, command, who)
+        now_ns = self._clock.monotonic_ns()
+        self._interlocks.begin_command(device, command, who, args=args, now_ns=now_ns)
 
     def command_ended(self, device: str) -> None:
         """See `CommandGuard`."""

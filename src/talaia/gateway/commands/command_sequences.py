@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from talaia.gateway.safety.dome_following import FOLLOW_LABEL
 from talaia.wire.frames import CommandPhase, CommandRequest
 
 if TYPE_CHECKING:
@@ -74,6 +75,9 @@ class SequenceRunner:
         self._count = 0
         # By label: one that still runs is not begun a second time.
         self._running: dict[str, asyncio.Task[None]] = {}
+        self._steps: dict[str, tuple[Step, ...]] = {}
+        # Those whose place another has taken; they still wait for the robot's answer.
+        self._overtaken: set[asyncio.Task[None]] = set()
 
     @property
     def busy(self) -> bool:
@@ -88,11 +92,22 @@ class SequenceRunner:
     def begin_sequence(self, label: str, steps: tuple[Step, ...]) -> None:
         """See `SequenceStarter`."""
         # The same want is told at each look; only the first begins it.
-        if not steps or label in self._running:
+        if not steps:
             return
+        if (running := self._running.get(label)) is not None:
+            if not label.startswith(FOLLOW_LABEL) or steps == self._steps[label]:
+                return
+            # The telescope goes elsewhere now, and the dome with it. That the turn before it comes
+            # to no good end is no news.
+            self._overtaken.add(running)
+            running.add_done_callback(self._overtaken.discard)
         task = asyncio.ensure_future(self._run_steps(label, steps))
-        self._running[label] = task
-        task.add_done_callback(lambda _: self._running.pop(label, None))
+        self._running[label], self._steps[label] = task, steps
+        task.add_done_callback(lambda ended: self._forget_sequence(label, ended))
+
+    def _forget_sequence(self, label: str, ended: asyncio.Task[None]) -> None:
+        if self._running.get(label) is ended:
+            del self._running[label], self._steps[label]
 
     async def _run_steps(self, label: str, steps: tuple[Step, ...]) -> None:
         for step in steps:
@@ -111,6 +126,8 @@ class SequenceRunner:
             state = await self._commands.perform_command(ask, step.within)
             if state.phase is CommandPhase.SUCCEEDED or await self._is_so(step, state.phase):
                 continue
+            if asyncio.current_task() in self._overtaken:
+                return
             said = f"{step.command} {state.phase}: {state.message}".rstrip(": ")
             then = "the rest is not done" if step.required else "going on"
             message = f"{label}: {said}; {then}"
@@ -147,7 +164,7 @@ class SequenceRunner:
 
     async def close(self) -> None:
         """Wait for nothing more; what is under way reads as unknown."""
-        tasks = list(self._running.values())
+        tasks = [*self._running.values(), *self._overtaken]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)

@@ -18,6 +18,7 @@ from talaia.gateway.commands.command_book import FINAL, CommandBook
 from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
 from talaia.gateway.commands.readiness import wait_until_ready
 from talaia.gateway.commands.robot_actions import RobotActions
+from talaia.gateway.safety.dome_following import FOLLOW_LABEL
 from talaia.model.arguments import args_of, fields_of, unit_problem
 from talaia.model.interlocks.safe_commands import never_asks, safe_commands
 from talaia.model.site import DeviceKind
@@ -193,7 +194,7 @@ class CommandService:
         over = self._take_hold(ask, command, guarded=guarded)
         self._send_state(state, over)
         if guarded:
-            self._guard.command_began(ask.device, ask.command, ask.who)
+            self._guard.command_began(ask.device, ask.command, ask.who, named)
             self.holders.announce_command(ask.device, ask.who)
         if guarded and self._guard.hold_for(ask.device, ask.command) is not None:
             waiting = asyncio.ensure_future(self._wait_outcome(ask, command, fields, named))
@@ -230,7 +231,7 @@ class CommandService:
         device = self._site.devices[ask.device]
         doing = f"{device.name}: {command.name}"
         over = self._interrupt_holder(ask, doing)
-        if device.kind not in HELD_KINDS or (not guarded and ask.who.startswith("follow ")):
+        if device.kind not in HELD_KINDS or (not guarded and ask.who.startswith(FOLLOW_LABEL)):
             return over
         now_ns = self._clock.monotonic_ns()
         self.holders.add_holder(

@@ -20,14 +20,14 @@ from talaia.gateway.night.night_summary import NightReport
 from talaia.gateway.night.night_values import NightAction, NightEvent
 from talaia.gateway.night.observing_run import ObservingRun
 from talaia.gateway.night.request_chooser import RequestChooser
-from talaia.gateway.night.roof_steps import (
+from talaia.gateway.night.roof.coming_to_rest import NOT_PARKED, ComingToRest
+from talaia.gateway.night.roof.roof_steps import (
     abort_commands,
-    closing_steps,
     leave_reason,
     opening_steps,
 )
+from talaia.gateway.night.roof.unended_commands import GUARD_S, UnendedCommands
 from talaia.gateway.night.step_runner import StepRunner, StepsState
-from talaia.gateway.night.unended_commands import GUARD_S, UnendedCommands
 from talaia.model.observing.states import SuspensionCause
 from talaia.wire.frames import NightPhase, NightState
 
@@ -81,18 +81,18 @@ class NightExecutor:
         """
         self._night, self._roof = night, enclosure
         self.arming = arming if arming is not None else NightArming()
-        self.phase, self.why = _P.DISARMED, ""
+        self.phase, self.why = _phase_at_rest(self.arming), ""
         self._since: float | None = None
         counter = itertools.count(1)
         self._next_id: Callable[[], str] = lambda: f"{id_prefix}-{next(counter)}"
-        if self.arming.fault:
-            self.phase, self.why = _P.FAULT, self.arming.fault
-        elif self.arming.armed_by:
+        # Into which phase parking leads.
+        self._after_parking = _phase_at_rest(self.arming)
+        if self.arming.armed_by or self.arming.opened:
             # What an earlier run left open is closed before anything else.
             self.phase, self.why = _P.PARKING, "the gateway has just been started"
-        # Into which phase parking leads, and since when it has lasted.
-        self._after_parking = _P.WAITING
+        self.why = self.arming.fault or self.why
         self._steps: StepRunner | None = None
+        self._rest = ComingToRest(night, enclosure, self._next_id)
         self.chooser = RequestChooser(night, place)
         self._observing = ObservingRun(
             night=night, enclosure=enclosure, place=place, parts=parts, chooser=self.chooser
@@ -111,7 +111,7 @@ class NightExecutor:
         """Let it run by itself; gives why not, if so."""
         if until and until <= view.time:
             return "that time is over"
-        self.arming = NightArming(armed_by=who, until=until)
+        self._change_arming(NightArming(armed_by=who, until=until))
         self._observing.forget_failures()
         if self.phase in {_P.DISARMED, _P.FAULT}:
             self._move(view, _P.WAITING, "")
@@ -121,7 +121,7 @@ class NightExecutor:
 
     def disarm_night(self, why: str, view: NightView) -> None:
         """End it: what is under way is interrupted, telescope and roof come to rest."""
-        self.arming = NightArming()
+        self._change_arming(NightArming())
         if self.phase in {_P.DISARMED, _P.FAULT}:
             self._move(view, _P.DISARMED, why)
             return
@@ -132,13 +132,15 @@ class NightExecutor:
         """Take how a command or a part ended."""
         if self._steps is not None:
             self._steps.take_answer(answer)
+        self._rest.take_answer(answer)
         self._undoing.take_answer(answer)
         self._observing.take_answer(answer)
         self._indoors.take_answer(answer)
 
     def night_state(self) -> NightState:
         """Give how it stands, as the hub is told."""
-        step = self._steps.words if self._steps is not None else self._indoors.words
+        step = self._steps.words if self._steps is not None else self._rest.words
+        step = step or self._indoors.words
         state = NightState(phase=self.phase, why=self.why[:2000], step=step)
         return _with_block(state, self._since or 0.0, self.arming, self._observing.block)
 
@@ -169,7 +171,7 @@ class NightExecutor:
         self._indoors.pass_time(view)
         match self.phase:
             case _P.DISARMED | _P.FAULT:
-                return
+                self._stay_at_rest(view)
             case _P.PARKING:
                 self._go_on_parking(view)
             case _P.WAITING | _P.CLOSED | _P.CALIBRATING:
@@ -185,7 +187,7 @@ class NightExecutor:
             return False
         self._suspend(view, leave.cause, leave.why)
         if leave.disarms:
-            self.arming = NightArming()
+            self._change_arming(NightArming())
             self._actions.append(NightEvent("night_disarmed", leave.why, good=False))
         if leave.after is None:
             self._move(view, _P.CLOSED, leave.why)
@@ -217,6 +219,7 @@ class NightExecutor:
                 self._actions += abort_commands(self._roof, view, self._next_id)
             self._suspend(view, SuspensionCause.WEATHER, "the roof opens: the sky comes first")
             self._indoors.begun = True
+            self.arming = replace(self.arming, opened=True)
             self._move(view, _P.OPENING, "")
             self._steps = StepRunner(opening_steps(self._night), self._next_id)
 
@@ -308,38 +311,31 @@ class NightExecutor:
 
     # ── rest ──
 
+    def _stay_at_rest(self, view: NightView) -> None:
+        """Do nothing but park a telescope that the night itself has left standing."""
+        if self.arming.opened:
+            at_rest, actions = self._rest.keep_parking(view)
+            self.arming = replace(self.arming, opened=not at_rest)
+            self._actions += actions
+
     def _park(self, view: NightView, after: NightPhase, why: str) -> None:
         self._after_parking, self._steps = after, None
+        self._rest.begin_rest()
         self._move(view, _P.PARKING, why)
 
     def _go_on_parking(self, view: NightView) -> None:
-        if self._steps is None:
-            under_way = self._undoing.under_way(view.now)
-            steps = closing_steps(
-                self._roof,
-                opens=self._night.open.command in under_way,
-                unparks=self._night.unpark.command in under_way,
-            )
-            self._steps = StepRunner(steps, self._next_id)
-        self._actions += self._steps.update_steps(view)
-        if self._steps.state is StepsState.RUNNING:
-            return
-        state, why, self._steps = self._steps.state, self._steps.why, None
-        if state is StepsState.DONE and view.closed is True:
+        is_closed, actions = self._rest.update_rest(view, self._undoing.under_way(view.now))
+        self._actions += actions
+        if is_closed:
             self._finish_parking(view)
-        else:
-            # It goes on until the sensors say closed; the event calls somebody meanwhile.
-            self._actions.append(NightEvent("night_not_closed", why or "not closed", good=False))
 
     def _finish_parking(self, view: NightView) -> None:
         self._undoing.forget_all()
-        if view.parked is not True:
-            why = "the roof is closed, but the telescope is not parked"
-            self._actions.append(NightEvent("night_not_parked", why, good=False))
-            if self._after_parking not in {_P.DISARMED, _P.FAULT}:
-                self._after_parking = _P.FAULT
-                self.arming = NightArming(fault=why)
-                self.why = why
+        if view.parked is True:
+            self.arming = replace(self.arming, opened=False)
+        elif self._after_parking not in {_P.DISARMED, _P.FAULT}:
+            self._after_parking, self.why = _P.FAULT, NOT_PARKED
+            self._change_arming(NightArming(fault=NOT_PARKED))
         self._closed_since = None
         if self._after_parking in {_P.DISARMED, _P.FAULT} or view.sun > self._night.sun.closing:
             self._actions += self._indoors.end_night(view, self._next_id)
@@ -348,14 +344,25 @@ class NightExecutor:
     def _fault(self, view: NightView, why: str) -> None:
         """A device failed: it parks, closes, and calls somebody; nothing goes on by itself."""
         self._suspend(view, SuspensionCause.FAULT, why)
-        self.arming = NightArming(fault=why)
+        self._change_arming(NightArming(fault=why))
         self._actions.append(NightEvent("night_fault", why, good=False))
         self._park(view, _P.FAULT, why)
+
+    def _change_arming(self, arming: NightArming) -> None:
+        """Have it armed otherwise; what is open stays so until it is at rest."""
+        self.arming = replace(arming, opened=self.arming.opened)
 
     def _move(self, view: NightView, phase: NightPhase, why: str) -> None:
         if phase is not self.phase:
             self._since = view.time
         self.phase, self.why = phase, why
+
+
+def _phase_at_rest(arming: NightArming) -> NightPhase:
+    """Give what a night is while nothing of it is open."""
+    if arming.fault:
+        return _P.FAULT
+    return _P.WAITING if arming.armed_by else _P.DISARMED
 
 
 def _with_block(

@@ -10,7 +10,7 @@ from talaia.gateway.night.frames.closed_block import ClosedBlock
 from talaia.gateway.night.frames.flat_block import FlatBlock
 from talaia.gateway.night.night_values import NightAction, ObservationChange
 from talaia.gateway.night.request_chooser import LOOK_S
-from talaia.gateway.night.roof_steps import abort_commands
+from talaia.gateway.night.roof.roof_steps import abort_commands
 from talaia.gateway.night.step_runner import StepsState
 from talaia.model.observing.requests import Urgency
 from talaia.model.observing.states import ObservationState, SuspensionCause

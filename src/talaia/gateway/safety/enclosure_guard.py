@@ -18,17 +18,13 @@ from talaia.model.interlocks.enclosure import ClosingOrder, PastDeadline
 from talaia.model.interlocks.interlock import Step
 
 if TYPE_CHECKING:
-    from talaia.model.interlocks.enclosure import Enclosure, Follow
+    from talaia.model.interlocks.enclosure import Enclosure
 
 __all__ = [
     "EnclosureAction",
     "EnclosureEvent",
     "EnclosureGuard",
     "EnclosureReadings",
-    "Follower",
-    "Hold",
-    "apart_of",
-    "hold_of",
 ]
 
 # A command is asked again no sooner, however the sensors stand: first this, then ever longer.
@@ -320,80 +316,3 @@ def _describe_readings(seen: EnclosureReadings) -> str:
     if seen.opening:
         return "it still opens"
     return "it still moves" if seen.moving else "its sensors say that it is open"
-
-
-class Hold(NamedTuple):
-    """Why an exposure is not begun yet; ``final`` when waiting would not help."""
-
-    why: str
-    wait_s: float
-    final: bool = False
-
-
-def hold_of(
-    rule: Follow, *, is_open: bool | None, closed: bool, moving: bool | None, apart: float | None
-) -> Hold | None:
-    """Say what an exposure has to wait for, or none when telescope and dome are in place.
-
-    Args:
-        rule: the description.
-        is_open: what the sensor of ``rule.open`` says; true where there is none.
-        closed: the roof is certainly closed, and does not move.
-        moving: the telescope is on its way; none when it says nothing.
-        apart: between telescope and slit (°); none when that is unknown. Zero where the dome has
-            no reason to follow, because the telescope does not track.
-
-    """
-    if is_open is not True:
-        why = "it is closed" if closed else "waiting until it is open"
-        return Hold(why, rule.wait, final=closed)
-    if moving is not False:
-        return Hold("waiting for the telescope, which is on its way", rule.wait)
-    if apart is None:
-        return Hold("waiting to hear where telescope and dome stand", rule.wait)
-    if apart > rule.within:
-        return Hold(f"waiting for the dome, which is {apart:.0f}° from the telescope", rule.wait)
-    return None
-
-
-def apart_of(target: float | None, azimuth: float | None) -> float | None:
-    """Give the angle between two azimuths (°), none when one is unknown."""
-    if target is None or azimuth is None:
-        return None
-    return abs((target - azimuth + 180.0) % 360.0 - 180.0)
-
-
-class Follower:
-    """Turns a dome after a telescope that stands on its target.
-
-    Attributes:
-        rule: see `Follow`.
-
-    """
-
-    def __init__(self, rule: Follow) -> None:
-        """Have asked nothing yet."""
-        self.rule = rule
-        self._asked_ns: int | None = None
-
-    def next_step(
-        self, target: float | None, azimuth: float | None, now_ns: int, *, settled: bool
-    ) -> Step | None:
-        """Give the command that is due, if any.
-
-        Args:
-            target: where the telescope points (°), none when unknown.
-            azimuth: where the dome's slit is (°), none when unknown.
-            now_ns: monotonic.
-            settled: the telescope stands on its target, not on the way to it.
-
-        """
-        apart = apart_of(target, azimuth)
-        if not settled or target is None or apart is None or apart <= self.rule.within:
-            return None
-        every = round(self.rule.every * SECOND)
-        if self._asked_ns is not None and now_ns - self._asked_ns < every:
-            return None
-        self._asked_ns = now_ns
-        args = {self.rule.argument: round(target % 360.0, 1)}
-        return Step(command=self.rule.command, args={**args}, required=False)

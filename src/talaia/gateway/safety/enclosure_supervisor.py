@@ -8,15 +8,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.gateway.safety.dome_following import Follower, Hold, apart_of, hold_of
 from talaia.gateway.safety.enclosure_guard import (
     EnclosureAction,
     EnclosureEvent,
     EnclosureGuard,
     EnclosureReadings,
-    Follower,
-    Hold,
-    apart_of,
-    hold_of,
 )
 from talaia.gateway.safety.sensor_agreement import (
     ClosedVerdict,
@@ -105,6 +102,18 @@ class EnclosureSupervisor:
         for guard in self._guards.values():
             self._carry_out(guard.handle_command(f"{device}/{command}", who))
 
+    def begin_slew(self, device: str, azimuth: float, now_ns: int) -> None:
+        """Tell the domes that follow a telescope where it was sent to (°)."""
+        for follower in self._followers_of(device):
+            follower.begin_slew(azimuth, now_ns)
+
+    def _followers_of(self, device: str) -> list[Follower]:
+        return [
+            follower
+            for follower in self._followers.values()
+            if follower.rule.target.partition("/")[0] == device
+        ]
+
     def hold_for(self, device: str, command: str, now_ns: int) -> Hold | None:
         """Say what a command has to wait for, because a dome follows; none when for nothing."""
         for rule in self._site.enclosures.values():
@@ -140,6 +149,8 @@ class EnclosureSupervisor:
     def mark_ended(self, device: str, now_ns: int) -> None:
         """Tell of a command that has ended: what was heard before counts for no hold."""
         self._ended_ns[device] = now_ns
+        for follower in self._followers_of(device):
+            follower.end_slew()
 
     def _before_its_end(self, address: str) -> bool:
         reading = self._readings.latest(address)
@@ -227,6 +238,7 @@ class EnclosureSupervisor:
             self._judge.fresh_value(rule.azimuth, now_ns),
             now_ns,
             settled=self._judge.sighting_holds(rule.when, now_ns) is True,
+            moving=self._judge.sighting_holds(rule.moving, now_ns) if rule.moving else None,
         )
 
     def _attention_reason(self, name: str) -> str:

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import MS
 from talaia.gateway.safety.condition_judge import ConditionJudge, signal_meaning
+from talaia.gateway.safety.dome_following import FOLLOW_LABEL
 from talaia.gateway.safety.enclosure_supervisor import EnclosureSupervisor
 from talaia.gateway.safety.interlock_monitor import InterlockMonitor
 from talaia.gateway.safety.link_losses import LinkLosses
 from talaia.gateway.safety.outlet_guard import refuse_power_cut
-from talaia.gateway.safety.pointing_limits import pointing_problem
+from talaia.gateway.safety.pointing_limits import pointed_place, pointing_problem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -174,21 +175,28 @@ class Interlocks:
                     share = min(share, monitor.rule.slow[target])
         return share
 
+    def begin_command(
+        self, device: str, command: str, who: str, *, args: Mapping[str, Field], now_ns: int
+    ) -> None:
+        """Hear of each command that was accepted: of a roof's closing, or where a dome turns to."""
+        self.enclosures.apply_command(device, command, who)
+        place, pointing = self._site.place, self._site.devices[device].pointing
+        names = pointing.commands.get(command) if pointing is not None else None
+        if place is not None and names is not None:
+            to = pointed_place(names, args, place, self._wall_ns())
+            if not isinstance(to, str):
+                self.enclosures.begin_slew(device, to.az, now_ns)
+
     def _pointing_problem(self, device: str, what: str, args: Mapping[str, Field]) -> str:
-        described = self._site.devices.get(device)
-        if described is None or described.pointing is None or self._site.place is None:
+        described, place = self._site.devices.get(device), self._site.place
+        if described is None or described.pointing is None or place is None:
             return ""
         # Commands that point nowhere are not looked at here.
-        pointed = described.pointing.commands.get(what)
-        if pointed is None:
+        rule = described.pointing
+        if (names := rule.commands.get(what)) is None:
             return ""
-        return pointing_problem(
-            rule=described.pointing,
-            names=pointed,
-            args=args,
-            place=self._site.place,
-            wall_ns=self._wall_ns(),
-        )
+        wall_ns = self._wall_ns()
+        return pointing_problem(rule=rule, names=names, args=args, place=place, wall_ns=wall_ns)
 
     def handle_override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
@@ -263,7 +271,7 @@ class Interlocks:
         device, _, command = step.command.partition("/")
         # A dome follows only as far as a person might turn it; interlocks count for it as well.
         if not self.refusal_reason(device, command, now_ns):
-            self._run(f"follow {device}", (step,))
+            self._run(f"{FOLLOW_LABEL}{device}", (step,))
 
     def _closing_reason(self, name: str) -> str:
         """Say why an enclosure has to be closed; empty when it may be open."""

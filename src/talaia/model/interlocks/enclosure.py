@@ -64,7 +64,10 @@ class PastDeadline(StrEnum):
 
 
 class Follow(Shape, frozen=True, kw_only=True):
-    """A dome that turns its slit to where the telescope points; never while that slews.
+    """A dome that turns its slit to where the telescope points, and never chases one that slews.
+
+    Where the telescope's description says where its commands point (`Pointing`), the dome sets off
+    to the end of a slew together with it.
 
     Attributes:
         target: address of the telescope's azimuth (°).

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.night.frames.dark_frames import DarkFrames
-from talaia.gateway.night.roof_steps import first_asks, steps_of
+from talaia.gateway.night.roof.roof_steps import first_asks, steps_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

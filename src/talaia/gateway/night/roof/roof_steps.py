@@ -23,6 +23,7 @@ __all__ = [
     "first_asks",
     "leave_reason",
     "opening_steps",
+    "parking_steps",
     "steps_of",
 ]
 
@@ -104,25 +105,7 @@ def closing_steps(rule: Enclosure, *, opens: bool, unparks: bool) -> list[NightS
     sensors that say closed or parked say only that it has not got there yet.
     """
     steps = steps_of(rule.abort, "ending what is under way")
-    if rule.park is not None:
-
-        def is_parked(view: NightView) -> bool:
-            return view.parked is True
-
-        steps.append(
-            NightStep(
-                words="parking the telescope",
-                command=rule.park.command,
-                args=rule.park.args,
-                within=rule.mount_within,
-                tries=2,
-                # Past that the roof closes all the same; `Enclosure.past_deadline` is the guard's.
-                required=False,
-                insists=True,
-                reached=is_parked,
-                asks_first=unparks,
-            )
-        )
+    steps += parking_steps(rule, asks_first=unparks)
 
     def is_closed(view: NightView) -> bool:
         return view.closed is True
@@ -140,6 +123,30 @@ def closing_steps(rule: Enclosure, *, opens: bool, unparks: bool) -> list[NightS
         )
     )
     return steps
+
+
+def parking_steps(rule: Enclosure, *, asks_first: bool) -> list[NightStep]:
+    """Give what parks the telescope; ``asks_first``: a sensor that says parked counts only then."""
+    if rule.park is None:
+        return []
+
+    def is_parked(view: NightView) -> bool:
+        return view.parked is True
+
+    return [
+        NightStep(
+            words="parking the telescope",
+            command=rule.park.command,
+            args=rule.park.args,
+            within=rule.mount_within,
+            tries=2,
+            # Past that the roof closes all the same; `Enclosure.past_deadline` is the guard's.
+            required=False,
+            insists=True,
+            reached=is_parked,
+            asks_first=asks_first,
+        )
+    ]
 
 
 def abort_commands(

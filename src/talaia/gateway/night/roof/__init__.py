@@ -1,0 +1,1 @@
+"""What opens a night's roof, and what brings roof and telescope to rest."""
