@@ -52,7 +52,7 @@ async def test_hub_says_where_it_is_and_ends_cleanly(tmp_path, number) -> None:
     assert made
     assert open_to_others == []
     process.send_signal(number)
-    assert await asyncio.wait_for(process.wait(), 5) == 0
+    assert await asyncio.wait_for(process.wait(), PATIENCE_S) == 0
     await process.communicate()
 
 
