@@ -113,6 +113,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
 FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Hello,
+        frames.ResumeSaved,
         frames.SampleBatch,
         frames.NewestBatch,
         frames.SampleGap,
@@ -157,6 +158,7 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
 TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Welcome,
+        frames.LinkHeld,
         frames.Ack,
         frames.ResendRequest,
         frames.LeaseRequest,

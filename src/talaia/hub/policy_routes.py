@@ -54,6 +54,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("DELETE", "/api/gateways/codes/{code}"): AccessNeed.ADMIN,
         ("POST", "/api/gateways/{gateway}/revoke"): AccessNeed.ADMIN,
         ("POST", "/api/gateways/{gateway}/reconnect"): AccessNeed.ADMIN,
+        ("POST", "/api/gateways/{gateway}/second"): AccessNeed.ADMIN,
         # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
         ("POST", "/api/enrol"): AccessNeed.OPEN,
     },

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem_response
-from talaia.hub.errors import HubBusy, StoreDown
+from talaia.hub.errors import StoreDown
 from talaia.hub.policy import BY_SCRIPT, CONFIRMED, SOCKETS, AccessNeed, allows, need_of_route
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
 from talaia.hub.store.accounts.tokens import MARK
@@ -18,12 +18,10 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
     from talaia.hub.store.accounts.sessions import LiveSession, Sessions
     from talaia.hub.store.accounts.tokens import ApiTokens
-    from talaia.hub.store.sites.site_registry import GatewayKey, SiteRegistry
 
 __all__ = [
     "Access",
@@ -51,19 +49,14 @@ class Access:
         sessions: Sessions,
         tokens: ApiTokens,
         sites: Sites,
-        registry: SiteRegistry,
-        admission: JoinQueue,
         settings: Settings,
     ) -> None:
-        """Know people by ``sessions``, scripts by ``tokens`` and gateways by ``registry``."""
-        # By whom somebody is known: browsers by their cookie, scripts and gateways by their header.
+        """Know people by ``sessions`` and scripts by ``tokens``."""
+        # By whom somebody is known: browsers by their cookie, scripts by their header.
         self._sessions = sessions
         self._tokens = tokens
         # As they are now: a right is held against the description of this moment.
         self._sites = sites
-        self._registry = registry
-        # Turns at the database, for gateways that all dial at once.
-        self._admission = admission
         self._tls = settings.tls
         # The cookie lasts as long as a session may at most; the hub ends an idle one itself (s).
         self._life_s = round(settings.life_s)
@@ -186,38 +179,6 @@ class Access:
             await deny_socket(socket, status=401, code="unauthorized", message="sign in first")
             return None
         return alive.who
-
-    async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
-        """Tell which gateway opens a socket; None when it was sent away before the upgrade."""
-        need = SOCKETS.get(socket.scope["path"], AccessNeed.NEVER)
-        kind, _, key = socket.headers.get("authorization", "").partition(" ")
-        found = None
-        try:
-            if need is AccessNeed.GATEWAY and kind.lower() == "bearer" and key:
-                # Only the look-up is in the turn, not the life of the link.
-                async with self._admission.wait_turn():
-                    found = await self._registry.gateway_of(key.strip())
-        except HubBusy as error:
-            # No fault of the key: a 401 would say that it is void.
-            await deny_socket(
-                socket,
-                status=503,
-                code="busy",
-                message=str(error),
-                retry_s=round(self._admission.after_s),
-            )
-            return None
-        except StoreDown:
-            await deny_socket(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
-            return None
-        if found is None:
-            await deny_socket(
-                socket,
-                status=401,
-                code="unauthorized",
-                message="this key is not known, or was revoked",
-            )
-        return found
 
     def _hand(self, response: Response, name: str, token: str, life_s: int) -> None:
         response.set_cookie(

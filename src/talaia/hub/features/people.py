@@ -13,6 +13,7 @@ from talaia.hub.api.accounts.roles import RolePages
 from talaia.hub.api.accounts.sign_in import Accounts
 from talaia.hub.api.accounts.tokens import TokenPages
 from talaia.hub.api.rate_limits import RateLimits
+from talaia.hub.api.sockets.gateway_admission import GatewayAdmission
 from talaia.hub.api.sockets.socket_admission import SocketAdmission
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
@@ -68,13 +69,17 @@ class PeopleFeature(Feature):
             sessions=self.sessions,
             tokens=self.tokens,
             sites=core.sites,
-            registry=registry,
-            # Turns for keys of gateways; people wait in no queue.
-            admission=JoinQueue(),
             settings=settings,
         )
         self.limits = RateLimits(clock)
-        self.admission = SocketAdmission(access=self.access, limits=self.limits)
+        gateways = GatewayAdmission(
+            registry=registry,
+            resumes=core.resumes,
+            # Turns for keys of gateways; people wait in no queue.
+            turns=JoinQueue(),
+            clock=clock,
+        )
+        self.admission = SocketAdmission(access=self.access, gateways=gateways, limits=self.limits)
         # Brought back at the start: a restart must give nobody new tries.
         self._tries = FailedLogins(database, clock, Throttle())
         factors = SecondFactors(database, clock, core.secret_box)
