@@ -269,6 +269,8 @@ class RunningHub:
 
     # Of one that comes back to where it was; 0 takes any.
     bind_port = 0
+    # The gateway of a fixture that has linked one.
+    linked: Gateway | None = None
 
     def __init__(self, settings: Settings, history: MemoryHistory) -> None:
         self.settings = settings

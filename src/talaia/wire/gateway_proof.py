@@ -134,7 +134,8 @@ def read_proof(header: str) -> KeyProof | None:
     if resume:
         lineage, _, rest = resume.partition(".")
         serial, _, resume = rest.partition(".")
-        if not (_NUMBER.fullmatch(lineage) and _NUMBER.fullmatch(serial) and _is_hex(resume)):
+        numbers = _NUMBER.fullmatch(lineage) and _NUMBER.fullmatch(serial)
+        if not (numbers and resume and _is_hex(resume)):
             return None
         place = ResumeToken(int(lineage), int(serial))
     return KeyProof(site, nonce, proof, place, resume)

@@ -188,6 +188,12 @@ async def _reconnect(world: World, _client: httpx.AsyncClient, _about: str) -> A
     return Ask({"gateway": await _gateway(world, "agv")}, json={"device": "base"}, done=(202,))
 
 
+async def _second(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    # None waits.
+    about = {"gateway": await _gateway(world, "agv")}
+    return Ask(about, json={"stays": "linked"}, done=(409,))
+
+
 async def _picture(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     return Ask({"site": about.partition("/")[0], "frame": await world.picture(about)})
 
@@ -640,6 +646,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),
     ("POST", "/api/gateways/{gateway}/revoke"): Recipe(_revoke),
     ("POST", "/api/gateways/{gateway}/reconnect"): Recipe(_reconnect),
+    ("POST", "/api/gateways/{gateway}/second"): Recipe(_second),
     ("POST", "/api/enrol"): Recipe(_enrol),
     ("GET", "/api/audit"): Recipe(plain()),
     ("GET", "/api/audit/export"): Recipe(plain()),
