@@ -31,7 +31,15 @@ if TYPE_CHECKING:
     from .world import World
 
 # What is asked there may end anyone's session.
-ABOUT_PEOPLE = ("/api/people", "/api/roles", "/api/me", "/api/login", "/api/logout", "/api/setup")
+ABOUT_PEOPLE = (
+    "/api/people",
+    "/api/displays",
+    "/api/roles",
+    "/api/me",
+    "/api/login",
+    "/api/logout",
+    "/api/setup",
+)
 
 
 class Ask(NamedTuple):
@@ -129,6 +137,16 @@ async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     person = int(await world.person())
     number, _ = await world.hub.hub.people.tokens.add_token(person, "theirs", TOKEN["ends_us"], [])
     return Ask({"token": str(number)})
+
+
+async def _display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    number, _ = await world.hub.hub.people.displays.add_display("Hall", ["agv"])
+    return Ask({"display": str(number)}, done=(204,))
+
+
+async def _open_display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    _, token = await world.hub.hub.people.displays.add_display("Hall", ["agv"])
+    return Ask(json={"token": token}, done=(204,))
 
 
 async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
@@ -592,6 +610,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/me/tokens"): Recipe(plain()),
     ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
     ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
+    ("GET", "/api/displays"): Recipe(plain()),
+    ("POST", "/api/displays"): Recipe(plain(json={"name": "Hall", "sites": ["agv"]})),
+    ("DELETE", "/api/displays/{display}"): Recipe(_display),
+    ("POST", "/api/displays/open"): Recipe(_open_display),
     ("GET", "/api/people"): Recipe(plain()),
     ("POST", "/api/people"): Recipe(plain(json=NEW_PERSON)),
     ("PATCH", "/api/people/{person}"): _of_person(json={"disabled": True}),

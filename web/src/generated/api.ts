@@ -292,11 +292,42 @@ export interface DeviceSummary {
   readonly stale: number;
 }
 
+/** Make a display that shows these sites. */
+export interface DisplayAsk {
+  readonly name: string;
+  readonly sites: readonly string[];
+}
+
+/** All displays, the newest first. */
+export interface DisplayList {
+  readonly displays: readonly DisplayShape[];
+}
+
+/** Come in as a display. */
+export interface DisplayOpenAsk {
+  readonly token: string;
+}
+
+/** A screen that shows some sites and does nothing else. */
+export interface DisplayShape {
+  readonly id: string;
+  readonly name: string;
+  readonly sites: readonly string[];
+  readonly created_us: number;
+  readonly used_us: number;
+}
+
 /** A secret for an authenticator: as text, as a link, and as an SVG picture of the link. */
 export interface FactorOffer {
   readonly secret: string;
   readonly uri: string;
   readonly qr: string;
+}
+
+/** The token, shown this once. Its screen opens ``/display#`` and the token behind it. */
+export interface NewDisplay {
+  readonly id: string;
+  readonly token: string;
 }
 
 /** The token, shown this once. Send it as ``Authorization: Bearer …``. */

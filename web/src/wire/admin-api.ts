@@ -1,6 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, GatewayList, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape } from "../generated/api.js";
+import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, NewDisplay, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -18,6 +18,19 @@ export class AdminApi {
 
   changePerson(person: string, change: PersonChange): Promise<PersonShape> {
     return this.hub.request("PATCH", itemUrl("people", person), change);
+  }
+
+  async displays(): Promise<readonly DisplayShape[]> {
+    return (await this.hub.request<DisplayList>("GET", "/api/displays")).displays;
+  }
+
+  addDisplay(name: string, sites: readonly string[]): Promise<NewDisplay> {
+    return this.hub.request("POST", "/api/displays", { name, sites });
+  }
+
+  /** Its screen goes dark at once. */
+  async revokeDisplay(display: string): Promise<void> {
+    await this.hub.request("DELETE", itemUrl("displays", display));
   }
 
   async removePerson(person: string): Promise<void> {

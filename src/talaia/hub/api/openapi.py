@@ -74,6 +74,8 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/me/factor"): frozenset({409}),
     ("POST", "/api/me/factor/remove"): frozenset({409}),
     ("POST", "/api/me/tokens"): frozenset({409}),
+    ("POST", "/api/displays"): frozenset({409}),
+    ("POST", "/api/displays/open"): frozenset({401, 429}),
     ("POST", "/api/people"): frozenset({409}),
     ("PATCH", "/api/people/{person}"): frozenset({409}),
     ("DELETE", "/api/people/{person}"): frozenset({409}),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.access import Access
 from talaia.hub.api.accounts.authentication import Authentication
 from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+from talaia.hub.api.accounts.displays import DisplayPages
 from talaia.hub.api.accounts.own_account import OwnPages
 from talaia.hub.api.accounts.people import PeoplePages
 from talaia.hub.api.accounts.roles import RolePages
@@ -22,6 +23,7 @@ from talaia.hub.live.gateways.join_queue import JoinQueue
 from talaia.hub.live.pages.session_registry import SocketSessions
 from talaia.hub.store.accounts.account_list import AccountList
 from talaia.hub.store.accounts.credentials import Credentials
+from talaia.hub.store.accounts.displays import Displays
 from talaia.hub.store.accounts.failed_logins import FailedLogins
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
 from talaia.hub.store.accounts.mfa import SecondFactors
@@ -45,6 +47,7 @@ class PeopleFeature(Feature):
         accounts: everyone who may sign in.
         sessions: who is signed in.
         tokens: what scripts sign in with.
+        displays: screens that show some sites.
         seats: the sockets that people have open.
         access: guards every route by the policy table.
         limits: how much each may ask.
@@ -64,10 +67,13 @@ class PeopleFeature(Feature):
         self.accounts = People(database, clock)
         self.sessions = Sessions(database, clock, settings)
         self.tokens = ApiTokens(database, clock)
-        self.seats = SocketSessions(Credentials(self.sessions, self.tokens), clock, settings)
+        self.displays = Displays(database, clock)
+        credentials = Credentials(self.sessions, self.tokens, self.displays)
+        self.seats = SocketSessions(credentials, clock, settings)
         self.access = Access(
             sessions=self.sessions,
             tokens=self.tokens,
+            displays=self.displays,
             sites=core.sites,
             settings=settings,
         )
@@ -122,6 +128,14 @@ class PeopleFeature(Feature):
                 factors=factors,
                 sessions=sessions,
                 audit=audit,
+            ),
+            DisplayPages(
+                displays=self.displays,
+                access=self.access,
+                seats=self.seats,
+                sites=core.sites,
+                audit=audit,
+                clock=clock,
             ),
             RolePages(roles=Roles(database), seats=self.seats, audit=audit),
         )
