@@ -40,6 +40,7 @@ from talaia.hub.api.schemas import (
     common,
     description_schemas,
     extension_schemas,
+    gateway_schemas,
     history_schemas,
     notification_schemas,
     observatory_schemas,
@@ -74,6 +75,7 @@ TAGS = (
 SHAPES = (
     common,
     account_schemas,
+    gateway_schemas,
     history_schemas,
     recording_schemas,
     alert_notice_schemas,

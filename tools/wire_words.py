@@ -215,7 +215,7 @@ CLOSE_CODES = [
     (1013, "hub", "the hub cannot store anything now; try again later"),
     (4400, "hub", "a hello that is refused: wrong site, description with a mistake, protocol"),
     (4401, "hub", "the session is over (pages)"),
-    (4409, "hub", "another gateway with this identity stays"),
+    (4409, "hub", "another gateway with this key is linked, or the key was revoked"),
 ]
 # Path, what it is for, who sends what: (title, union's name, module).
 CHANNELS = [

@@ -74,6 +74,50 @@ def test_php_my_admin_is_part_of_it_only_where_it_is_asked_for(tmp_path: Path) -
     assert not (tmp_path / "no").exists()
 
 
+@pytest.mark.parametrize("database", DatabaseKind)
+def test_every_container_is_bounded_has_no_capability_and_writes_only_where_it_must(
+    database: DatabaseKind, tmp_path: Path
+) -> None:
+    words = ["generate", str(EXAMPLE), "--to", str(tmp_path), "--database", database]
+    more = ["--phpmyadmin"] if database is DatabaseKind.MARIADB else []
+    assert main([*words, *more]) == 0
+    services = yaml.safe_load((tmp_path / "compose.yaml").read_text())["services"]
+    for name, service in services.items():
+        assert service["cap_drop"] == ["ALL"], name
+        assert service["security_opt"] == ["no-new-privileges:true"], name
+        assert "/tmp" in service["tmpfs"], name  # noqa: S108 - of the container
+        assert service["mem_limit"], name
+        assert service["pids_limit"] > 0, name
+        # Its image cannot do without: see there.
+        if name == "phpmyadmin":
+            assert service["cap_add"] == ["SETGID", "SETUID"]
+            continue
+        assert "cap_add" not in service, name
+        assert service["read_only"], name
+        # Nobody's root: of our own images by their recipe.
+        assert "build" in service or not service["user"].startswith("0"), name
+    # What compose hands to a database's own user is read by that user, and here by the owner.
+    for secret in (tmp_path / "secrets").glob("*"):
+        assert stat.S_IMODE(secret.stat().st_mode) == 0o644
+
+
+def test_systemd_finds_little_that_the_units_leave_open(tmp_path: Path) -> None:
+    analyze = shutil.which("systemd-analyze")
+    if analyze is None:
+        missing("systemd-analyze")
+    for name, file in files_of(DatabaseKind.SQLITE).items():
+        if not name.startswith("systemd/"):
+            continue
+        assert "\nMemoryMax=" in file.text
+        assert "\nSystemCallFilter=@system-service\n" in file.text
+        unit = tmp_path / Path(name).name
+        unit.write_text(file.text)
+        # Of 100, which is no bound at all; a plain unit has 96.
+        words = ["security", "--offline=yes", "--no-pager", "--threshold=40", str(unit)]
+        said = subprocess.run([str(analyze), *words], capture_output=True, text=True, check=False)
+        assert said.returncode == 0, said.stdout[-400:] + said.stderr
+
+
 def test_systemd_itself_accepts_the_units(tmp_path: Path) -> None:
     analyze = shutil.which("systemd-analyze")
     if analyze is None:

@@ -7,6 +7,7 @@ it is told to ack, and its sockets can be cut at any moment.
 from __future__ import annotations
 
 import asyncio
+import hashlib
 from collections import defaultdict
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -37,6 +38,7 @@ from talaia.wire.frames import (
     FileProgress,
     FilmOffer,
     Hello,
+    LinkHeld,
     PictureFrame,
     RobotGraph,
     SampleBatch,
@@ -47,6 +49,7 @@ from talaia.wire.frames import (
     TopicList,
     Welcome,
 )
+from talaia.wire.gateway_proof import challenge_words, is_key_of, read_proof
 
 if TYPE_CHECKING:
     import ssl
@@ -82,6 +85,15 @@ class FakeHub:
         self.answering = True
         self.key = KEY
         self.requests = 0
+        # Older hubs ask for the key itself.
+        self.asks_proof = True
+        # What each dial said of who it is, with its path.
+        self.said: list[tuple[str, str]] = []
+        self._nonces: set[str] = set()
+        # Lets gateways wait; the test says when their turn has come.
+        self.holds = False
+        # Handed down with the welcome.
+        self.resume = ""
         self.links: list[ServerConnection] = []
         self.offers: list[FileOffer | FilmOffer | ArchiveOffer] = []
         self.pieces = 0
@@ -160,9 +172,22 @@ class FakeHub:
     def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
         self.requests += 1
         self._changed.set()
-        if request.headers.get("Authorization") != f"Bearer {self.key}":
+        said = request.headers.get("Authorization", "")
+        self.said.append((request.path, said))
+        proof = read_proof(said)
+        if not self.asks_proof or proof is None:
+            if said == f"Bearer {self.key}":
+                return None
             return socket.respond(HTTPStatus.UNAUTHORIZED, "who are you?\n")
-        return None
+        key_hash = hashlib.sha256(self.key.encode()).hexdigest()
+        if proof.nonce in self._nonces and is_key_of(proof, key_hash, request.path):
+            self._nonces.remove(proof.nonce)
+            return None
+        nonce = f"n{self.requests}"
+        self._nonces.add(nonce)
+        answer = socket.respond(HTTPStatus.UNAUTHORIZED, "who are you?\n")
+        answer.headers["WWW-Authenticate"] = challenge_words(nonce)
+        return answer
 
     async def _serve(self, socket: ServerConnection) -> None:
         assert socket.request is not None
@@ -222,8 +247,9 @@ class FakeHub:
         assert isinstance(hello, Hello)
         self._boot = hello.boot
         self._lists[hello.catalogue] = self.catalogue(hello)
-        welcome = Welcome(acked=self.below(hello.boot), takes=self.takes)
-        await socket.send(LINK_FROM_HUB.encode(welcome))
+        welcome = Welcome(acked=self.below(hello.boot), takes=self.takes, resume=self.resume)
+        first = LinkHeld(reason="another one is here") if self.holds else welcome
+        await socket.send(LINK_FROM_HUB.encode(first))
         # A new link tells of the devices that are not reached, and of no others.
         self.away.clear()
         self.hellos.append(hello)

@@ -50,6 +50,14 @@ from talaia.wire.frames import (
     SampleBatch,
     Welcome,
 )
+from talaia.wire.gateway_proof import (
+    KeyProof,
+    ResumeToken,
+    cover_key,
+    proof_words,
+    read_challenge,
+    resume_answer,
+)
 
 from .chromium import PASSWORD, chromium  # noqa: F401 - a fixture of every test of the hub
 from .databases import (  # noqa: F401 - fixtures of every test of the hub
@@ -261,6 +269,8 @@ class RunningHub:
 
     # Of one that comes back to where it was; 0 takes any.
     bind_port = 0
+    # The gateway of a fixture that has linked one.
+    linked: Gateway | None = None
 
     def __init__(self, settings: Settings, history: MemoryHistory) -> None:
         self.settings = settings
@@ -355,6 +365,26 @@ class RunningHub:
         """Open a gateway's link; it has not said hello yet."""
         headers = {"Authorization": f"Bearer {key or self.keys['agv']}"}
         connection = await self.dial("/gateway/link", headers)
+        return self._keep(Gateway(connection, LINK_FROM_GATEWAY, LINK_FROM_HUB))
+
+    async def proof(self, path: str, resume: str = "", *, key: str = "") -> dict[str, str]:
+        """Ask for the hub's number, and answer it as a gateway that was handed down ``resume``."""
+        key = key or self.keys["agv"]
+        with pytest.raises(websockets.InvalidStatus) as asked:
+            await self.dial(path, {"Authorization": proof_words(KeyProof("agv"))})
+        nonce = read_challenge(asked.value.response.headers["WWW-Authenticate"])
+        cover = cover_key(key, nonce=nonce, site="agv", path=path)
+        said = KeyProof("agv", nonce, cover)
+        if resume:
+            lineage, serial, secret = resume.split(".")
+            answer = resume_answer(bytes.fromhex(secret), nonce=nonce, site="agv", path=path)
+            said = said._replace(place=ResumeToken(int(lineage), int(serial)), resume=answer)
+        return {"Authorization": proof_words(said)}
+
+    async def proven_gateway(self, resume: str = "", *, key: str = "") -> Gateway:
+        """Open the link of a gateway that proves its key; it has not said hello yet."""
+        path = "/gateway/link"
+        connection = await self.dial(path, await self.proof(path, resume, key=key))
         return self._keep(Gateway(connection, LINK_FROM_GATEWAY, LINK_FROM_HUB))
 
     async def camera(self) -> Peer:

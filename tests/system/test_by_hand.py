@@ -469,6 +469,8 @@ def test_a_second_gateway_with_the_same_key_is_told_of_on_every_page(
         alarm = page.get_by_role("status").filter(has_text="A second gateway uses the key of")
         expect(alarm).to_be_visible(timeout=PATIENCE_MS)
         expect(alarm).to_contain_text("Switch the other one off")
+        # Neither has gone: the second one waits.
+        assert rival.popen.poll() is None
         page.goto(f"{plugged.address}/home")
         expect(alarm).to_be_visible(timeout=PATIENCE_MS)
         picture(page, "by-hand-second-gateway")

@@ -132,7 +132,9 @@ def _write_files(folder: Path, files: dict[str, File], *, force: bool) -> None:
         for name, file in files.items():
             path = folder / name
             if name.startswith(_KEPT) and path.exists():
-                continue  # the database knows the password of before
+                # The database knows the password of before; who may read it may have changed.
+                path.chmod(file.mode)
+                continue
             secret = name.startswith(_KEPT)
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700 if secret else 0o755)
             # The mode before the text, so that a secret is at no moment readable by others.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import os
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -84,6 +85,14 @@ COMMANDS = {
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
     "schema": Subcommand("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
+# These make keys, accounts, histories, recordings or descriptions: whatever they write is its
+# owner's alone (files 0600, folders 0700), however the machine is set up.
+_PRIVATE = frozenset(
+    {
+        *("account", "audit", "backup", "configure", "demo", "demo-indi", "enrol", "gateway"),
+        *("hub", "import", "record", "restore", "up"),
+    }
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -113,6 +122,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             with suppress(ForeignRos):
                 use_ros(ordered=True, bridged=first == "gateway")
         run = _load_main(first, command)
+        if argv is None and first in _PRIVATE:
+            # For what it starts as well, which inherits it.
+            os.umask(0o077)
         if argv is None:
             # This process is the command's own: what was imported stays until it ends, and no
             # garbage collection goes through it, the one at the end included.

@@ -30,6 +30,10 @@ _HEALTH = (
 )
 # Docker keeps logs without end unless it is told otherwise.
 _SMALL = {"max-size": "10m", "max-file": "3"}
+# The databases' own user in both images: as root they would need capabilities to become it.
+_DATABASE_USER = "999:999"
+# Threads and processes of one container.
+_MOST_TASKS = 1024
 
 
 class DatabaseKind(StrEnum):
@@ -111,7 +115,8 @@ def write_compose_file(
             # The hub's certificate is there, whose hash goes into the key file.
             "volumes": ["hub-data:/data", "link:/link"],
             "depends_on": {"hub": {"condition": "service_healthy"}},
-        }
+        },
+        "1g",
     )
     if database is not DatabaseKind.SQLITE:
         added = _mariadb_services() if database is DatabaseKind.MARIADB else _postgresql_services()
@@ -138,9 +143,26 @@ def _secret_files(database: DatabaseKind) -> list[str]:
     return ["database_password", *root, "database_url"]
 
 
-def _base_service(more: Mapping[str, object]) -> dict[str, object]:
+def _base_service(
+    more: Mapping[str, object], memory: str, writable: Iterable[str] = ()
+) -> dict[str, object]:
+    """Write what all services have: no capabilities, bounds, and nothing that can be written.
+
+    Args:
+        more: of the service; it takes the place of what all have.
+        memory: what it may take.
+        writable: folders in memory, beside ``/tmp`` and its volumes.
+
+    """
     return {
         "restart": "unless-stopped",
+        "cap_drop": ["ALL"],
+        "security_opt": ["no-new-privileges:true"],
+        "read_only": True,
+        "tmpfs": ["/tmp", *writable],  # noqa: S108 - of the container
+        # A fault of ours, or of somebody else, must not take the machine with it.
+        "mem_limit": memory,
+        "pids_limit": _MOST_TASKS,
         # Without it the program would be process 1 and had to reap orphans itself.
         "init": True,
         "logging": {"driver": "json-file", "options": _SMALL},
@@ -158,12 +180,6 @@ def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
             "command": words,
             "ports": [f"{port}:8443"],
             "volumes": ["hub-data:/data"],
-            # Only /data and /tmp can be written.
-            "read_only": True,
-            "tmpfs": ["/tmp"],  # noqa: S108 - of the container
-            # Its port is above 1024, so that no capability is needed.
-            "cap_drop": ["ALL"],
-            "security_opt": ["no-new-privileges:true"],
             "stop_grace_period": "15s",
             "healthcheck": {
                 "test": ["CMD", "python", "-c", _HEALTH],
@@ -172,7 +188,8 @@ def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
                 "retries": 6,
                 "start_period": "30s",
             },
-        }
+        },
+        "4g",
     )
 
 
@@ -194,11 +211,12 @@ def _gateway_service(ros_domain: int | None, arch: str) -> dict[str, object]:
                 "link:/link:ro",
                 "gateway-data:/data",
             ],
-            "cap_drop": ["ALL"],
-            "security_opt": ["no-new-privileges:true"],
+            # Its home cannot be written, and ROS gives up without a place for its log.
+            "environment": {"ROS_LOG_DIR": "/tmp"},  # noqa: S108 - of the container
             # It starts when the key lies in the volume.
             "depends_on": {"enrol": {"condition": "service_completed_successfully"}},
-        }
+        },
+        "2g",
     )
 
 
@@ -207,6 +225,7 @@ def _mariadb_services() -> dict[str, object]:
         "database": _base_service(
             {
                 "image": IMAGES["mariadb"],
+                "user": _DATABASE_USER,
                 "environment": {
                     "MARIADB_DATABASE": "talaia",
                     "MARIADB_USER": "talaia",
@@ -222,20 +241,29 @@ def _mariadb_services() -> dict[str, object]:
                     "timeout": "5s",
                     "retries": 24,
                 },
-            }
+            },
+            "2g",
+            ["/run/mysqld"],
         )
     }
 
 
 def _phpmyadmin_service() -> dict[str, object]:
-    """On this machine only; whoever signs in there gives the database's own name and password."""
+    """On this machine only; whoever signs in there gives the database's own name and password.
+
+    Its image writes its settings as it starts, and its Apache begins as root and becomes another:
+    the two rights to do that are all that it has.
+    """
     return _base_service(
         {
             "image": IMAGES["phpmyadmin"],
             "environment": {"PMA_HOST": "database"},
+            "read_only": False,
+            "cap_add": ["SETGID", "SETUID"],
             "ports": ["127.0.0.1:8081:80"],
             "depends_on": {"database": {"condition": "service_healthy"}},
-        }
+        },
+        "512m",
     )
 
 
@@ -244,6 +272,7 @@ def _postgresql_services() -> dict[str, object]:
         "database": _base_service(
             {
                 "image": IMAGES["postgresql"],
+                "user": _DATABASE_USER,
                 "environment": {
                     "POSTGRES_DB": "talaia",
                     "POSTGRES_USER": "talaia",
@@ -257,7 +286,9 @@ def _postgresql_services() -> dict[str, object]:
                     "timeout": "5s",
                     "retries": 24,
                 },
-            }
+            },
+            "2g",
+            ["/var/run/postgresql"],
         )
     }
 

@@ -115,9 +115,11 @@ def make_deployment(
     }
     if database is not DatabaseKind.SQLITE:
         password = random()
-        files["secrets/database_password"] = File(password, 0o600)
+        # Compose hands these on as they are, and in its container each is read by another user;
+        # here nobody but the owner comes into their folder.
+        files["secrets/database_password"] = File(password, 0o644)
         if database is DatabaseKind.MARIADB:
-            files["secrets/database_root_password"] = File(random(), 0o600)
+            files["secrets/database_root_password"] = File(random(), 0o644)
         # Letters and digits need no escape in a URL.
         url = f"{database.value}://talaia:{password}@database/talaia"
         # The hub's user in its container reads it, and only that container has it.

@@ -17,20 +17,38 @@ HUB_WATCHDOG_S = 60
 # What systemd's own manual calls safe without quotes (systemd.service, COMMAND LINES).
 # `\Z`: before `$` a line end could stand.
 _PLAIN = re.compile(r"[A-Za-z0-9_./:=@,+-]+\Z")
-# No right but to run: the gateway needs the network, its own folder and nothing else.
+# No right but to run: the gateway needs the network, its own folder and nothing else. No keyword
+# here shuts devices: a gateway may have cameras and serial lines (ProtectClock= would, too).
 _HARDENED = """\
 DynamicUser=no
 NoNewPrivileges=yes
+CapabilityBoundingSet=
+AmbientCapabilities=
 ProtectSystem=strict
 ProtectHome=yes
 PrivateTmp={private_tmp}
 ProtectKernelTunables=yes
 ProtectKernelModules=yes
+ProtectKernelLogs=yes
 ProtectControlGroups=yes
+ProtectHostname=yes
 RestrictSUIDSGID=yes
+RestrictNamespaces=yes
+RestrictAddressFamilies=AF_UNIX AF_INET AF_INET6 AF_NETLINK
 LockPersonality=yes
 SystemCallArchitectures=native
+SystemCallFilter=@system-service
+SystemCallErrorNumber=EPERM
+MemoryMax={memory}
+TasksMax={tasks}
 UMask=0077"""
+# What there is room for before a fault of ours takes the machine with it: many times of what is
+# used. A larger hub gets more by a drop-in (`systemctl edit`).
+_HUB_MEMORY, _GATEWAY_MEMORY = "4G", "2G"
+# Threads and processes; a node of ROS has 14, each camera and each extension some.
+_MOST_TASKS = 1024
+# The hub has no devices of its own.
+_NO_DEVICES = "PrivateDevices=yes\nProtectClock=yes\n"
 
 
 def quoted_argument(text: str) -> str:
@@ -92,6 +110,7 @@ def gateway_unit(site: str, program: str, setup: str = "") -> str:
         # Fast DDS talks through shared memory and /tmp to robots' nodes outside the unit.
         private_tmp="no",
         watchdog_s=GATEWAY_WATCHDOG_S,
+        memory=_GATEWAY_MEMORY,
         # The process that closes the roof outlives a gateway that was killed; the gateway's other
         # processes end by themselves when it does.
         kill="KillMode=process\n",
@@ -119,8 +138,9 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
         words,
         state="talaia-hub",
         private_tmp="yes",
-        more=f"Environment={variable}\n" if database_url_file else "",
+        more=_NO_DEVICES + (f"Environment={variable}\n" if database_url_file else ""),
         watchdog_s=HUB_WATCHDOG_S,
+        memory=_HUB_MEMORY,
     )
 
 
@@ -132,6 +152,7 @@ def _unit_text(
     private_tmp: str,
     more: str = "",
     watchdog_s: int,
+    memory: str,
     kill: str = "",
 ) -> str:
     line = " ".join(quoted_argument(word) for word in words)
@@ -156,7 +177,7 @@ StateDirectoryMode=0700
 Restart=always
 RestartSec=2
 TimeoutStopSec=10
-{_HARDENED.format(private_tmp=private_tmp)}
+{_HARDENED.format(private_tmp=private_tmp, memory=memory, tasks=_MOST_TASKS)}
 
 [Install]
 WantedBy=multi-user.target

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import faulthandler
 import logging
+import os
 import signal
 import sys
 from typing import TYPE_CHECKING
@@ -37,6 +38,8 @@ __all__ = ["main", "serve_gateway"]
 
 def main(argv: Sequence[str]) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
+    # Whatever it makes in its folder, now or later, is its own user's alone.
+    os.umask(0o077)
     # Before the arguments are parsed: these two have arguments of their own.
     if argv and argv[0] == "enrol":
         return enrolment.main(argv[1:])

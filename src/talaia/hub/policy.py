@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from talaia.wire.message import Message
 
 __all__ = [
+    "BY_DISPLAY",
     "BY_SCRIPT",
     "CLIENT_ROUTES",
     "CLIENT_SOCKETS",
@@ -113,6 +114,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
 FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Hello,
+        frames.ResumeSaved,
         frames.SampleBatch,
         frames.NewestBatch,
         frames.SampleGap,
@@ -157,6 +159,7 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
 TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Welcome,
+        frames.LinkHeld,
         frames.Ack,
         frames.ResendRequest,
         frames.LeaseRequest,
@@ -204,6 +207,7 @@ BY_SCRIPT = frozenset(
 CONFIRMED = frozenset(
     {
         ("POST", "/api/me/tokens"),
+        ("POST", "/api/displays"),
         ("POST", "/api/people"),
         ("PATCH", "/api/people/{person}"),
         ("DELETE", "/api/people/{person}/factor"),
@@ -215,6 +219,20 @@ CONFIRMED = frozenset(
 # What no script says over a page's socket, whatever its token may: it drives by its own, as a tool.
 NOT_BY_SCRIPT = frozenset(
     {browser.PageLease, browser.PageLeaseForce, browser.PageDrive, browser.PageReset}
+)
+
+# All that a display says over a page's socket. It presses no STOP either: nobody knows who stands
+# before it, and its address may be on a poster.
+BY_DISPLAY = frozenset(
+    {
+        browser.Subscribe,
+        browser.Unsubscribe,
+        browser.PagePing,
+        browser.PictureShown,
+        browser.ViewerAttention,
+        browser.BoxesRequest,
+        browser.TopicShown,
+    }
 )
 
 _RIGHT = {

@@ -54,6 +54,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("DELETE", "/api/gateways/codes/{code}"): AccessNeed.ADMIN,
         ("POST", "/api/gateways/{gateway}/revoke"): AccessNeed.ADMIN,
         ("POST", "/api/gateways/{gateway}/reconnect"): AccessNeed.ADMIN,
+        ("POST", "/api/gateways/{gateway}/second"): AccessNeed.ADMIN,
         # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
         ("POST", "/api/enrol"): AccessNeed.OPEN,
     },
@@ -84,6 +85,11 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("DELETE", "/api/people/{person}"): AccessNeed.ADMIN,
         ("DELETE", "/api/people/{person}/sessions"): AccessNeed.ADMIN,
         ("DELETE", "/api/people/{person}/factor"): AccessNeed.ADMIN,
+        ("GET", "/api/displays"): AccessNeed.ADMIN,
+        ("POST", "/api/displays"): AccessNeed.ADMIN,
+        ("DELETE", "/api/displays/{display}"): AccessNeed.ADMIN,
+        # Whoever has a display's token; tries are counted by address.
+        ("POST", "/api/displays/open"): AccessNeed.OPEN,
         ("GET", "/api/roles"): AccessNeed.ADMIN,
         ("POST", "/api/roles"): AccessNeed.ADMIN,
         ("PUT", "/api/roles/{role}"): AccessNeed.ADMIN,

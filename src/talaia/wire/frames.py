@@ -3,7 +3,10 @@
 The gateway dials out twice: the *link* (``/gateway/link``) for all but pictures, and *media*
 (``/gateway/media``) for pictures and, behind them, raw topics, so that neither ever stands before
 a driving frame; and a third time (``/gateway/files``) while it has recordings to hand over. It
-proves itself by ``Authorization: Bearer <gateway key>`` on each.
+proves its key on each, by a challenge (`wire.gateway_proof`): ``Authorization: Talaia site=…`` is
+answered by 401 with a number in ``WWW-Authenticate``, and dialled again with the answer to it. The
+answer to an upgrade has the number for the next connection (``Authentication-Info``). Gateways of
+before 0150 say ``Authorization: Bearer <gateway key>``, and so does one whose hub asks nothing.
 
 The messages stand in `gateway_messages`, by subject; this is the one place to import them from.
 
@@ -105,7 +108,9 @@ from talaia.wire.gateway_messages.session import (
     DeviceState,
     Event,
     Hello,
+    LinkHeld,
     ReconnectRequest,
+    ResumeSaved,
     Welcome,
 )
 from talaia.wire.gateway_messages.taps import (
@@ -169,6 +174,7 @@ __all__ = [
     "LeaseOp",
     "LeaseRequest",
     "LeaseState",
+    "LinkHeld",
     "MediaFromGateway",
     "MediaFromHub",
     "NewestBatch",
@@ -190,6 +196,7 @@ __all__ = [
     "ResendRequest",
     "ResetRequest",
     "ResetToken",
+    "ResumeSaved",
     "RobotGraph",
     "RobotNode",
     "SampleBatch",

@@ -14,12 +14,25 @@ from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.recording.recording_store import RecordingStore, StoredRecording
 from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.gateway.uplink.files import FileLane, TransferCallbacks, send_files
+from talaia.gateway.uplink.key_prover import KeyProver
 from talaia.gateway.uplink.tls import HubTrust
 from talaia.wire.frames import PIECE, ArchiveOffer
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
+
+
+async def hand_over(
+    settings: GatewaySettings, lanes: Sequence[FileLane], sending: TransferCallbacks
+) -> None:
+    async def run(work: Callable[[], None]) -> None:
+        work()
+
+    prover = KeyProver(
+        key=settings.key, site="test", path=settings.data / "place.json", on_disk=run
+    )
+    await send_files(settings, HubTrust(settings.hub), prover, lanes=lanes, sending=sending)
 
 
 async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_before(
@@ -48,8 +61,8 @@ async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_bef
             lambda: False, lambda: None, lambda offer, _why: refused.append(offer.id)
         )
         with pytest.raises(LinkLost):
-            await send_files(settings, HubTrust(settings.hub), lanes, sending)
-        await send_files(settings, HubTrust(settings.hub), lanes, sending)
+            await hand_over(settings, lanes, sending)
+        await hand_over(settings, lanes, sending)
         picture = next(each for each in hub.offers if isinstance(each, ArchiveOffer))
         assert (picture.kind, picture.device, hub.files[picture.id]) == (
             "fits",
@@ -97,12 +110,7 @@ async def test_a_hub_that_does_not_know_pictures_still_gets_recordings(
             hub=HubAddress.from_text(hub.url, allow_plain=True), key="test-key", data=tmp_path
         )
         lanes = [FileLane("pictures", outbox, 1e9), FileLane("recordings", shelf, 1e9)]
-        await send_files(
-            settings,
-            HubTrust(settings.hub),
-            lanes,
-            TransferCallbacks(bool, lambda: None, lambda *_: None),
-        )
+        await hand_over(settings, lanes, TransferCallbacks(bool, lambda: None, lambda *_: None))
         assert hub.files == {kept.id: b"abc"}
     # It waits until the hub is updated.
     assert [each.device for each in outbox.offers()] == ["camera"]
@@ -136,9 +144,7 @@ async def test_a_file_that_is_damaged_here_is_not_sent_for_ever(tmp_path: Path) 
         )
         told: list[str] = []
         sending = TransferCallbacks(bool, lambda: None, lambda _offer, why: told.append(why))
-        await send_files(
-            settings, HubTrust(settings.hub), [FileLane("pictures", outbox, 1e9)], sending
-        )
+        await hand_over(settings, [FileLane("pictures", outbox, 1e9)], sending)
         assert hub.pieces == 3
     assert told == ["it is not what its digest says"]
     assert outbox.offers() == []

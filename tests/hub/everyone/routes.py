@@ -31,7 +31,15 @@ if TYPE_CHECKING:
     from .world import World
 
 # What is asked there may end anyone's session.
-ABOUT_PEOPLE = ("/api/people", "/api/roles", "/api/me", "/api/login", "/api/logout", "/api/setup")
+ABOUT_PEOPLE = (
+    "/api/people",
+    "/api/displays",
+    "/api/roles",
+    "/api/me",
+    "/api/login",
+    "/api/logout",
+    "/api/setup",
+)
 
 
 class Ask(NamedTuple):
@@ -131,6 +139,16 @@ async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     return Ask({"token": str(number)})
 
 
+async def _display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    number, _ = await world.hub.hub.people.displays.add_display("Hall", ["agv"])
+    return Ask({"display": str(number)}, done=(204,))
+
+
+async def _open_display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    _, token = await world.hub.hub.people.displays.add_display("Hall", ["agv"])
+    return Ask(json={"token": token}, done=(204,))
+
+
 async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
     begun = await client.post("/api/me/factor", json={"password": PASSWORD})
     secret = begun.json().get("secret")
@@ -186,6 +204,12 @@ async def _revoke(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
 
 async def _reconnect(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
     return Ask({"gateway": await _gateway(world, "agv")}, json={"device": "base"}, done=(202,))
+
+
+async def _second(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    # None waits.
+    about = {"gateway": await _gateway(world, "agv")}
+    return Ask(about, json={"stays": "linked"}, done=(409,))
 
 
 async def _picture(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
@@ -586,6 +610,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/me/tokens"): Recipe(plain()),
     ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
     ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
+    ("GET", "/api/displays"): Recipe(plain()),
+    ("POST", "/api/displays"): Recipe(plain(json={"name": "Hall", "sites": ["agv"]})),
+    ("DELETE", "/api/displays/{display}"): Recipe(_display),
+    ("POST", "/api/displays/open"): Recipe(_open_display),
     ("GET", "/api/people"): Recipe(plain()),
     ("POST", "/api/people"): Recipe(plain(json=NEW_PERSON)),
     ("PATCH", "/api/people/{person}"): _of_person(json={"disabled": True}),
@@ -640,6 +668,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),
     ("POST", "/api/gateways/{gateway}/revoke"): Recipe(_revoke),
     ("POST", "/api/gateways/{gateway}/reconnect"): Recipe(_reconnect),
+    ("POST", "/api/gateways/{gateway}/second"): Recipe(_second),
     ("POST", "/api/enrol"): Recipe(_enrol),
     ("GET", "/api/audit"): Recipe(plain()),
     ("GET", "/api/audit/export"): Recipe(plain()),

@@ -31,6 +31,7 @@ async def stored(hub_that_stores):
         rows += [("base/pose.yaw", NOW + at, 0.5) for at in range(3)]
         await gateway.samples(*rows)
         await gateway.hear(Ack, lambda ack: ack.below == len(rows))
+        hub.linked = gateway
         yield hub
 
 
@@ -132,6 +133,7 @@ async def test_a_sensor_that_a_new_description_renames_or_leaves_out_keeps_its_h
     stored,
 ) -> None:
     rows = [("base/wandering", NOW + at, float(at % 2)) for at in range(4)]
+    await stored.linked.close()
     before = await stored.gateway()
     await before.hello(boot="boot-2")
     await before.samples(*rows)
@@ -175,6 +177,7 @@ async def test_a_sensor_that_a_new_description_renames_or_leaves_out_keeps_its_h
 
 async def test_storage_says_what_each_signal_takes_and_how_long_it_is_kept(stored) -> None:
     changed = DESCRIPTION.replace("      speed:\n", "      speed:\n        keep: 30\n")
+    await stored.linked.close()
     gateway = await stored.gateway()
     await gateway.hello(changed, boot="boot-2")
     store = stored.hub.history.store

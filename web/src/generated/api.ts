@@ -68,22 +68,6 @@ export interface AuditRow {
   readonly source: string;
 }
 
-/** Make a one-time code for the gateway of a site; ``name`` is what people call it. */
-export interface CodeAsk {
-  readonly site: string;
-  readonly name?: string;
-}
-
-/** A one-time code, shown once. */
-export interface CodeShape {
-  readonly id: string;
-  readonly code: string;
-  readonly expires_us: number;
-  readonly command: string;
-  readonly fingerprint: string;
-  readonly qr: string;
-}
-
 /** A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early. */
 export interface CommandShape {
   readonly id: string;
@@ -133,20 +117,6 @@ export interface DriveShape {
   readonly stop: boolean;
 }
 
-/** The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate. */
-export interface EnrolAnswer {
-  readonly site: string;
-  readonly gateway: string;
-  readonly key: string;
-  readonly fingerprint: string;
-}
-
-/** Use a one-time code; ``name`` is what the gateway calls itself. */
-export interface EnrolAsk {
-  readonly code: string;
-  readonly name?: string;
-}
-
 /** The newest events first. ``more``: older ones of the window were left out. */
 export interface EventList {
   readonly events: readonly EventShape[];
@@ -170,25 +140,6 @@ export interface GapShape {
   readonly from_us: number;
   readonly to_us: number;
   readonly reason: string;
-}
-
-/** All gateways, and the codes by which others may enrol. */
-export interface GatewayList {
-  readonly gateways: readonly GatewayShape[];
-  readonly codes: readonly OpenCodeShape[];
-}
-
-/** A gateway that has, or had, a key. */
-export interface GatewayShape {
-  readonly id: string;
-  readonly site: string;
-  readonly name: string;
-  readonly created_us: number;
-  readonly revoked_us: number;
-  readonly seen_us: number;
-  readonly address: string;
-  readonly version: string;
-  readonly online: boolean;
 }
 
 /** The hub answers. */
@@ -219,14 +170,6 @@ export interface Me {
   readonly permissions: readonly PermissionShape[];
 }
 
-/** A one-time code that can still be used. What it says was shown once and is not kept. */
-export interface OpenCodeShape {
-  readonly id: string;
-  readonly site: string;
-  readonly created_us: number;
-  readonly expires_us: number;
-}
-
 /** A right (view, use, tap or admin) on a site and a device; ``*`` stands for each of them. */
 export interface PermissionShape {
   readonly right: Right;
@@ -238,11 +181,6 @@ export interface PermissionShape {
 export interface ProblemShape {
   readonly code: string;
   readonly message: string;
-}
-
-/** Dial again (no device), or let the gateway connect anew to one device. */
-export interface ReconnectAsk {
-  readonly device?: string;
 }
 
 /** One channel's samples. */
@@ -354,11 +292,42 @@ export interface DeviceSummary {
   readonly stale: number;
 }
 
+/** Make a display that shows these sites. */
+export interface DisplayAsk {
+  readonly name: string;
+  readonly sites: readonly string[];
+}
+
+/** All displays, the newest first. */
+export interface DisplayList {
+  readonly displays: readonly DisplayShape[];
+}
+
+/** Come in as a display. */
+export interface DisplayOpenAsk {
+  readonly token: string;
+}
+
+/** A screen that shows some sites and does nothing else. */
+export interface DisplayShape {
+  readonly id: string;
+  readonly name: string;
+  readonly sites: readonly string[];
+  readonly created_us: number;
+  readonly used_us: number;
+}
+
 /** A secret for an authenticator: as text, as a link, and as an SVG picture of the link. */
 export interface FactorOffer {
   readonly secret: string;
   readonly uri: string;
   readonly qr: string;
+}
+
+/** The token, shown this once. Its screen opens ``/display#`` and the token behind it. */
+export interface NewDisplay {
+  readonly id: string;
+  readonly token: string;
 }
 
 /** The token, shown this once. Send it as ``Authorization: Bearer …``. */
@@ -475,6 +444,81 @@ export interface TokenShape {
   readonly created_us: number;
   readonly ends_us: number;
   readonly used_us: number;
+}
+
+/** Make a one-time code for the gateway of a site; ``name`` is what people call it. */
+export interface CodeAsk {
+  readonly site: string;
+  readonly name?: string;
+}
+
+/** A one-time code, shown once. */
+export interface CodeShape {
+  readonly id: string;
+  readonly code: string;
+  readonly expires_us: number;
+  readonly command: string;
+  readonly fingerprint: string;
+  readonly qr: string;
+}
+
+/** The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate. */
+export interface EnrolAnswer {
+  readonly site: string;
+  readonly gateway: string;
+  readonly key: string;
+  readonly fingerprint: string;
+}
+
+/** Use a one-time code; ``name`` is what the gateway calls itself. */
+export interface EnrolAsk {
+  readonly code: string;
+  readonly name?: string;
+}
+
+/** All gateways, and the codes by which others may enrol. */
+export interface GatewayList {
+  readonly gateways: readonly GatewayShape[];
+  readonly codes: readonly OpenCodeShape[];
+}
+
+/** A gateway that has, or had, a key. */
+export interface GatewayShape {
+  readonly id: string;
+  readonly site: string;
+  readonly name: string;
+  readonly created_us: number;
+  readonly revoked_us: number;
+  readonly seen_us: number;
+  readonly address: string;
+  readonly version: string;
+  readonly online: boolean;
+  readonly held: readonly HeldGatewayShape[];
+}
+
+/** A second gateway with a site's key, which waits since ``since_us``. */
+export interface HeldGatewayShape {
+  readonly address: string;
+  readonly version: string;
+  readonly since_us: number;
+}
+
+/** A one-time code that can still be used. What it says was shown once and is not kept. */
+export interface OpenCodeShape {
+  readonly id: string;
+  readonly site: string;
+  readonly created_us: number;
+  readonly expires_us: number;
+}
+
+/** Dial again (no device), or let the gateway connect anew to one device. */
+export interface ReconnectAsk {
+  readonly device?: string;
+}
+
+/** Which one of two gateways with one key stays: the ``linked`` one, or the ``held`` one. */
+export interface SecondGatewayAsk {
+  readonly stays: "linked" | "held";
 }
 
 /** What a channel's history takes. */

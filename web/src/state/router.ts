@@ -5,6 +5,7 @@ import { Store } from "./store.js";
 export type PageName =
   | "login"
   | "logout"
+  | "display"
   | "setup"
   | "home"
   | "devices"
@@ -51,6 +52,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/home": "home",
   "/login": "login",
   "/logout": "logout",
+  "/display": "display",
   "/setup": "setup",
   "/devices": "devices",
   "/public": "public",

@@ -1,6 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, GatewayList, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, StorageShape } from "../generated/api.js";
+import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, NewDisplay, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -18,6 +18,19 @@ export class AdminApi {
 
   changePerson(person: string, change: PersonChange): Promise<PersonShape> {
     return this.hub.request("PATCH", itemUrl("people", person), change);
+  }
+
+  async displays(): Promise<readonly DisplayShape[]> {
+    return (await this.hub.request<DisplayList>("GET", "/api/displays")).displays;
+  }
+
+  addDisplay(name: string, sites: readonly string[]): Promise<NewDisplay> {
+    return this.hub.request("POST", "/api/displays", { name, sites });
+  }
+
+  /** Its screen goes dark at once. */
+  async revokeDisplay(display: string): Promise<void> {
+    await this.hub.request("DELETE", itemUrl("displays", display));
   }
 
   async removePerson(person: string): Promise<void> {
@@ -68,6 +81,11 @@ export class AdminApi {
   /** @param device empty: the link between gateway and hub; else the gateway's own to that device */
   async reconnect(gateway: string, device = ""): Promise<void> {
     await this.hub.request("POST", itemUrl("gateways", gateway, "/reconnect"), { device });
+  }
+
+  /** Decides between two gateways with one key; the other one waits, and STOP reaches both. */
+  async settleSecondGateway(gateway: string, stays: SecondGatewayAsk["stays"]): Promise<void> {
+    await this.hub.request("POST", itemUrl("gateways", gateway, "/second"), { stays });
   }
 
   clientProtocols(): Promise<ClientProtocolList> {

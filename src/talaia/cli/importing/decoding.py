@@ -14,6 +14,8 @@ from rosbags.typesys import (
     get_typestore,
 )
 
+from talaia.ros_definitions import OutOfBounds, check_type_name, check_types
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -69,9 +71,22 @@ def decoder_of(definition: Definition) -> Callable[[bytes], object]:
     # A store for each topic: two files, or two topics, may define one type name differently.
     store = get_typestore(Stores.EMPTY)
     try:
-        store.register(_read_types(definition))
+        check_type_name(name)
+        types = _read_types(definition)
+        # rosbags runs what it writes of it. Its own need no look.
+        if definition.form:
+            check_types(types)
+        store.register(types)
     # What rosbags raises of text that is no definition; it was written by whoever made the file.
-    except (TypesysError, AssertionError, ValueError, KeyError) as error:
+    except (
+        OutOfBounds,
+        TypesysError,
+        AssertionError,
+        ValueError,
+        KeyError,
+        SyntaxError,
+        RecursionError,
+    ) as error:
         raise Undecodable(f"its definition of {name} cannot be read: {error}") from error
     read = store.deserialize_ros1 if definition.encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)

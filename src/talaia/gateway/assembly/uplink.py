@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.uplink.files import FileLane
+from talaia.gateway.uplink.key_prover import RESUME_FILE, KeyProver
 from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link, keep_media
 from talaia.gateway.uplink.message_dispatcher import MessageDispatcher
 from talaia.gateway.uplink.tls import HubTrust
@@ -76,6 +77,12 @@ class UplinkPart(GatewayPart):
             settings=base.settings,
             # One for all connections: the certificate is looked at once.
             trust=HubTrust(base.settings.hub),
+            prover=KeyProver(
+                key=base.settings.key,
+                site=reload.reload.now.site.site,
+                path=base.settings.data / RESUME_FILE,
+                on_disk=base.run_on_disk,
+            ),
             clock=base.clock,
             dispatcher=self.dispatcher,
         )

@@ -12,6 +12,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import asynccontextmanager
+from http import HTTPStatus
 from typing import TYPE_CHECKING, Protocol
 
 from websockets.asyncio.client import connect
@@ -30,17 +31,21 @@ from talaia.wire.frames import (
     BeatReply,
     Bye,
     Hello,
+    LinkHeld,
+    StopRequest,
     Welcome,
 )
 from talaia.wire.message import PROTOCOL, is_compatible
 
 if TYPE_CHECKING:
+    import ssl
     from collections.abc import AsyncIterator, Callable
 
     from websockets.asyncio.client import ClientConnection
 
     from talaia.clock import Clock
     from talaia.gateway.settings import GatewaySettings
+    from talaia.gateway.uplink.key_prover import KeyProver
     from talaia.gateway.uplink.pictures import PictureUplink
     from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.gateway.uplink.tls import HubTrust
@@ -73,7 +78,7 @@ class HubMessageHandler(Protocol):
 
 @asynccontextmanager
 async def dial(
-    settings: GatewaySettings, trust: HubTrust, path: str
+    settings: GatewaySettings, trust: HubTrust, prover: KeyProver, path: str
 ) -> AsyncIterator[ClientConnection]:
     """Open a WebSocket to the hub; a loss inside the block becomes `LinkLost`.
 
@@ -87,25 +92,7 @@ async def dial(
     try:
         # Twice the handshake: name lookup, TCP and TLS come before the WebSocket's own.
         async with asyncio.timeout(2 * HANDSHAKE_S):
-            socket = await connect(
-                url,
-                ssl=await trust.context(),
-                # Batches are packed columns already; compressing again costs more than it saves.
-                compression=None,
-                # Beats of our own, see `HeartbeatMonitor`: they show that the hub's program
-                # answers, not only its socket.
-                ping_interval=None,
-                open_timeout=HANDSHAKE_S,
-                close_timeout=1,
-                max_size=LINK_FROM_HUB.max_frame,
-                write_limit=WRITE_LIMIT,
-                # Sent inside TLS only after the hub has proved itself, see `HubTrust`.
-                additional_headers={"Authorization": f"Bearer {settings.key}"},
-                # Tells nobody which Python and which library run beside a robot.
-                user_agent_header=None,
-                # No proxy from the environment: a robot's link goes where its settings say.
-                proxy=None,
-            )
+            socket = await _connect(url, await trust.context(), prover, path)
         yield socket
     except InvalidStatus as error:
         # The key itself is refused; dialling soon again cannot help.
@@ -130,6 +117,42 @@ async def dial(
     finally:
         if socket is not None:
             await _close(socket)
+
+
+async def _connect(
+    url: str, context: ssl.SSLContext | None, prover: KeyProver, path: str
+) -> ClientConnection:
+    # The first dial may only ask for the hub's number; the last one answers it, or is refused.
+    for again in (True, False):
+        try:
+            socket = await connect(
+                url,
+                ssl=context,
+                # Batches are packed columns already; compressing again costs more than it saves.
+                compression=None,
+                # Beats of our own, see `HeartbeatMonitor`: they show that the hub's program
+                # answers, not only its socket.
+                ping_interval=None,
+                open_timeout=HANDSHAKE_S,
+                close_timeout=1,
+                max_size=LINK_FROM_HUB.max_frame,
+                write_limit=WRITE_LIMIT,
+                # Sent inside TLS only after the hub has proved itself, see `HubTrust`.
+                additional_headers={"Authorization": prover.make_header(path)},
+                # Tells nobody which Python and which library run beside a robot.
+                user_agent_header=None,
+                # No proxy from the environment: a robot's link goes where its settings say.
+                proxy=None,
+            )
+        except InvalidStatus as error:
+            refused = error.response.status_code == HTTPStatus.UNAUTHORIZED
+            if not (refused and prover.hear_refusal(error.response.headers) and again):
+                raise
+            continue
+        if socket.response is not None:
+            prover.hear_welcome(socket.response.headers)
+        return socket
+    raise AssertionError("the last dial is returned or raised")
 
 
 def _seconds(text: str) -> float:
@@ -176,6 +199,7 @@ class HubLink:
         *,
         settings: GatewaySettings,
         trust: HubTrust,
+        prover: KeyProver,
         clock: Clock,
         lanes: SendLanes,
         wake: asyncio.Event,
@@ -184,6 +208,7 @@ class HubLink:
         """Take what to send and who acts on what comes."""
         self._settings = settings  # The hub's address and our key.
         self._trust = trust  # How the hub proves itself.
+        self._prover = prover  # How we do.
         self._clock = clock  # Monotonic, for beats and freezes.
         self._lanes = lanes  # Everything that goes out.
         self._wake = wake  # Set by the lanes when they have something.
@@ -201,10 +226,16 @@ class HubLink:
 
         """
         try:
-            async with dial(self._settings, self._trust, "/gateway/link") as socket:
+            # The hub may have been updated since the last link.
+            self._prover.forget_hub()
+            async with dial(self._settings, self._trust, self._prover, "/gateway/link") as socket:
                 beats = HeartbeatMonitor(self._clock.monotonic_ns())
                 await socket.send(LINK_FROM_GATEWAY.encode(hello))
                 welcome = await self._answer(socket, beats)
+                if isinstance(welcome, LinkHeld):
+                    log.warning("the hub lets this gateway wait: %s", welcome.reason)
+                    welcome = await self._wait_place(socket)
+                    beats = HeartbeatMonitor(self._clock.monotonic_ns())
                 self._check(welcome)
                 assert isinstance(welcome, Welcome)  # noqa: S101 - told to mypy; _check raised
                 # Lanes before the handler, for it sends at once how things stand.
@@ -241,6 +272,25 @@ class HubLink:
             pulsing.cancel()
         _check_awake(beats, self._clock)
         return LINK_FROM_HUB.decode(data)
+
+    async def _wait_place(self, socket: ClientConnection) -> FromHub:
+        """Wait while another gateway has our place; STOP is acted on, and nothing else."""
+        # Of its own: what was asked before we waited counts no more.
+        beats = HeartbeatMonitor(self._clock.monotonic_ns())
+        while True:
+            async with asyncio.timeout(beats.MISSED * beats.PERIOD_S):
+                message = LINK_FROM_HUB.decode(await socket.recv())
+            match message:
+                case Beat():
+                    reply = reply_to(message, self._clock.monotonic_ns())
+                    await socket.send(LINK_FROM_GATEWAY.encode(reply))
+                case StopRequest():
+                    self._handler.handle(message)
+                case LinkHeld():
+                    # Another one was quicker to the place.
+                    pass
+                case _:
+                    return message
 
     def _check(self, welcome: FromHub) -> None:
         # A hub that refuses says so in the first frame.
@@ -295,6 +345,7 @@ async def run_media(
     *,
     settings: GatewaySettings,
     trust: HubTrust,
+    prover: KeyProver,
     clock: Clock,
     pictures: PictureUplink,
     up: Callable[[], None],
@@ -305,7 +356,7 @@ async def run_media(
         LinkLost: always, with the reason.
 
     """
-    async with dial(settings, trust, "/gateway/media") as socket:
+    async with dial(settings, trust, prover, "/gateway/media") as socket:
         beats = HeartbeatMonitor(clock.monotonic_ns())
         pictures.link_up()
         up()

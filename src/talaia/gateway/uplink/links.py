@@ -14,7 +14,7 @@ from talaia.gateway.uplink.connection import HubLink, HubMessageHandler, run_med
 from talaia.gateway.uplink.dialling import OutageLog, beside_link, keep_dialling
 from talaia.gateway.uplink.files import TransferCallbacks, send_files
 from talaia.gateway.uplink.newest_samples import NewestSamplesSender
-from talaia.wire.frames import ArchiveOffer, NewestBatch
+from talaia.wire.frames import ArchiveOffer, NewestBatch, ResumeSaved
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine, Sequence
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from talaia.gateway.settings import GatewaySettings
     from talaia.gateway.spool.spool_thread import SpoolThread
     from talaia.gateway.uplink.files import FileLane
+    from talaia.gateway.uplink.key_prover import KeyProver
     from talaia.gateway.uplink.pictures import PictureUplink
     from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.gateway.uplink.tls import HubTrust
@@ -79,6 +80,7 @@ class HubConnection(NamedTuple):
 
     settings: GatewaySettings
     trust: HubTrust
+    prover: KeyProver
     clock: Clock
     dispatcher: HubDispatcher
 
@@ -109,6 +111,7 @@ async def keep_link(
     link = HubLink(
         settings=settings,
         trust=hub.trust,
+        prover=hub.prover,
         clock=clock,
         lanes=lanes,
         wake=wake,
@@ -153,19 +156,24 @@ async def keep_link(
         # In the lane of live samples, so before anything newer.
         tell_newest()
         former = teller.tell_former(lambda: reload.now.addresses) if takes else asyncio.sleep(0)
-        return asyncio.ensure_future(_run_both(former, catchup.run(live_from)))
+        return asyncio.ensure_future(
+            _run_together(save_place(welcome.resume), former, catchup.run(live_from))
+        )
+
+    async def save_place(resume: str) -> None:
+        serial = await hub.prover.save_resume(resume)
+        if serial is not None:
+            lanes.send(ResumeSaved(serial=serial))
 
     await keep_dialling("the hub", lambda: link.once(hello(), beside), outage, clock)
 
 
-async def _run_both(
-    first: Coroutine[None, None, None], second: Coroutine[None, None, None]
-) -> None:
-    """Run two at once; what goes wrong with the one is not hidden by the other."""
-    tasks = asyncio.ensure_future(first), asyncio.ensure_future(second)
+async def _run_together(*parts: Coroutine[None, None, None]) -> None:
+    """Run all at once; what goes wrong with the one is not hidden by another."""
+    tasks = [asyncio.ensure_future(part) for part in parts]
     try:
         for task in tasks:
-            # In order; the first usually ends by itself while the second goes on for the link's
+            # In order; the first usually end by themselves while the last goes on for the link's
             # life.
             await task
     finally:
@@ -184,7 +192,12 @@ async def keep_media(hub: HubConnection, pictures: PictureUplink) -> None:
 
     async def once() -> None:
         await run_media(
-            settings=hub.settings, trust=hub.trust, clock=hub.clock, pictures=pictures, up=up
+            settings=hub.settings,
+            trust=hub.trust,
+            prover=hub.prover,
+            clock=hub.clock,
+            pictures=pictures,
+            up=up,
         )
 
     await keep_dialling(
@@ -227,7 +240,7 @@ async def keep_files(
     sending = TransferCallbacks(lambda: lanes.busy, up, refused)
 
     async def once() -> None:
-        await send_files(hub.settings, hub.trust, files, sending)
+        await send_files(hub.settings, hub.trust, hub.prover, lanes=files, sending=sending)
 
     def waiting() -> bool:
         return any(file.source.offers() for file in files)

@@ -29,6 +29,7 @@ from talaia.wire.frames import (
     RecorderState,
     RequestRevision,
     ResetToken,
+    ResumeSaved,
     SightingReport,
     StopState,
 )
@@ -69,6 +70,7 @@ _CONTROL = (
     Beat,
     BeatReply,
     Bye,
+    ResumeSaved,
 )
 # Facts: they are still true after a loss.
 _COMMANDS = (CommandState, Event)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem_response
-from talaia.hub.errors import HubBusy, StoreDown
+from talaia.hub.errors import StoreDown
 from talaia.hub.policy import BY_SCRIPT, CONFIRMED, SOCKETS, AccessNeed, allows, need_of_route
+from talaia.hub.store.accounts.displays import DISPLAY_MARK
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
 from talaia.hub.store.accounts.tokens import MARK
 
@@ -18,12 +19,11 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
+    from talaia.hub.store.accounts.displays import Displays
     from talaia.hub.store.accounts.sessions import LiveSession, Sessions
     from talaia.hub.store.accounts.tokens import ApiTokens
-    from talaia.hub.store.sites.site_registry import GatewayKey, SiteRegistry
 
 __all__ = [
     "Access",
@@ -38,6 +38,8 @@ __all__ = [
 
 # A page that asks by itself, and not because a person did something, says so with this header.
 _BACKGROUND = "talaia-background"
+# As long as browsers keep a cookie (RFC 6265bis); a screen that is opened anew gets it anew.
+_DISPLAY_S = 400 * 86_400
 # Digits; so many always fit a column of 64 bits.
 _LONGEST_NUMBER = 18
 
@@ -50,20 +52,17 @@ class Access:
         *,
         sessions: Sessions,
         tokens: ApiTokens,
+        displays: Displays,
         sites: Sites,
-        registry: SiteRegistry,
-        admission: JoinQueue,
         settings: Settings,
     ) -> None:
-        """Know people by ``sessions``, scripts by ``tokens`` and gateways by ``registry``."""
-        # By whom somebody is known: browsers by their cookie, scripts and gateways by their header.
+        """Know people by ``sessions``, scripts by ``tokens`` and screens by ``displays``."""
+        # By whom somebody is known: browsers by their cookie, scripts by their header.
         self._sessions = sessions
         self._tokens = tokens
+        self._displays = displays
         # As they are now: a right is held against the description of this moment.
         self._sites = sites
-        self._registry = registry
-        # Turns at the database, for gateways that all dial at once.
-        self._admission = admission
         self._tls = settings.tls
         # The cookie lasts as long as a session may at most; the hub ends an idle one itself (s).
         self._life_s = round(settings.life_s)
@@ -82,6 +81,10 @@ class Access:
     def set_cookie(self, response: Response, token: str) -> None:
         """Hand the session to the browser."""
         self._hand(response, self.cookie, token, self._life_s)
+
+    def set_display_cookie(self, response: Response, token: str) -> None:
+        """Hand a display's token to its browser, in the place of a session."""
+        self._hand(response, self.cookie, token, _DISPLAY_S)
 
     def set_browser_cookie(self, response: Response, token: str) -> None:
         """Let the browser be known at the next sign-in. It opens nothing."""
@@ -105,6 +108,9 @@ class Access:
             # Whoever sends a token means it: a cookie beside it does not help.
             return await self.who_of_token(key.strip())
         token = connection.cookies.get(self.cookie)
+        # Only as a cookie: it opens no door of other tools.
+        if token is not None and token.startswith(DISPLAY_MARK):
+            return await self._displays.find_session(token)
         # Only what a person does keeps a session alive; sockets report their use by themselves.
         used = connection.headers.get(_BACKGROUND) != "1" and connection.scope["type"] == "http"
         return await self._sessions.find_session(token, used=used) if token else None
@@ -142,6 +148,9 @@ class Access:
         who = alive.who
         # For the routes and for the limits, which ask after this.
         request.state.alive, request.state.who = alive, who
+        # It only looks, also where the one line of a route is for looking and for doing.
+        if who.display and request.method not in {"GET", "HEAD"}:
+            raise ApiProblem(403, "forbidden", "a display only shows; sign in to do something")
         # Before the rights: whatever its person may, a token may not.
         if who.script and need not in BY_SCRIPT:
             raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
@@ -186,38 +195,6 @@ class Access:
             await deny_socket(socket, status=401, code="unauthorized", message="sign in first")
             return None
         return alive.who
-
-    async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
-        """Tell which gateway opens a socket; None when it was sent away before the upgrade."""
-        need = SOCKETS.get(socket.scope["path"], AccessNeed.NEVER)
-        kind, _, key = socket.headers.get("authorization", "").partition(" ")
-        found = None
-        try:
-            if need is AccessNeed.GATEWAY and kind.lower() == "bearer" and key:
-                # Only the look-up is in the turn, not the life of the link.
-                async with self._admission.wait_turn():
-                    found = await self._registry.gateway_of(key.strip())
-        except HubBusy as error:
-            # No fault of the key: a 401 would say that it is void.
-            await deny_socket(
-                socket,
-                status=503,
-                code="busy",
-                message=str(error),
-                retry_s=round(self._admission.after_s),
-            )
-            return None
-        except StoreDown:
-            await deny_socket(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
-            return None
-        if found is None:
-            await deny_socket(
-                socket,
-                status=401,
-                code="unauthorized",
-                message="this key is not known, or was revoked",
-            )
-        return found
 
     def _hand(self, response: Response, name: str, token: str, life_s: int) -> None:
         response.set_cookie(

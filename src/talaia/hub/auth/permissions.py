@@ -146,6 +146,7 @@ class Who:
         session: names the session (or the token) without being of use to open one.
         factor: whether the person signs in with a second factor.
         script: whether it is a token that asks; it may manage nothing.
+        display: whether it is a screen's token: it only looks.
 
     """
 
@@ -157,6 +158,7 @@ class Who:
     grants: Grants
     factor: bool = False
     script: bool = False
+    display: bool = False
 
 
 def _intersect_permissions(ours: Permission, theirs: Permission) -> Permission | None:

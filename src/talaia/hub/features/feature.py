@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from talaia.hub.auth.resume_tokens import ResumeTokens
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.live.pages.fanout import Fanout
 from talaia.hub.live.pages.page_connections import Browsers
@@ -38,6 +39,7 @@ class Core:
         browsers: the pages that are connected now.
         fanout: who of them gets which live values.
         taps: who gets which raw topics of robots.
+        resumes: by what gateways are known that were linked before.
         followers: what of these goes by the sites' descriptions.
 
     """
@@ -60,6 +62,10 @@ class Core:
         self.followers = (self.fanout, self.taps)
         # Read once: a file that is replaced meanwhile must not change what this hub seals by.
         self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
+        # A key of its own, from the same file: it is backed up with it, and is in no database.
+        self.resumes = ResumeTokens(
+            functools.cache(lambda: self.secret_box().derive_key("places of gateways")), clock
+        )
 
     def secret_box(self) -> Seal:
         """Give what seals secrets; its key is read from the data folder the first time.

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
 from talaia.hub.features.feature import Feature
+from talaia.hub.live.gateways.doubles.gateway_places import GatewayPlaces
 from talaia.hub.live.gateways.join_queue import JoinQueue
 from talaia.hub.live.gateways.link_service import LinkService
 
@@ -61,6 +62,13 @@ class GatewayLinksFeature(Feature):
             # Turns for the hello; those for the key are `PeopleFeature`'s.
             admission=JoinQueue(),
             flood_guard=flood_guard,
+            places=GatewayPlaces(
+                sites=core.sites,
+                reporting=reporting,
+                resumes=core.resumes,
+                clock=core.clock,
+                beat_s=core.settings.beat_s,
+            ),
             settings=core.settings,
             clock=core.clock,
         )

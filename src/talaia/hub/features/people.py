@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.access import Access
 from talaia.hub.api.accounts.authentication import Authentication
 from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+from talaia.hub.api.accounts.displays import DisplayPages
 from talaia.hub.api.accounts.own_account import OwnPages
 from talaia.hub.api.accounts.people import PeoplePages
 from talaia.hub.api.accounts.roles import RolePages
 from talaia.hub.api.accounts.sign_in import Accounts
 from talaia.hub.api.accounts.tokens import TokenPages
 from talaia.hub.api.rate_limits import RateLimits
+from talaia.hub.api.sockets.gateway_admission import GatewayAdmission
 from talaia.hub.api.sockets.socket_admission import SocketAdmission
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
@@ -21,6 +23,7 @@ from talaia.hub.live.gateways.join_queue import JoinQueue
 from talaia.hub.live.pages.session_registry import SocketSessions
 from talaia.hub.store.accounts.account_list import AccountList
 from talaia.hub.store.accounts.credentials import Credentials
+from talaia.hub.store.accounts.displays import Displays
 from talaia.hub.store.accounts.failed_logins import FailedLogins
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
 from talaia.hub.store.accounts.mfa import SecondFactors
@@ -44,6 +47,7 @@ class PeopleFeature(Feature):
         accounts: everyone who may sign in.
         sessions: who is signed in.
         tokens: what scripts sign in with.
+        displays: screens that show some sites.
         seats: the sockets that people have open.
         access: guards every route by the policy table.
         limits: how much each may ask.
@@ -63,18 +67,25 @@ class PeopleFeature(Feature):
         self.accounts = People(database, clock)
         self.sessions = Sessions(database, clock, settings)
         self.tokens = ApiTokens(database, clock)
-        self.seats = SocketSessions(Credentials(self.sessions, self.tokens), clock, settings)
+        self.displays = Displays(database, clock)
+        credentials = Credentials(self.sessions, self.tokens, self.displays)
+        self.seats = SocketSessions(credentials, clock, settings)
         self.access = Access(
             sessions=self.sessions,
             tokens=self.tokens,
+            displays=self.displays,
             sites=core.sites,
-            registry=registry,
-            # Turns for keys of gateways; people wait in no queue.
-            admission=JoinQueue(),
             settings=settings,
         )
         self.limits = RateLimits(clock)
-        self.admission = SocketAdmission(access=self.access, limits=self.limits)
+        gateways = GatewayAdmission(
+            registry=registry,
+            resumes=core.resumes,
+            # Turns for keys of gateways; people wait in no queue.
+            turns=JoinQueue(),
+            clock=clock,
+        )
+        self.admission = SocketAdmission(access=self.access, gateways=gateways, limits=self.limits)
         # Brought back at the start: a restart must give nobody new tries.
         self._tries = FailedLogins(database, clock, Throttle())
         factors = SecondFactors(database, clock, core.secret_box)
@@ -117,6 +128,14 @@ class PeopleFeature(Feature):
                 factors=factors,
                 sessions=sessions,
                 audit=audit,
+            ),
+            DisplayPages(
+                displays=self.displays,
+                access=self.access,
+                seats=self.seats,
+                sites=core.sites,
+                audit=audit,
+                clock=clock,
             ),
             RolePages(roles=Roles(database), seats=self.seats, audit=audit),
         )

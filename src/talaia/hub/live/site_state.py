@@ -5,8 +5,11 @@ A part is replaced as a whole when it holds no longer, so a field added to it ca
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, TypeVar
+
+from talaia.wire.gateway_proof import NO_PLACE
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -22,9 +25,11 @@ if TYPE_CHECKING:
         RecorderState,
         StopState,
     )
+    from talaia.wire.gateway_proof import ResumeToken
 
 __all__ = [
     "CurrentState",
+    "HeldGateway",
     "LinkedGateway",
     "Pending",
     "RetainedState",
@@ -37,6 +42,7 @@ _Known = TypeVar("_Known")
 
 # A gateway that starts in a loop has a new run each time: names of so many are remembered.
 _MOST_RIVALS = 100
+_MOST_VOID = 1_000
 
 
 class SiteLink(Protocol):
@@ -114,6 +120,10 @@ class LinkedGateway:
         source: the description's text as a person wrote it; empty where it cannot be changed.
         accepts: which changes it takes: ``no``, ``readings`` or ``all``.
         problem: what is wrong with the description's file at the gateway, if anything.
+        challenged: it proved its key by our challenge; one of before says the key.
+        proven: which place it showed that it had as it was linked; none: it showed none.
+        issued: its place now, which it shows on its next link.
+        saved: that is on its disk.
 
     """
 
@@ -123,6 +133,31 @@ class LinkedGateway:
     source: str = ""
     accepts: str = ""
     problem: ChangeState | None = None
+    challenged: bool = False
+    proven: ResumeToken = NO_PLACE
+    issued: ResumeToken = NO_PLACE
+    saved: bool = False
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class HeldGateway:
+    """A gateway that waits while another one has the place.
+
+    Attributes:
+        link: the way down, for STOP alone.
+        since_us: when it began to wait (UTC).
+        turn: set when it may ask for the place again.
+        frames: how many it has sent since the last beat.
+
+    """
+
+    link: SiteLink
+    boot: str
+    version: str
+    address: str
+    since_us: int
+    turn: asyncio.Event = field(default_factory=asyncio.Event)
+    frames: int = 0
 
 
 @dataclass(slots=True)
@@ -132,11 +167,52 @@ class RivalGateways:
     Attributes:
         boots: runs of which people were told, so that each is told of once.
         seen_us: when the last of them was there (UTC); 0 when none has been for a while.
+        held: those that wait now.
+        chosen: the link of the one that an admin gave the place to, until it has it.
+        settled: runs about which an admin has decided.
 
     """
 
     boots: set[str] = field(default_factory=set)
     seen_us: int = 0
+    held: list[HeldGateway] = field(default_factory=list)
+    chosen: SiteLink | None = None
+    settled: set[str] = field(default_factory=set)
+    # Places of gateways that were sent away; the oldest are forgotten.
+    _void: dict[ResumeToken, None] = field(default_factory=dict)
+
+    def void_tokens(self, *tokens: ResumeToken) -> None:
+        """Let places show nothing any more."""
+        self._void |= dict.fromkeys(tokens)
+        while len(self._void) > _MOST_VOID:
+            del self._void[next(iter(self._void))]
+
+    def is_void(self, token: ResumeToken) -> bool:
+        """Tell whether a place shows nothing any more."""
+        return token in self._void
+
+    def wake_held(self) -> None:
+        """Let those that wait ask for the place again."""
+        for held in self.held:
+            held.turn.set()
+
+    def settle_held(self, *, replaces: bool) -> bool:
+        """Decide: the one that is linked stays, or the first that waits takes the place.
+
+        Returns:
+            Whether one waits.
+
+        """
+        if not self.held:
+            return False
+        self.seen_us = 0
+        if replaces:
+            self.chosen = self.held[0].link
+            self.held[0].turn.set()
+        elif len(self.settled) < _MOST_RIVALS:
+            # It goes on waiting, so that STOP reaches it, and nobody is told of it again.
+            self.settled |= {held.boot for held in self.held}
+        return True
 
     def add_boot(self, boot: str) -> bool:
         """Remember a rival's run; give whether it is new."""

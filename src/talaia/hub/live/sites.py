@@ -98,6 +98,8 @@ class LiveSite:
         self.gateway = gateway
         # It is no rival any more, so people are told again if it is kept out later.
         self.rivals.boots.discard(gateway.boot)
+        self.rivals.settled.discard(gateway.boot)
+        self.rivals.chosen = None
         self.retained = RetainedState()
 
     def detach_link(self, now_us: int) -> None:
@@ -105,6 +107,7 @@ class LiveSite:
         self.presence.mark_offline(now_us)
         # Nobody is kept out while no link stands.
         self.rivals.seen_us = 0
+        self.rivals.wake_held()
 
     def forget_current(self) -> None:
         """Drop what holds only while a link stands, once pages were told of its end."""

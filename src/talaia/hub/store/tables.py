@@ -36,6 +36,7 @@ __all__ = [
     "client_drivers",
     "client_protocols",
     "descriptions",
+    "displays",
     "enrolment_codes",
     "frames",
     "gateways",
@@ -197,6 +198,20 @@ token_permissions = Table(
     Column(
         "permission_id", ROW_ID, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
     ),
+)
+
+# Screens that show some sites; of their tokens the hash.
+displays = Table(
+    "displays",
+    metadata,
+    Column("id", ROW_ID, primary_key=True),
+    Column("name", String(_NAME), nullable=False),
+    Column("token_hash", String(_HASH), nullable=False, unique=True),
+    # JSON: a list of their short names.
+    Column("sites", LONG_TEXT, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+    # 0 until it was first opened.
+    Column("used_us", BigInteger, nullable=False),
 )
 
 # Wrong sign-ins by person, address and browser, each as its hash, so that a restart forgets none.

@@ -60,7 +60,9 @@ from talaia.wire.gateway_messages.session import (
     DeviceState,
     Event,
     Hello,
+    LinkHeld,
     ReconnectRequest,
+    ResumeSaved,
     Welcome,
 )
 from talaia.wire.gateway_messages.taps import (
@@ -89,6 +91,7 @@ __all__ = [
 
 FromGateway = (
     Hello
+    | ResumeSaved
     | SampleBatch
     | NewestBatch
     | SampleGap
@@ -118,6 +121,7 @@ FromGateway = (
 
 FromHub = (
     Welcome
+    | LinkHeld
     | Ack
     | ResendRequest
     | LeaseRequest

@@ -26,7 +26,9 @@ __all__ = [
     "DeviceState",
     "Event",
     "Hello",
+    "LinkHeld",
     "ReconnectRequest",
+    "ResumeSaved",
     "Welcome",
 ]
 
@@ -115,6 +117,9 @@ class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
         takes: messages that may be sent to this hub, and not to older ones: ``enclosure``,
             ``newest``, ``seen``, ``topic_list`` for all of raw topics, and ``night_state`` for all
             of the night.
+        resume: by this the gateway shows on its next link that it is the one of this: two numbers
+            and a secret (hex), with dots between; empty where it has not proved its key by the
+            hub's challenge.
 
     """
 
@@ -123,6 +128,31 @@ class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
     acked: Count = 0
     time_us: Micros = 0
     takes: FormList = []
+    resume: Word = ""
+
+
+class LinkHeld(Message, frozen=True, kw_only=True, tag="held"):
+    """Answer to `Hello` in place of `Welcome`, which may follow: another gateway has the place.
+
+    Only STOP and beats come meanwhile. Sent to gateways that prove their key by a challenge.
+
+    Attributes:
+        reason: why.
+
+    """
+
+    reason: Sentence = ""
+
+
+class ResumeSaved(Message, frozen=True, kw_only=True, tag="resume_saved"):
+    """What `Welcome.resume` handed down is on the gateway's disk; what was before is void.
+
+    Attributes:
+        serial: the second number of it.
+
+    """
+
+    serial: Count
 
 
 class ReconnectRequest(Message, frozen=True, kw_only=True, tag="reconnect"):

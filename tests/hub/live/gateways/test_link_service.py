@@ -10,7 +10,6 @@ import pytest
 from talaia.hub.live.gateways import ingest
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import (
-    EventUpdate,
     Greeting,
     PagePing,
     PagePong,
@@ -143,44 +142,6 @@ async def test_page_sees_its_site_go_and_come(hub, gateway) -> None:
     assert gone.why
     await (await hub.gateway()).hello()
     await page.hear(SiteUpdate, lambda news: news.online)
-
-
-async def test_of_two_gateways_with_one_key_the_newest_wins(hub, gateway) -> None:
-    page = await hub.page("operator")
-    second = await hub.gateway()
-    await second.hello(boot="boot-2")
-    assert "another gateway" in (await gateway.hear(Bye)).reason
-    assert await gateway.closed() == 4409
-    assert not (await page.hear(EventUpdate, lambda news: news.kind == "second gateway")).good
-    await subscribed(page, "base/speed")
-    await second.samples(("base/speed", NOW, 0.5))
-    await page.hear(Values)
-
-
-async def test_of_two_gateways_the_one_whose_run_began_later_stays_in_whatever_order_they_dial(
-    hub, gateway
-) -> None:
-    page = await hub.page("operator")
-    second = await hub.gateway()
-    await second.hello(boot="boot-2")
-    assert await gateway.closed() == 4409
-    await page.hear(EventUpdate, lambda news: news.kind == "second gateway")
-    for _ in range(3):
-        first = await hub.gateway()
-        await first.say(
-            Hello(site="agv", boot="boot-1", catalogue="c1", description=first.description)
-        )
-        assert "started later" in (await first.hear(Bye)).reason
-        assert await first.closed() == 4409
-    await second.samples(("base/speed", NOW, 0.5))
-    await second.hear(Ack)
-    # The alarm is raised once for each rival, not each time it dials.
-    await page.say(PagePing(n=1, at_ms=0.0))
-    await page.hear(PagePong)
-    assert not [x for x in page.heard if isinstance(x, EventUpdate) and x.kind == "second gateway"]
-    await second.close()
-    await page.hear(SiteUpdate, lambda news: not news.online)
-    await (await hub.gateway()).hello(boot="boot-1")
 
 
 async def test_gateway_and_page_of_a_later_version_are_understood(hub) -> None:

@@ -53,6 +53,10 @@ export class GatewaySection extends LitElement {
     this.runAction(action, "revoke the key", () => new AdminApi(this.api).revokeGateway(row.id)),
   );
 
+  private readonly replacing = new QuestionController<GatewayShape>(this, (row, action) =>
+    this.runAction(action, "let the other take over", () => new AdminApi(this.api).settleSecondGateway(row.id, "held")),
+  );
+
   override render(): TemplateResult | typeof nothing {
     const { row } = this;
     if (row === null) return nothing;
@@ -78,6 +82,7 @@ export class GatewaySection extends LitElement {
         </div>
         <div><dt>Enrolled</dt><dd><t-time .us=${row.created_us} .zone=${this.zone}></t-time></dd></div>
       </dl>
+      ${row.held.length === 0 ? nothing : this.renderSecond(row)}
       ${renderAdvice(problem)} ${revoked ? nothing : this.renderActions(row, done)}
       ${renderQuestion(this.revoking, ({ name }) => ({
         heading: `Revoke the key of ${name === "" ? this.siteName : name}?`,
@@ -86,6 +91,51 @@ export class GatewaySection extends LitElement {
         text: `Its link is closed at once: nothing more is seen of ${this.siteName}, and nothing there can be driven or stopped from here. A vehicle that is being driven comes to rest by itself. To come back, it has to be enrolled anew.`,
       }))}`;
   }
+
+  /** Another gateway with the same key waits: which of the two stays? */
+  private renderSecond(row: GatewayShape): TemplateResult {
+    return html`<h3>A second gateway has this key, and waits</h3>
+      <ul class="rows">
+        ${repeat(
+          row.held,
+          (held) => html`<li>
+            <div>
+              <span class="name">${held.address}</span>
+              <div class="facts">
+                <span>version ${held.version === "" ? "not told" : held.version}</span>
+                <span>since <t-time .us=${held.since_us} .zone=${this.zone}></t-time></span>
+              </div>
+            </div>
+          </li>`,
+        )}
+      </ul>
+      <p class="muted">
+        Its key was copied, or a machine was forgotten. Nothing is taken from the one that waits, and STOP reaches both. If you
+        know neither, revoke the key and enrol the robot anew.
+      </p>
+      <div class="actions">
+        <t-button ?busy=${this.action.runningKey === "keep the one that is linked"} @click=${this.keepLinked}
+          >Keep the one that is linked</t-button
+        >
+        <t-button @click=${this.replacing.opener(row)}>Let the other take over…</t-button>
+      </div>
+      ${renderQuestion(this.replacing, () => ({
+        heading: "Let the gateway that waits take over?",
+        action: "Let it take over",
+        keep: "Leave it as it is",
+        text: `The one that is linked to ${this.siteName} now is sent away and waits in its place. A vehicle that is being driven comes to rest.`,
+      }))}`;
+  }
+
+  private readonly keepLinked = (): void => {
+    const id = this.row?.id ?? "";
+    void this.runAction(
+      this.action,
+      "keep the one that is linked",
+      () => new AdminApi(this.api).settleSecondGateway(id, "linked"),
+      "It stays; the other one goes on waiting.",
+    );
+  };
 
   private renderActions(row: GatewayShape, done: string): TemplateResult {
     return html`<div class="actions">

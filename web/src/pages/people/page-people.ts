@@ -18,6 +18,7 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
+import "./displays.js";
 import "./person-form.js";
 import "./person-row.js";
 
@@ -81,7 +82,8 @@ export class PagePeople extends LitElement {
             @t-cancel=${this.closeForm}
           ></t-person-form>`
         : nothing}
-      ${renderLoaded(this.everyone, "the list of people", (known) => this.renderList(known))}`;
+      ${renderLoaded(this.everyone, "the list of people", (known) => this.renderList(known))}
+      <t-displays></t-displays>`;
   }
 
   private renderList({ people, roles }: LoadedPeople): TemplateResult {

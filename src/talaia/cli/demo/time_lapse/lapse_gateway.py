@@ -16,6 +16,7 @@ from talaia.gateway.assembly.samples import SamplesPart
 from talaia.gateway.assembly.taps import TapsPart
 from talaia.gateway.assembly.video import VideoPart
 from talaia.gateway.uplink.files import FileLane
+from talaia.gateway.uplink.key_prover import RESUME_FILE, KeyProver
 from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link
 from talaia.gateway.uplink.tls import HubTrust
 from talaia.wire.frames import Ack, ResendRequest
@@ -116,7 +117,13 @@ class LapseGateway:
             failed=note_failure,
         )
         dispatcher = _Dispatcher(base.boot, samples.spool, base.lanes, self._thread.take_message)
-        hub = HubConnection(settings, HubTrust(settings.hub), clock, dispatcher)
+        prover = KeyProver(
+            key=settings.key,
+            site=site.site,
+            path=settings.data / RESUME_FILE,
+            on_disk=base.run_on_disk,
+        )
+        hub = HubConnection(settings, HubTrust(settings.hub), prover, clock, dispatcher)
         self._tasks: dict[str, Callable[[], Awaitable[None]]] = {
             **samples.tasks(),
             "link": partial(

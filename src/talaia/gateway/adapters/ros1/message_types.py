@@ -11,6 +11,7 @@ from rosbags.typesys import TypesysError, get_types_from_msg
 from talaia.gateway.adapters.message_fields import RosMessageType
 from talaia.gateway.adapters.ros2.type_definitions.field_comments import comments_in
 from talaia.gateway.errors import FieldError
+from talaia.ros_definitions import OutOfBounds, check_names, check_type_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,8 +46,10 @@ def definition_of(text: str, type_name: str) -> MessageDefinition:
     if len(text) > _MAX:
         raise FieldError("", f"the definition of {type_name} is too long")
     try:
+        check_type_name(type_name)
         found = get_types_from_msg(text, type_name)
-    except (TypesysError, ValueError, KeyError, RecursionError) as error:
+        check_names(found)
+    except (OutOfBounds, TypesysError, ValueError, KeyError, RecursionError) as error:
         raise FieldError("", f"the definition of {type_name} is not understood") from error
     kinds = {
         _short_name(name): RosMessageType(

@@ -16,7 +16,12 @@ __all__ = [
     "Confirmation",
     "DeviceList",
     "DeviceSummary",
+    "DisplayAsk",
+    "DisplayList",
+    "DisplayOpenAsk",
+    "DisplayShape",
     "FactorOffer",
+    "NewDisplay",
     "NewToken",
     "PasswordChange",
     "PasswordOnly",
@@ -41,6 +46,7 @@ _NAME = Field(min_length=1, max_length=200)
 _PASSWORD = Field(max_length=4096)
 _CODE = Field(min_length=1, max_length=64)  # of an authenticator, or for recovery, with its hyphens
 _MOST_PERMISSIONS = 500  # of one role or token
+_MOST_SITES = 200  # of one display
 
 
 class PasswordChange(Schema):
@@ -137,6 +143,42 @@ class NewToken(Schema):
 
     id: str
     token: str
+
+
+class DisplayShape(Schema):
+    """A screen that shows some sites and does nothing else."""
+
+    id: str
+    name: str
+    sites: list[str]
+    created_us: int
+    used_us: int  # UTC; 0: never
+
+
+class DisplayList(Schema):
+    """All displays, the newest first."""
+
+    displays: list[DisplayShape]
+
+
+class DisplayAsk(Schema):
+    """Make a display that shows these sites."""
+
+    name: str = _NAME
+    sites: list[str] = Field(min_length=1, max_length=_MOST_SITES)
+
+
+class NewDisplay(Schema):
+    """The token, shown this once. Its screen opens ``/display#`` and the token behind it."""
+
+    id: str
+    token: str
+
+
+class DisplayOpenAsk(Schema):
+    """Come in as a display."""
+
+    token: str = Field(min_length=1, max_length=200)
 
 
 class PersonShape(Schema):

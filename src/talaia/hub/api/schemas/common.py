@@ -51,27 +51,19 @@ __all__ = [
     "AuditList",
     "AuditPage",
     "AuditRow",
-    "CodeAsk",
-    "CodeShape",
     "CommandShape",
     "DetectShape",
     "DeviceShape",
     "DriveShape",
-    "EnrolAnswer",
-    "EnrolAsk",
     "EventList",
     "EventShape",
     "GapShape",
-    "GatewayList",
-    "GatewayShape",
     "Health",
     "HistoryAnswer",
     "LoginAsk",
     "Me",
-    "OpenCodeShape",
     "PermissionShape",
     "ProblemShape",
-    "ReconnectAsk",
     "SeriesShape",
     "SetupAsk",
     "SignalShape",
@@ -350,84 +342,6 @@ class EventList(Schema):
 
     events: list[EventShape]
     more: bool
-
-
-class GatewayShape(Schema):
-    """A gateway that has, or had, a key.
-
-    ``revoked_us`` is 0 while the key is good, ``seen_us`` 0 before its first link; address and
-    version are those of its last link.
-    """
-
-    id: str
-    site: str
-    name: str
-    created_us: int
-    revoked_us: int
-    seen_us: int
-    address: str
-    version: str
-    online: bool
-
-
-class OpenCodeShape(Schema):
-    """A one-time code that can still be used. What it says was shown once and is not kept."""
-
-    id: str
-    site: str
-    created_us: int
-    expires_us: int
-
-
-class GatewayList(Schema):
-    """All gateways, and the codes by which others may enrol."""
-
-    gateways: list[GatewayShape]
-    codes: list[OpenCodeShape]
-
-
-class CodeAsk(Schema):
-    """Make a one-time code for the gateway of a site; ``name`` is what people call it."""
-
-    site: str = Field(pattern=r"^[a-z][a-z0-9_]{0,62}$")
-    name: str = Field(default="", max_length=100)
-
-
-class CodeShape(Schema):
-    """A one-time code, shown once.
-
-    ``command`` is what to run beside the robot, ``qr`` the same as an SVG picture, and
-    ``fingerprint`` that of the hub's certificate (empty where a proxy holds it).
-    """
-
-    id: str
-    code: str
-    expires_us: int
-    command: str
-    fingerprint: str
-    qr: str
-
-
-class EnrolAsk(Schema):
-    """Use a one-time code; ``name`` is what the gateway calls itself."""
-
-    code: str = Field(min_length=1, max_length=200)
-    name: str = Field(default="", max_length=100)
-
-
-class EnrolAnswer(Schema):
-    """The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate."""
-
-    site: str
-    gateway: str
-    key: str
-    fingerprint: str
-
-
-class ReconnectAsk(Schema):
-    """Dial again (no device), or let the gateway connect anew to one device."""
-
-    device: str = Field(default="", max_length=200)
 
 
 class AuditRow(Schema):

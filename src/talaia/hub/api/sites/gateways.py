@@ -13,15 +13,17 @@ from talaia.clock import SECOND
 from talaia.hub.api.access import address_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.common import (
+from talaia.hub.api.schemas.gateway_schemas import (
     CodeAsk,
     CodeShape,
     EnrolAnswer,
     EnrolAsk,
     GatewayList,
     GatewayShape,
+    HeldGatewayShape,
     OpenCodeShape,
     ReconnectAsk,
+    SecondGatewayAsk,
 )
 from talaia.hub.auth.rate_limiter import RateLimiter
 from talaia.hub.store.sites.enrolment import EnrolmentRefusal
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.live.gateways.open_links import OpenLinks
+    from talaia.hub.live.sites import LiveSite
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.enrolment import Enrolment
     from talaia.hub.store.sites.site_registry import KnownGateway, SiteRegistry
@@ -90,6 +93,7 @@ class GatewayPages:
         router.delete("/api/gateways/codes/{code}", status_code=204)(self.withdraw)
         router.post("/api/gateways/{gateway}/revoke", status_code=204)(self.revoke)
         router.post("/api/gateways/{gateway}/reconnect", status_code=202)(self.reconnect)
+        router.post("/api/gateways/{gateway}/second", status_code=204)(self.settle)
         router.post("/api/enrol")(self.enrol)
         return router
 
@@ -102,6 +106,7 @@ class GatewayPages:
                 GatewayShape(
                     **{**gateway._asdict(), "id": str(gateway.id)},
                     online=gateway.id in online,
+                    held=_held_beside(online.get(gateway.id)),
                 )
                 for gateway in known
             ],
@@ -165,6 +170,17 @@ class GatewayPages:
                 request, "device reconnect asked", found.site, found.name, device=asked.device
             )
 
+    async def settle(self, gateway: str, asked: SecondGatewayAsk, request: Request) -> None:
+        """Decide which one of two gateways with one key stays; the other one waits."""
+        found = await self._find_gateway(gateway)
+        live = self._links.online_gateways().get(found.id)
+        if live is None or not live.rivals.settle_held(replaces=asked.stays == "held"):
+            raise ApiProblem(409, "alone", "no second gateway waits now")
+        said = "the one that waited takes the place"
+        if asked.stays == "linked":
+            said = "the one that is linked stays"
+        self._append_record(request, "second gateway settled", found.site, said)
+
     async def enrol(self, asked: EnrolAsk, request: Request) -> EnrolAnswer:
         """Trade a one-time code for a gateway's own key; the site's earlier key is void then."""
         address = address_of(request)
@@ -211,6 +227,14 @@ class GatewayPages:
 
     def _record_refusal(self, address: str, why: str) -> None:
         self._audit.append_record("gateway enrol refused", address=address, message=why, good=False)
+
+
+def _held_beside(live: LiveSite | None) -> list[HeldGatewayShape]:
+    held = [] if live is None else live.rivals.held
+    return [
+        HeldGatewayShape(address=one.address, version=one.version[:200], since_us=one.since_us)
+        for one in held
+    ]
 
 
 def _read_number(text: str) -> int:

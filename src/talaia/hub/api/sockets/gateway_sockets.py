@@ -50,14 +50,14 @@ class GatewaySocket:
 
     async def serve(self, socket: WebSocket) -> None:
         """Serve a gateway, or send it away."""
-        key = await self._admission.admit_gateway(socket)
+        key = await self._admission.gateways.admit_gateway(socket)
         if key is None:
             return
-        if after_s := self._flood_guard.admit_dial(key.site):
+        if after_s := self._flood_guard.admit_dial(key.site, known=key.resumed is not None):
             said = "this gateway connects too often; come back later"
             await deny_socket(
                 socket, status=503, code="busy", message=said, retry_s=math.ceil(after_s)
             )
         else:
-            await socket.accept()
+            await self._admission.gateways.accept_socket(socket, key)
             await self._server.serve_socket(socket, key)

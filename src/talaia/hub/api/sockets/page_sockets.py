@@ -35,5 +35,7 @@ class PageSockets:
         async with self._admission.admit_person(socket) as who:
             if who is not None:
                 await socket.accept()
-                transport = SocketTransport(socket, text=speaks_json(socket), script=who.script)
+                transport = SocketTransport(
+                    socket, text=speaks_json(socket), script=who.script, display=who.display
+                )
                 await self._service.serve(self._service.connect(transport, who))

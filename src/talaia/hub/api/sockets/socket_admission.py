@@ -15,18 +15,27 @@ if TYPE_CHECKING:
 
     from talaia.hub.api.access import Access
     from talaia.hub.api.rate_limits import RateLimits
+    from talaia.hub.api.sockets.gateway_admission import GatewayAdmission
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.store.sites.site_registry import GatewayKey
 
 __all__ = ["SocketAdmission", "speaks_json"]
 
 
 class SocketAdmission:
-    """Lets sockets in, or sends them away before the upgrade."""
+    """Lets sockets in, or sends them away before the upgrade.
 
-    def __init__(self, *, access: Access, limits: RateLimits) -> None:
-        """Know who asks by ``access``; ``limits`` counts the sockets of each person."""
+    Attributes:
+        gateways: lets those of gateways in.
+
+    """
+
+    def __init__(self, *, access: Access, gateways: GatewayAdmission, limits: RateLimits) -> None:
+        """Know who asks by ``access``; ``limits`` counts the sockets of each person.
+
+        ``gateways`` knows those of gateways.
+        """
         self._access = access
+        self.gateways = gateways
         self._limits = limits
 
     @asynccontextmanager
@@ -42,10 +51,6 @@ class SocketAdmission:
                 message = f"at most {MOST_SOCKETS} connections at once; close some pages"
                 await deny_socket(socket, status=429, code="busy", message=message)
             yield who if allowed else None
-
-    async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
-        """Give the key of the gateway that opens a socket; None: it was sent away."""
-        return await self._access.admit_gateway(socket)
 
 
 def speaks_json(socket: WebSocket) -> bool:

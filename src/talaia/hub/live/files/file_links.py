@@ -9,6 +9,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from talaia.first_completed import until_first
 from talaia.hub.errors import StoreDown
+from talaia.hub.live.gateways.doubles.duplicate_gateways import KEPT_OUT, is_beside_link
 from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
 from talaia.hub.live.gateways.gateway_words import with_known_who
 from talaia.hub.live.gateways.handed_down import HandedDown
@@ -135,6 +136,10 @@ class FileLinks:
         files = GatewayFiles(socket)
         if held_s := self.flood_guard.held_s(key.site):
             await files.send_farewell(HELD_OFF, TRY_LATER, held_s)
+            return
+        # What a gateway that waits would hand over stands under the site's name.
+        if not is_beside_link(self._sites.find_site(key.site), key):
+            await files.send_farewell(KEPT_OUT, TRY_LATER)
             return
         with self._links.count_open(key.id, files):
             await files.serve_files(self, key.site)

@@ -10,7 +10,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.hub.live.gateways.frame_limits import DIALS, HELD_S, FrameLimits, frame_kind
+from talaia.hub.live.gateways.frame_limits import DIALS, DIALS_BACK, HELD_S, FrameLimits, frame_kind
 from talaia.wire.errors import PeerError
 
 if TYPE_CHECKING:
@@ -51,13 +51,18 @@ class FloodGuard:
         over = limits.is_over("rows", now_ns)
         return max(limits.held_s(now_ns), _ROWS_OVER_S if over else 0.0)
 
-    def admit_dial(self, site: str) -> float:
-        """Count a connection that is opened by a site's key; give when to come back (s), or 0."""
-        verdict = self._limits_of(site).charge(DIALS, self._clock.monotonic_ns())
+    def admit_dial(self, site: str, *, known: bool = False) -> float:
+        """Count a connection that is opened by a site's key; give when to come back (s), or 0.
+
+        ``known``: it was linked before. These are counted apart, so that a thief of the key who
+        dials without end does not keep them out.
+        """
+        kind = DIALS_BACK if known else DIALS
+        verdict = self._limits_of(site).charge(kind, self._clock.monotonic_ns())
         if not verdict.slowed:
             return 0.0
         try:
-            self._report_flood(site, DIALS, verdict)
+            self._report_flood(site, kind, verdict)
         except PeerError:
             return HELD_S
         return max(1.0, verdict.wait_s)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DIALS",
+    "DIALS_BACK",
     "HELD_S",
     "LONGEST_OVER_S",
     "ROWS",
@@ -111,7 +112,13 @@ _KINDS: dict[type[Message], tuple[str, Allowance]] = {
     frames.FilePiece: ("pieces of files", _PIECES),
 }
 DIALS, UNKNOWN = "connections", "unknown messages"
-_ALLOWANCES = {**dict(_KINDS.values()), DIALS: _DIALS, UNKNOWN: _UNKNOWN}
+DIALS_BACK = "connections of the gateway that was here before"
+_ALLOWANCES = {
+    **dict(_KINDS.values()),
+    DIALS: _DIALS,
+    DIALS_BACK: _DIALS,
+    UNKNOWN: _UNKNOWN,
+}
 # Nobody owes more than what comes back in so long (s).
 _MOST_OWED_S = 10.0
 # So long over an allowance without a pause, and the link ends (s).

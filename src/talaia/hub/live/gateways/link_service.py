@@ -18,20 +18,18 @@ from talaia.first_completed import until_first
 from talaia.hub.errors import HubBusy
 from talaia.hub.live.gateways.channel_maps import ChannelMaps
 from talaia.hub.live.gateways.description_intake import Redescription, source_of
-from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, DuplicateGateways
+from talaia.hub.live.gateways.doubles.gateway_places import REPLACED
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
 from talaia.hub.live.gateways.frame_limits import UNKNOWN
+from talaia.hub.live.gateways.hello_intake import REFUSED, receive_hello
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.gateways.link import GONE, GatewayLink
 from talaia.hub.live.site_state import LinkedGateway
-from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.renames import former_addresses, list_renames
-from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
-from talaia.wire.message import is_compatible
 from talaia.wire.newest import chosen_newest, runs_of
 
 if TYPE_CHECKING:
@@ -42,6 +40,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.live.detection.sightings import SightingJournal
     from talaia.hub.live.gateways.description_intake import DescriptionIntake
+    from talaia.hub.live.gateways.doubles.gateway_places import GatewayPlaces
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.gateways.live_samples import LiveSamples
@@ -68,9 +67,6 @@ _NEWS_EVERY = 5
 _FINISH_S = 1.0
 # While these are raised the database is away; anything else is a defect.
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
-# Codes from 4000 on are left to applications (RFC 6455, 7.4.2).
-REFUSED = 4400
-REPLACED = 4409
 # When a gateway is to come back whose hub has no database just now.
 STORE_AFTER_S = 2.0
 
@@ -94,6 +90,7 @@ class LinkService:
         links: OpenLinks,
         admission: JoinQueue,
         flood_guard: FloodGuard,
+        places: GatewayPlaces,
         settings: Settings,
         clock: Clock,
     ) -> None:
@@ -113,6 +110,7 @@ class LinkService:
             links: closes a link whose key is revoked.
             admission: lets so many in at a time.
             flood_guard: slows whoever says too much, and cuts them off.
+            places: tells who of two gateways with one key has the place.
             settings: times of the link.
             clock: dates what comes.
 
@@ -128,8 +126,7 @@ class LinkService:
         self._links = links
         self._admission = admission
         self._settings, self._clock = settings, clock
-        self._rivals = DuplicateGateways(reporting)
-        self._flood_guard = flood_guard
+        self._flood_guard, self._places = flood_guard, places
         # Comings and goings of links are written down one after the other.
         self._parting = asyncio.Lock()
 
@@ -143,7 +140,9 @@ class LinkService:
     async def _serve_link(self, link: GatewayLink, key: GatewayKey, address: str) -> None:
         site = key.site
         try:
-            hello, description = await self._receive_hello(link, site)
+            hello, description = await receive_hello(
+                link, self._sites.find_site(site), site, self._settings.hello_s
+            )
             source = "" if hello is None else source_of(hello)
         # Before `GONE`, which has `TimeoutError` too: one that is late with its hello is told why.
         except (PeerError, DescriptionError, TimeoutError) as error:
@@ -157,8 +156,7 @@ class LinkService:
             return
         told = fingerprint_of(hello.description, hello.catalogue)
         # Before anything is looked up: a rival dials again and again.
-        if self._rivals.keeps_out(self._sites.find_site(site), hello.boot):
-            await link.send_farewell(KEPT_OUT, REPLACED)
+        if not await self._places.wait_place(link, key, hello, address):
             return
         if held_s := self._flood_guard.held_s(site):
             await link.send_farewell(HELD_OFF, TRY_LATER, held_s)
@@ -176,11 +174,14 @@ class LinkService:
             said = "the hub cannot store anything now; try again later"
             await link.send_farewell(said, TRY_LATER, STORE_AFTER_S)
             return
-        # Again: while this one waited for its turn a later run may have been linked. Nothing is
-        # awaited from here to `_attach_link`, so no other comes between.
-        if self._rivals.keeps_out(self._sites.find_site(site), hello.boot):
-            await link.send_farewell(KEPT_OUT, REPLACED)
+        # Again: while this one waited for its turn another may have been linked. Nothing is
+        # awaited from the last look to `_attach_link`, so no other comes between.
+        if not await self._places.wait_place(link, key, hello, address):
             return
+        gateway = LinkedGateway(
+            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts
+        )
+        self._places.assign_place(gateway, key)
         # Only queued; `_run_link` writes it.
         link.send(
             frames.Welcome(
@@ -188,10 +189,8 @@ class LinkService:
                 acked=acked,
                 time_us=self._clock.wall_ns() // 1000,
                 takes=["seen", "newest", "enclosure", "topic_list", "night_state"],
+                resume=self._places.words_of(gateway),
             )
-        )
-        gateway = LinkedGateway(
-            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts
         )
         live = self._attach_link(link, hello, description, gateway)
         self._attendance.record_link(key.id, site, hello.version, address)
@@ -207,36 +206,12 @@ class LinkService:
             await asyncio.gather(storing, return_exceptions=True)
             self._attendance.record_leave(key.id, site)
 
-    async def _receive_hello(
-        self, link: GatewayLink, site: str
-    ) -> tuple[frames.Hello | None, Site | None]:
-        async with asyncio.timeout(self._settings.hello_s):
-            hello = await link.receive_message()
-        # It has hung up without a word.
-        if hello is None:
-            return None, None
-        if not isinstance(hello, frames.Hello):
-            raise PeerError("expected hello as the first message", REFUSED)
-        if not is_compatible(hello.protocol):
-            raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
-        # A key is for one site: otherwise a gateway could speak for another's robots.
-        if hello.site != site:
-            raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
-        live = self._sites.find_site(site)
-        if live is not None and live.gateway.fingerprint == fingerprint_of(
-            hello.description, hello.catalogue
-        ):
-            # Word for word what it said before: there is nothing to read.
-            return hello, live.description
-        # A large description takes a while to read: not in the way of the others.
-        description = await asyncio.to_thread(_read_site, hello.description)
-        # The site is named in the description too, and that one must fit the key as well.
-        if description.site != site:
-            raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
-        return hello, description
-
     def _attach_link(
-        self, link: GatewayLink, hello: frames.Hello, description: Site, gateway: LinkedGateway
+        self,
+        link: GatewayLink,
+        hello: frames.Hello,
+        description: Site,
+        gateway: LinkedGateway,
     ) -> LiveSite:
         site = description.site
         before = self._sites.find_site(site)
@@ -246,7 +221,6 @@ class LinkService:
             before.link.dismiss_gateway("another gateway of this site has connected")
             # Before the new link begins: its leases are free and its commands unknown.
             self._reporting.link_lost(before)
-            self._rivals.record_replacement(before, hello.boot)
         changed = before is None or before.description != description
         renamed = {} if before is None else list_renames(before.description, description)
         live = self._sites.describe_site(description, hello.catalogue, renamed)
@@ -357,6 +331,8 @@ class LinkService:
                 case frames.BeatReply():
                     link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
                     live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
+                case frames.ResumeSaved():
+                    live.gateway.saved |= message.serial == live.gateway.issued.serial
                 case frames.Bye():
                     return
                 case frames.Hello():
@@ -416,7 +392,3 @@ def _former_channels(live: LiveSite, renamed: Mapping[str, str]) -> dict[str, st
     # A channel that was renamed twice is found by its first address too.
     known = {old: renamed.get(new, new) for old, new in live.renamed.items()}
     return {**former_addresses(live.description), **known, **renamed}
-
-
-def _read_site(text: str) -> Site:
-    return raise_first(load_site(text))

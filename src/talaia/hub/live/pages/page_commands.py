@@ -71,9 +71,11 @@ class PageCommands:
             case page.PageDrive():
                 self._drive(browser, live, asked)
             case page.PageStop():
-                live.link.send(
-                    frames.StopRequest(device=asked.device, id=asked.id, who=browser.signature)
-                )
+                stop = frames.StopRequest(device=asked.device, id=asked.id, who=browser.signature)
+                live.link.send(stop)
+                # Of two gateways with one key either may be the one that moves the robot.
+                for held in live.rivals.held:
+                    held.link.send(stop)
                 self._append_record(live, "stop pressed", browser.signature, asked.device)
             case page.PageReset():
                 live.link.send(

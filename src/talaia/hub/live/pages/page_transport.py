@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from starlette.websockets import WebSocketDisconnect
 
-from talaia.hub.policy import NOT_BY_SCRIPT
+from talaia.hub.policy import BY_DISPLAY, NOT_BY_SCRIPT
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, PageLease, RequestError
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LeaseOp
@@ -25,6 +25,7 @@ __all__ = ["GONE", "PageTransport", "SocketTransport"]
 # A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
 _SILENT_S = 150.0
 _NO_PAGE = "a token drives by /clients/scripts/<site> alone, if an admin lets it (Admin, Clients)"
+_NO_PERSON = "a display only shows; sign in to do something"
 # What a socket raises when the other side has gone or does not take anything.
 GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
@@ -70,12 +71,18 @@ class PageTransport(Protocol):
 class SocketTransport:
     """A page's WebSocket."""
 
-    def __init__(self, socket: WebSocket, *, text: bool, script: bool = False) -> None:
-        """Speak JSON with ``text``, else MessagePack; ``script``: with one that has a token."""
+    def __init__(
+        self, socket: WebSocket, *, text: bool, script: bool = False, display: bool = False
+    ) -> None:
+        """Speak JSON with ``text``, else MessagePack; ``script``: with one that has a token.
+
+        ``display``: with a screen, which only looks.
+        """
         # Accepted already.
         self._socket = socket
         self._text = text
         self._script = script
+        self._display = display
 
     @property
     def form(self) -> str:
@@ -88,12 +95,14 @@ class SocketTransport:
 
     def refuse_request(self, message: FromBrowser) -> RequestError | None:
         """Refuse what only a page does: a script is a tool, and drives by the rules of tools."""
+        about = str(type(message).__struct_config__.tag)
+        if self._display and type(message) not in BY_DISPLAY:
+            return RequestError(code="forbidden", message=_NO_PERSON, about=about)
         if not self._script or type(message) not in NOT_BY_SCRIPT:
             return None
         # To let go is always allowed.
         if isinstance(message, PageLease) and message.op is LeaseOp.FREE:
             return None
-        about = str(type(message).__struct_config__.tag)
         return RequestError(code="forbidden", message=_NO_PAGE, about=about)
 
     async def read_messages(

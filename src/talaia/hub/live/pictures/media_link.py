@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.first_completed import until_first
+from talaia.hub.live.gateways.doubles.duplicate_gateways import KEPT_OUT, is_beside_link
 from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
 from talaia.hub.live.gateways.link import GatewayLink
 from talaia.wire.errors import PeerError
@@ -166,6 +167,10 @@ class MediaLinks:
         if held_s := self._flood_guard.held_s(site):
             await camera.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return
+        # Before the older one is closed: a thief of the key must not put out the pictures.
+        if not is_beside_link(self._sites.find_site(site), key):
+            await camera.send_farewell(KEPT_OUT, TRY_LATER)
+            return
         before = self._open.get(site)
         if before is not None:
             # A gateway needs one; the older is likely a connection that is dead.
@@ -176,10 +181,10 @@ class MediaLinks:
         try:
             with self._links.count_open(key.id, camera):
                 receivers = MediaReceivers(
-                    picture=lambda picture: self._publish(site, picture),
+                    picture=lambda picture: self._publish(key, picture),
                     trouble=lambda said: self._media.trouble(site, said),
                     boxes=lambda boxes: self._media.boxes(site, boxes),
-                    taps=lambda said: self._receive_tap(site, camera, said),
+                    taps=lambda said: self._receive_tap(key, camera, said),
                     admit=partial(self._flood_guard.admit_frame, site),
                 )
                 await camera.serve(receivers, self._now_us)
@@ -188,16 +193,19 @@ class MediaLinks:
             if self._open.get(site) is camera:
                 del self._open[site]
 
-    def _publish(self, site: str, picture: PictureFrame) -> None:
-        live = self._sites.find_site(site)
-        # Its offset turns the time of a picture into ours, so no link: no pictures.
-        if live is not None and isinstance(live.link, GatewayLink):
+    def _publish(self, key: GatewayKey, picture: PictureFrame) -> None:
+        live = self._sites.find_site(key.site)
+        # Its offset turns the time of a picture into ours, so no link: no pictures. And none of
+        # a gateway that has lost its place since it opened this.
+        if live is not None and isinstance(live.link, GatewayLink) and is_beside_link(live, key):
             self._media.shot(live, picture, live.link.offset)
 
-    def _receive_tap(self, site: str, camera: GatewayCamera, said: TapFromGateway) -> None:
+    def _receive_tap(self, key: GatewayKey, camera: GatewayCamera, said: TapFromGateway) -> None:
         # Pieces of two connections make no message.
-        if self._open.get(site) is camera:
-            self._taps.receive(site, said)
+        if self._open.get(key.site) is camera and is_beside_link(
+            self._sites.find_site(key.site), key
+        ):
+            self._taps.receive(key.site, said)
 
     def _now_us(self) -> int:
         # Monotonic, as for the link: both compare the same clocks.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from talaia.hub.store.accounts.displays import Displays
     from talaia.hub.store.accounts.sessions import LiveSession, Sessions
     from talaia.hub.store.accounts.tokens import ApiTokens
 
@@ -14,18 +15,20 @@ __all__ = ["Credentials"]
 
 
 class Credentials:
-    """Sessions and tokens by the names that a `Who` carries."""
+    """Sessions, tokens and displays by the names that a `Who` carries."""
 
-    def __init__(self, sessions: Sessions, tokens: ApiTokens) -> None:
-        """Ask both."""
+    def __init__(self, sessions: Sessions, tokens: ApiTokens, displays: Displays) -> None:
+        """Ask all three."""
         self._sessions = sessions
         self._tokens = tokens
+        self._displays = displays
 
     async def live_sessions(self, keys: Collection[str]) -> dict[str, LiveSession]:
         """Give those that are alive, with their rights of now."""
         return {
             **await self._sessions.live_sessions(keys),
             **await self._tokens.live_sessions(keys),
+            **await self._displays.live_sessions(keys),
         }
 
     async def mark_used(self, used: Collection[LiveSession]) -> int:

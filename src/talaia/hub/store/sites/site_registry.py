@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
+    from talaia.wire.gateway_proof import ResumeToken
 
 __all__ = ["GatewayKey", "KnownGateway", "KnownSite", "SiteRegistry", "add_key"]
 
@@ -31,10 +32,18 @@ class KnownSite(NamedTuple):
 
 
 class GatewayKey(NamedTuple):
-    """Whose key it is, and for which site it speaks."""
+    """Whose key it is, and for which site it speaks.
+
+    Attributes:
+        challenged: the key was proved by our challenge; a gateway of before says it.
+        resumed: which place the gateway has shown that it had; None: it has shown none.
+
+    """
 
     id: int
     site: str
+    challenged: bool = False
+    resumed: ResumeToken | None = None
 
 
 class KnownGateway(NamedTuple):
@@ -87,6 +96,14 @@ class SiteRegistry:
             )
             row = rows.first()
         return None if row is None else GatewayKey(*row)
+
+    async def keys_of_site(self, site: str) -> list[tuple[int, str]]:
+        """Give number and hash of the good keys of a site: one, or none."""
+        query = select(gateways.c.id, gateways.c.key_hash).where(
+            gateways.c.site == site, gateways.c.revoked_us == 0
+        )
+        async with self._database.read() as connection:
+            return [(row.id, row.key_hash) for row in await connection.execute(query)]
 
     async def key_hash(self, number: int) -> str | None:
         """Give what is kept of a gateway's key: its hash; None when it is unknown or revoked."""

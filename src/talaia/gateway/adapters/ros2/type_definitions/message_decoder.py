@@ -17,6 +17,7 @@ from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     TypeDefinition,
 )
 from talaia.gateway.errors import FieldError
+from talaia.ros_definitions import OutOfBounds, check_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -75,11 +76,13 @@ def compiled_store(definition: TypeDefinition) -> Typestore:
     }
     types[_WIDE] = ([], [("units", (Nodetype.SEQUENCE, ((Nodetype.BASE, ("uint32", 0)), 0)))])
     try:
+        # A robot's word, or a file's: rosbags runs what it writes of it.
+        check_names(cast("Typesdict", types))
         store.register(cast("Typesdict", types))
         store.types[_WIDE] = cast("Any", _wide_text)
         store.get_msgdef(definition.name)
-    except (TypesysError, SyntaxError, KeyError, RecursionError) as error:
-        raise BadDefinition(f"{definition.name} cannot be decoded: {error}") from error
+    except (OutOfBounds, TypesysError, SyntaxError, KeyError, RecursionError) as error:
+        raise BadDefinition(f"{definition.name[:200]!r} cannot be decoded: {error}") from error
     return store
 
 

@@ -132,9 +132,12 @@ class TypeDefinition(NamedTuple):
         """Give it with what it is made of alone, if that can be decoded.
 
         Raises:
-            BadDefinition: a part is missing, contains itself, or has a field that no type has.
+            BadDefinition: its name is none, a part is missing, contains itself, or has a field
+                that no type has.
 
         """
+        if not is_type_name(self.name):
+            raise BadDefinition(f"{self.name[:200]!r} is no name of a type")
         found: dict[str, PartDefinition] = {}
         self._collect(self.name, (), found)
         return self._replace(parts=found)

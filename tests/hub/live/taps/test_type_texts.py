@@ -13,7 +13,7 @@ from talaia.hub.clients.rosbridge.ros_types import (
     describe_type,
     message_reader,
 )
-from talaia.hub.live.taps.type_bounds import MOST_DEFINITION
+from talaia.ros_definitions import MOST_DEFINITION
 from talaia.wire.frames import TapSchema
 
 pytestmark = pytest.mark.pure

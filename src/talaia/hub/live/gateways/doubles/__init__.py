@@ -1,0 +1,1 @@
+"""Two gateways with one key: who has the place, and who waits."""

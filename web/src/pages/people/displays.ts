@@ -1,0 +1,162 @@
+/** Displays: screens that show chosen sites and can do nothing else; each opens by an address of its own. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, query, queryAll, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
+import { QuestionController } from "../../controllers/question.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { renderFormActions } from "../../elements/forms/form-parts.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
+import { renderRows } from "../../elements/layout/rows.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { apiContext, sitesContext } from "../../state/contexts.js";
+import { AdminApi } from "../../wire/admin-api.js";
+import type { DisplayShape } from "../../generated/api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/copy-text.js";
+import "../../elements/forms/field.js";
+import "../../elements/values/time.js";
+
+@customElement("t-displays")
+export class DisplayList extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      fieldset {
+        display: grid;
+        gap: var(--t-space-2);
+        margin: 0;
+        padding: 0;
+        border: 0;
+      }
+      label {
+        display: flex;
+        align-items: center;
+        gap: var(--t-space-2);
+        min-block-size: var(--t-touch);
+      }
+    `,
+  ];
+
+  @state() private made = "";
+  @state() private wrong = "";
+  @query("#name") private readonly name!: HTMLInputElement;
+  @queryAll("fieldset input") private readonly boxes!: NodeListOf<HTMLInputElement>;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly rows = new LoadController<readonly DisplayShape[]>(this);
+  private readonly action = new ActionController(this);
+  private readonly form = new OpenSubject<"new">(this);
+  private readonly revoking = new QuestionController<DisplayShape>(this, (row, action) =>
+    action.run("revoke it", () => new AdminApi(this.api).revokeDisplay(row.id)).finally(this.rows.invalidate),
+  );
+
+  override willUpdate(): void {
+    this.rows.load("displays", () => new AdminApi(this.api).displays());
+  }
+
+  override render(): TemplateResult {
+    return html`<div class="head">
+        <div>
+          <h2>Displays</h2>
+          <p class="muted">A screen that shows some sites without anybody signing in. It commands, drives and stops nothing.</p>
+        </div>
+        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>Add a display</t-button>
+      </div>
+      ${renderAdvice(this.action.problem)} ${this.made === "" ? nothing : this.renderShown()}
+      ${this.form.isOpen ? this.renderForm() : nothing}
+      ${renderLoaded(this.rows, "the list of displays", (rows) => this.renderList(rows))}
+      ${renderQuestion(this.revoking, ({ name }) => ({
+        heading: `Revoke ${name}?`,
+        action: "Revoke it",
+        keep: "Keep it",
+        text: "Its screen goes dark at once. It cannot be taken back.",
+      }))}`;
+  }
+
+  private renderForm(): TemplateResult {
+    return html`<form class="fields" novalidate @submit=${this.onSubmit}>
+      <t-field label="Name" hint="Where the screen is" error=${this.wrong}>
+        <input id="name" autocomplete="off" maxlength="100" />
+      </t-field>
+      <fieldset>
+        <legend>Sites that it shows</legend>
+        ${repeat(
+          this.sites.store?.list ?? [],
+          ({ site }) => site,
+          ({ site, name }) => html`<label><input type="checkbox" .value=${site} /> ${name}</label>`,
+        )}
+      </fieldset>
+      ${renderFormActions({ submit: "Make it", busy: this.action.busy, cancel: this.closeForm })}
+    </form>`;
+  }
+
+  private renderShown(): TemplateResult {
+    return html`<div class="fields" style="max-inline-size: 46rem">
+      <p>
+        <strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps
+        it from then on. Whoever has the address can look, too.
+      </p>
+      <t-copy label="Address" .text=${`${location.origin}/display#${this.made}`}></t-copy>
+      <div class="actions"><t-button kind="primary" @click=${this.closeSecret}>I have opened it</t-button></div>
+    </div>`;
+  }
+
+  private renderList(rows: readonly DisplayShape[]): unknown {
+    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">There are none.</p>`;
+    const zone = this.sites.store?.zone ?? "UTC";
+    return renderRows(
+      rows,
+      (row) => html`<li>
+        <div>
+          <span class="name">${row.name}</span>
+          <div class="facts">
+            <span>shows ${row.sites.join(", ")}</span>
+            <span>last opened <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
+          </div>
+        </div>
+        <t-button label=${`Revoke the display ${row.name}`} @click=${this.revoking.opener(row)}>Revoke…</t-button>
+      </li>`,
+    );
+  }
+
+  private readonly onSubmit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const name = this.name.value.trim();
+    const sites = [...this.boxes].filter((box) => box.checked).map((box) => box.value);
+    this.wrong = name === "" ? "It needs a name." : sites.length === 0 ? "Choose at least one site." : "";
+    if (this.wrong !== "") return;
+    void this.action
+      .run("make the display", async () => {
+        this.made = (await new AdminApi(this.api).addDisplay(name, sites)).token;
+      })
+      .then((done) => {
+        if (done) this.form.close();
+        this.rows.invalidate();
+      });
+  };
+
+  private readonly closeForm = (): void => {
+    this.form.close();
+    this.action.clear();
+  };
+
+  private readonly closeSecret = (): void => {
+    this.made = "";
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-displays": DisplayList;
+  }
+}
