@@ -63,6 +63,8 @@ class Hub(AssembledHub):
         self.notifications = NotificationsFeature(
             core, alarms=alarms, outbox=self.alarms.outbox, audit=log
         )
+        # A person is told by the same ways when somebody tries codes for their account.
+        self.people.proving.on_notice = self.notifications.wake_up
         self.robot_events = RobotEventsFeature(core, alarms=alarms, audit=log)
         reporting, flood_guard = self.robot_events.reporting, self.robot_events.flood_guard
         self.media = MediaFeature(

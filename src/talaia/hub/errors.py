@@ -26,6 +26,7 @@ __all__ = [
     "HubError",
     "LastAdmin",
     "NameTaken",
+    "PasskeyRefused",
     "RoleInUse",
     "SeededRole",
     "StoreDown",
@@ -93,6 +94,10 @@ class SeededRole(HubError):
 
 class WeakPassword(HubError):
     """The password does not meet the rules, or the name does not."""
+
+
+class PasskeyRefused(HubError):
+    """What a browser says of a passkey does not hold, or may not be."""
 
 
 class TapRefused(HubError):

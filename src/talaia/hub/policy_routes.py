@@ -60,6 +60,9 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     "people": {
         # Wrong tries are counted, and more of them must wait (`auth.throttle`).
         ("POST", "/api/login"): AccessNeed.OPEN,
+        # The same; and each challenge is good once.
+        ("POST", "/api/login/passkey"): AccessNeed.OPEN,
+        ("POST", "/api/login/passkey/options"): AccessNeed.OPEN,
         # Whoever has the token that the hub wrote at its start; it is used up by the first admin.
         ("POST", "/api/setup"): AccessNeed.OPEN,
         ("POST", "/api/logout"): AccessNeed.OWN,
@@ -74,6 +77,13 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/me/factor"): AccessNeed.OWN,
         ("POST", "/api/me/factor/confirm"): AccessNeed.OWN,
         ("POST", "/api/me/factor/remove"): AccessNeed.OWN,
+        ("POST", "/api/me/factor/seen"): AccessNeed.OWN,
+        ("GET", "/api/me/passkeys"): AccessNeed.OWN,
+        ("POST", "/api/me/passkeys"): AccessNeed.OWN,
+        ("POST", "/api/me/passkeys/options"): AccessNeed.OWN,
+        # To confirm by one that is there already; it gives nothing away.
+        ("POST", "/api/me/passkeys/challenge"): AccessNeed.OWN,
+        ("DELETE", "/api/me/passkeys/{passkey}"): AccessNeed.OWN,
         ("GET", "/api/me/tokens"): AccessNeed.OWN,
         # A token must not outlive itself by making another.
         ("POST", "/api/me/tokens"): AccessNeed.OWN,
@@ -88,6 +98,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/roles"): AccessNeed.ADMIN,
         ("PUT", "/api/roles/{role}"): AccessNeed.ADMIN,
         ("DELETE", "/api/roles/{role}"): AccessNeed.ADMIN,
+        ("PUT", "/api/roles/{role}/factor"): AccessNeed.ADMIN,
     },
     "history": {
         # Each channel is looked at besides; what may not be seen is as if it were not there.

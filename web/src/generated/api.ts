@@ -214,6 +214,8 @@ export interface Me {
   readonly role: string;
   readonly admin: boolean;
   readonly factor: boolean;
+  readonly factor_missing: boolean;
+  readonly codes_locked_us: number;
   readonly idle_ends_us: number;
   readonly ends_us: number;
   readonly permissions: readonly PermissionShape[];
@@ -329,10 +331,11 @@ export interface CodeOnly {
   readonly code: string;
 }
 
-/** Prove anew that it is you; ``code`` of the second factor, where you have one. */
+/** Prove anew that it is you. */
 export interface Confirmation {
-  readonly password: string;
+  readonly password?: string;
   readonly code?: string;
+  readonly credential?: Readonly<Record<string, unknown>> | null;
 }
 
 /** All devices that are open to you, by site. */
@@ -354,6 +357,11 @@ export interface DeviceSummary {
   readonly stale: number;
 }
 
+/** Whether a role requires a second factor. */
+export interface FactorNeed {
+  readonly required: boolean;
+}
+
 /** A secret for an authenticator: as text, as a link, and as an SVG picture of the link. */
 export interface FactorOffer {
   readonly secret: string;
@@ -365,6 +373,50 @@ export interface FactorOffer {
 export interface NewToken {
   readonly id: string;
   readonly token: string;
+}
+
+/** It is kept. Where it is your first second factor, recovery codes; shown this once. */
+export interface PasskeyAdded {
+  readonly id: string;
+  readonly recovery: readonly string[];
+}
+
+/** Keep a passkey that the browser has made, under a name of yours. */
+export interface PasskeyAsk {
+  readonly name: string;
+  readonly credential: Readonly<Record<string, unknown>>;
+}
+
+/** Your passkeys, the oldest first; ``codes``: you have an authenticator with codes besides. */
+export interface PasskeyList {
+  readonly passkeys: readonly PasskeyShape[];
+  readonly codes: boolean;
+  readonly possible: boolean;
+}
+
+/** What the browser's ``navigator.credentials`` takes (WebAuthn, level 3, as JSON). */
+export interface PasskeyOptions {
+  readonly options: Readonly<Record<string, unknown>>;
+}
+
+/** Begin to sign in by passkey: with name and password as a second factor, without alone. */
+export interface PasskeyOptionsAsk {
+  readonly name?: string;
+  readonly password?: string;
+}
+
+/** One of your passkeys; ``host`` is the name of the hub for which it was made. */
+export interface PasskeyShape {
+  readonly id: string;
+  readonly name: string;
+  readonly host: string;
+  readonly created_us: number;
+  readonly used_us: number;
+}
+
+/** The answer of a passkey (WebAuthn's ``PublicKeyCredential`` as JSON). */
+export interface PasskeySignIn {
+  readonly credential: Readonly<Record<string, unknown>>;
 }
 
 /** Take another password. */
@@ -437,6 +489,7 @@ export interface RoleShape {
   readonly name: string;
   readonly seeded: boolean;
   readonly people: number;
+  readonly factor_required: boolean;
   readonly permissions: readonly PermissionShape[];
 }
 

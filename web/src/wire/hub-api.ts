@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OutlierList, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -66,6 +66,17 @@ export class HubApi {
   /** @param code the second factor's six digits, or a recovery code; empty when none was asked for */
   login(name: string, password: string, code = ""): Promise<Me> {
     return this.request("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
+  }
+
+  /** What a passkey has to answer: in place of name and password, or after both. */
+  async passkeySignIn(name = "", password = ""): Promise<Readonly<Record<string, unknown>>> {
+    const said = name === "" ? {} : { name, password };
+    return (await this.request<PasskeyOptions>("POST", "/api/login/passkey/options", said)).options;
+  }
+
+  /** @param credential the passkey's answer */
+  loginByPasskey(credential: Readonly<Record<string, unknown>>): Promise<Me> {
+    return this.request("POST", "/api/login/passkey", { credential });
   }
 
   async logout(): Promise<void> {

@@ -8,7 +8,15 @@ from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem_response
 from talaia.hub.errors import HubBusy, StoreDown
-from talaia.hub.policy import BY_SCRIPT, CONFIRMED, SOCKETS, AccessNeed, allows, need_of_route
+from talaia.hub.policy import (
+    BEFORE_FACTOR,
+    BY_SCRIPT,
+    CONFIRMED,
+    SOCKETS,
+    AccessNeed,
+    allows,
+    need_of_route,
+)
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
 from talaia.hub.store.accounts.tokens import MARK
 
@@ -38,6 +46,7 @@ __all__ = [
 
 # A page that asks by itself, and not because a person did something, says so with this header.
 _BACKGROUND = "talaia-background"
+_FACTOR_FIRST = "your role requires a second factor; set one up first"
 # Digits; so many always fit a column of 64 bits.
 _LONGEST_NUMBER = 18
 
@@ -145,6 +154,10 @@ class Access:
         # Before the rights: whatever its person may, a token may not.
         if who.script and need not in BY_SCRIPT:
             raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
+        # Whatever the rights: until then it could be anybody who knows the password.
+        open_now = (request.method, request.scope["route"].path) in BEFORE_FACTOR
+        if who.factor_missing and not open_now:
+            raise ApiProblem(403, "factor_required", _FACTOR_FIRST)
         site = request.path_params.get("site")
         # None also for a site that is not known; `allows` then lets only admins of everything pass.
         live = self._sites.find_site(site) if site else None
@@ -184,6 +197,9 @@ class Access:
         # Of a stream, which site it is of is not known here; its own route looks.
         if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
             await deny_socket(socket, status=401, code="unauthorized", message="sign in first")
+            return None
+        if alive.who.factor_missing:
+            await deny_socket(socket, status=403, code="factor_required", message=_FACTOR_FIRST)
             return None
         return alive.who
 

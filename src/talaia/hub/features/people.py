@@ -8,12 +8,15 @@ from talaia.hub.api.access import Access
 from talaia.hub.api.accounts.authentication import Authentication
 from talaia.hub.api.accounts.browser_sessions import BrowserSessions
 from talaia.hub.api.accounts.own_account import OwnPages
+from talaia.hub.api.accounts.passkey_answers import PasskeyAnswers
+from talaia.hub.api.accounts.passkeys import PasskeyPages
 from talaia.hub.api.accounts.people import PeoplePages
 from talaia.hub.api.accounts.roles import RolePages
 from talaia.hub.api.accounts.sign_in import Accounts
 from talaia.hub.api.accounts.tokens import TokenPages
 from talaia.hub.api.rate_limits import RateLimits
 from talaia.hub.api.sockets.socket_admission import SocketAdmission
+from talaia.hub.auth.passkey_challenges import PasskeyChallenges
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.features.feature import BackgroundTask, Feature
@@ -24,6 +27,7 @@ from talaia.hub.store.accounts.credentials import Credentials
 from talaia.hub.store.accounts.failed_logins import FailedLogins
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
 from talaia.hub.store.accounts.mfa import SecondFactors
+from talaia.hub.store.accounts.passkeys import Passkeys
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
@@ -48,6 +52,7 @@ class PeopleFeature(Feature):
         access: guards every route by the policy table.
         limits: how much each may ask.
         admission: lets sockets in.
+        proving: checks what people know and have.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """
@@ -85,12 +90,21 @@ class PeopleFeature(Feature):
             browsers=KnownBrowsers(database, clock),
             seats=self.seats,
         )
-        proving = Authentication(
+        # Told by whoever delivers how to wake it, which is built after this.
+        self.proving = proving = Authentication(
             sessions=sessions,
             people=self.accounts,
             passwords=passwords,
             factors=factors,
             tries=self._tries,
+            audit=audit,
+        )
+        passkeys = Passkeys(database, clock)
+        answers = PasskeyAnswers(
+            passkeys=passkeys,
+            challenges=PasskeyChallenges(),
+            proving=proving,
+            clock=clock,
             audit=audit,
         )
         pages = (
@@ -107,6 +121,14 @@ class PeopleFeature(Feature):
                 people=self.accounts,
                 passwords=passwords,
                 factors=factors,
+                answers=answers,
+                audit=audit,
+            ),
+            PasskeyPages(
+                answers=answers,
+                passkeys=passkeys,
+                factors=factors,
+                sessions=sessions,
                 audit=audit,
             ),
             TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),

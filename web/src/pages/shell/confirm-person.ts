@@ -12,6 +12,7 @@ import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { apiContext, sessionContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { hasPasskeys } from "../../wire/passkeys.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/forms/field.js";
@@ -83,6 +84,9 @@ export class ConfirmPerson extends LitElement {
             <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
           </t-field>`
         : nothing}
+      ${person?.factor === true && hasPasskeys()
+        ? html`<div><t-button ?busy=${this.action.runningKey === "passkey"} @click=${this.confirmByPasskey}>Use a passkey</t-button></div>`
+        : nothing}
       ${renderAdvice(this.action.problem)}
       <button type="submit" hidden></button>
     </form>`;
@@ -106,6 +110,13 @@ export class ConfirmPerson extends LitElement {
     const done = await this.action.run("take this", () => new AccountApi(this.api).confirm(password, code));
     if (done) this.finish(true);
     else void focusInside(this, this.code === null ? "#password" : "#code");
+  };
+
+  private readonly confirmByPasskey = (): void => {
+    const api = new AccountApi(this.api);
+    void this.action.run("take this", () => api.confirmByPasskey(this.password.value), "", "passkey").then((done) => {
+      if (done) this.finish(true);
+    });
   };
 
   private readonly closeQuestion = (): void => {

@@ -5,6 +5,8 @@ Times ending in ``_us`` are microseconds since the epoch (UTC); 0 says never. Id
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import Field
 
 from talaia.hub.api.schemas.common import PermissionShape, Schema
@@ -16,8 +18,16 @@ __all__ = [
     "Confirmation",
     "DeviceList",
     "DeviceSummary",
+    "FactorNeed",
     "FactorOffer",
     "NewToken",
+    "PasskeyAdded",
+    "PasskeyAsk",
+    "PasskeyList",
+    "PasskeyOptions",
+    "PasskeyOptionsAsk",
+    "PasskeyShape",
+    "PasskeySignIn",
     "PasswordChange",
     "PasswordOnly",
     "PersonAsk",
@@ -63,10 +73,16 @@ class CodeOnly(Schema):
 
 
 class Confirmation(Schema):
-    """Prove anew that it is you; ``code`` of the second factor, where you have one."""
+    """Prove anew that it is you.
 
-    password: str = _PASSWORD
+    ``password``, and ``code`` of the second factor where you have one; or ``credential``, the
+    answer of a passkey: in place of the code, and of the password too where its device has
+    verified you (by a PIN, a finger, a face).
+    """
+
+    password: str = Field("", max_length=4096)
     code: str = Field("", max_length=64)
+    credential: dict[str, Any] | None = None
 
 
 class RemoveFactor(Schema):
@@ -87,6 +103,60 @@ class FactorOffer(Schema):
 class RecoveryCodes(Schema):
     """Each opens once in place of a code. They are shown this once."""
 
+    recovery: list[str]
+
+
+class PasskeyShape(Schema):
+    """One of your passkeys; ``host`` is the name of the hub for which it was made."""
+
+    id: str
+    name: str
+    host: str
+    created_us: int
+    used_us: int  # UTC; 0: never
+
+
+class PasskeyList(Schema):
+    """Your passkeys, the oldest first; ``codes``: you have an authenticator with codes besides.
+
+    ``possible``: one can be made here; browsers make none for an IP address.
+    """
+
+    passkeys: list[PasskeyShape]
+    codes: bool
+    possible: bool
+
+
+class PasskeyOptions(Schema):
+    """What the browser's ``navigator.credentials`` takes (WebAuthn, level 3, as JSON)."""
+
+    options: dict[str, Any]
+
+
+class PasskeyOptionsAsk(Schema):
+    """Begin to sign in by passkey: with name and password as a second factor, without alone."""
+
+    name: str = Field("", max_length=200)
+    password: str = Field("", max_length=4096)
+
+
+class PasskeySignIn(Schema):
+    """The answer of a passkey (WebAuthn's ``PublicKeyCredential`` as JSON)."""
+
+    credential: dict[str, Any]
+
+
+class PasskeyAsk(Schema):
+    """Keep a passkey that the browser has made, under a name of yours."""
+
+    name: str = _NAME
+    credential: dict[str, Any]
+
+
+class PasskeyAdded(Schema):
+    """It is kept. Where it is your first second factor, recovery codes; shown this once."""
+
+    id: str
     recovery: list[str]
 
 
@@ -175,12 +245,16 @@ class PersonChange(Schema):
 
 
 class RoleShape(Schema):
-    """A role; ``people`` counts those who have it."""
+    """A role; ``people`` counts those who have it.
+
+    ``factor_required``: they need a second factor, and set one up before anything else.
+    """
 
     id: str
     name: str
     seeded: bool
     people: int
+    factor_required: bool
     permissions: list[PermissionShape]
 
 
@@ -188,6 +262,12 @@ class RoleList(Schema):
     """Every role, the seeded ones first."""
 
     roles: list[RoleShape]
+
+
+class FactorNeed(Schema):
+    """Whether a role requires a second factor."""
+
+    required: bool
 
 
 class RoleAsk(Schema):
