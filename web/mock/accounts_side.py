@@ -87,7 +87,7 @@ class Accounts:
         given = self.permissions(name)
         return {
             "name": name, "role": self.role_of(name), "factor": bool(found.get("factor")),
-            "factor_missing": False, "codes_locked_us": 0,
+            "factor_missing": False, "codes_locked_us": 0, "password": True,
             "admin": any(one["right"] == "admin" and one["site"] == "*" for one in given),
             "idle_ends_us": now_us() + 12 * 3600 * 10**6, "ends_us": now_us() + 24 * 3600 * 10**6,
             "permissions": given,

@@ -27,6 +27,7 @@ __all__ = [
     "LastAdmin",
     "NameTaken",
     "PasskeyRefused",
+    "ProviderRefused",
     "RoleInUse",
     "SeededRole",
     "StoreDown",
@@ -98,6 +99,10 @@ class WeakPassword(HubError):
 
 class PasskeyRefused(HubError):
     """What a browser says of a passkey does not hold, or may not be."""
+
+
+class ProviderRefused(HubError):
+    """The provider of sign-ins does not answer, or what it says does not hold."""
 
 
 class TapRefused(HubError):

@@ -63,6 +63,12 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # The same; and each challenge is good once.
         ("POST", "/api/login/passkey"): AccessNeed.OPEN,
         ("POST", "/api/login/passkey/options"): AccessNeed.OPEN,
+        # Which provider there is; to begin; and to come back, with what the provider has said.
+        ("GET", "/api/login/oidc"): AccessNeed.OPEN,
+        ("POST", "/api/login/oidc"): AccessNeed.OPEN,
+        ("POST", "/api/login/oidc/finish"): AccessNeed.OPEN,
+        ("POST", "/api/me/oidc/confirm"): AccessNeed.OWN,
+        ("POST", "/api/me/oidc/connect"): AccessNeed.OWN,
         # Whoever has the token that the hub wrote at its start; it is used up by the first admin.
         ("POST", "/api/setup"): AccessNeed.OPEN,
         ("POST", "/api/logout"): AccessNeed.OWN,

@@ -267,6 +267,12 @@ def _read_options(argv: Sequence[str]) -> argparse.Namespace:
 
 def _add_neighbours(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
+        "--oidc",
+        type=Path,
+        metavar="FILE",
+        help="names a provider (OpenID Connect) by which people sign in besides",
+    )
+    parser.add_argument(
         "--mqtt",
         type=Path,
         metavar="FILE",
@@ -350,6 +356,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         sightings_most=max(1, options.sightings_most),
         extensions=options.extensions,
         assets=options.assets,
+        oidc=options.oidc,
         mqtt=options.mqtt,
         alpaca=options.alpaca,
         alerts=options.alerts,

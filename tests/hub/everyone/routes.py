@@ -604,6 +604,12 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     # browsers make none, and nobody has one.
     ("POST", "/api/login/passkey/options"): Recipe(plain(json={}, done=(409,))),
     ("POST", "/api/login/passkey"): Recipe(plain(json={"credential": {}}, done=(401, 429))),
+    # This hub has no provider: whoever may ask is told so.
+    ("GET", "/api/login/oidc"): Recipe(plain()),
+    ("POST", "/api/login/oidc"): Recipe(plain(json={}, done=(404,))),
+    ("POST", "/api/login/oidc/finish"): Recipe(plain(json={"state": "-"}, done=(404,))),
+    ("POST", "/api/me/oidc/confirm"): Recipe(plain(json={}, done=(404,))),
+    ("POST", "/api/me/oidc/connect"): Recipe(plain(json={}, done=(404,))),
     ("GET", "/api/me/passkeys"): Recipe(plain()),
     ("POST", "/api/me/passkeys"): Recipe(
         plain(json={"name": "key", "credential": {}}, done=(422,))

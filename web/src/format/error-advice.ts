@@ -57,6 +57,7 @@ export function signInAdvice(error: unknown): Advice {
   if (error.status === 429) {
     return { what: "Too many tries.", how: `The hub delays repeated tries. Try again ${waitText(error.retryAfter)}.` };
   }
+  if (error.code === "provider") return { what: "The provider could not be asked.", how: asSentence(error.message) };
   if (isPasskey(error)) return { what: "You were not signed in by a passkey.", how: asSentence(error.message) };
   if (error.code === "factor_locked") {
     return { what: "Codes are not taken now.", how: "Too many were wrong. Use a recovery code or a passkey, or wait an hour." };
@@ -77,7 +78,7 @@ export function isFactor(error: unknown): boolean {
 
 /** A passkey did not answer, cannot be used here, or there is none. */
 export function isPasskey(error: unknown): boolean {
-  return isRefusal(error) && ["passkey", "no_passkey", "no_name"].includes(error.code);
+  return isRefusal(error) && ["passkey", "no_passkey", "no_name", "provider"].includes(error.code);
 }
 
 /** Seconds that the hub wants to be left alone; 0 when it did not say so. */

@@ -216,6 +216,7 @@ export interface Me {
   readonly factor: boolean;
   readonly factor_missing: boolean;
   readonly codes_locked_us: number;
+  readonly password: boolean;
   readonly idle_ends_us: number;
   readonly ends_us: number;
   readonly permissions: readonly PermissionShape[];
@@ -373,6 +374,35 @@ export interface FactorOffer {
 export interface NewToken {
   readonly id: string;
   readonly token: string;
+}
+
+/** What the provider sent the browser back with; ``iss`` where it names itself. */
+export interface OidcAnswer {
+  readonly state: string;
+  readonly code?: string;
+  readonly iss?: string;
+  readonly error?: string;
+}
+
+/** What was done, ``sign_in``, ``confirm`` or ``connect``, and the page that was asked for. */
+export interface OidcDone {
+  readonly purpose: string;
+  readonly returns: string;
+}
+
+/** The provider by which people can sign in; ``label`` is its name, empty: there is none. */
+export interface OidcProvider {
+  readonly label: string;
+}
+
+/** The page to come back to. */
+export interface OidcReturn {
+  readonly returns?: string;
+}
+
+/** Where the browser goes to sign in at the provider. */
+export interface OidcStart {
+  readonly url: string;
 }
 
 /** It is kept. Where it is your first second factor, recovery codes; shown this once. */

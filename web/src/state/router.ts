@@ -5,6 +5,7 @@ import { Store } from "./store.js";
 export type PageName =
   | "login"
   | "logout"
+  | "oidc"
   | "setup"
   | "home"
   | "devices"
@@ -51,6 +52,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/home": "home",
   "/login": "login",
   "/logout": "logout",
+  "/oidc": "oidc",
   "/setup": "setup",
   "/devices": "devices",
   "/public": "public",

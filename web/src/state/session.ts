@@ -115,7 +115,7 @@ export class Session extends Store {
 
 /** Watchers are told of everything but the idle time, which moves all the time. */
 function isSamePerson(a: Me | null, b: Me | null): boolean {
-  return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor && a?.codes_locked_us === b?.codes_locked_us;
+  return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor && a?.password === b?.password && a?.codes_locked_us === b?.codes_locked_us;
 }
 
 function rightsOf(person: Me | null): string {

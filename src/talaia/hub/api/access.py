@@ -96,6 +96,15 @@ class Access:
         """Let the browser be known at the next sign-in. It opens nothing."""
         self._hand(response, self.browser_cookie, token, KNOWN_S)
 
+    @property
+    def oidc_cookie(self) -> str:
+        """Name of the cookie by which a browser is known while it is at the provider."""
+        return f"{self.cookie}-oidc"
+
+    def set_oidc_cookie(self, response: Response, token: str) -> None:
+        """Let the browser be known when it comes back from the provider. It opens nothing."""
+        self._hand(response, self.oidc_cookie, token, 600)
+
     def clear_cookie(self, response: Response) -> None:
         """Take the session from the browser."""
         response.delete_cookie(

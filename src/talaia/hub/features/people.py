@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.access import Access
 from talaia.hub.api.accounts.authentication import Authentication
 from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+from talaia.hub.api.accounts.oidc import OidcPages
+from talaia.hub.api.accounts.oidc_sign_in import OidcSignIn
 from talaia.hub.api.accounts.own_account import OwnPages
 from talaia.hub.api.accounts.passkey_answers import PasskeyAnswers
 from talaia.hub.api.accounts.passkeys import PasskeyPages
@@ -16,8 +18,10 @@ from talaia.hub.api.accounts.sign_in import Accounts
 from talaia.hub.api.accounts.tokens import TokenPages
 from talaia.hub.api.rate_limits import RateLimits
 from talaia.hub.api.sockets.socket_admission import SocketAdmission
+from talaia.hub.auth.oidc_settings import read_oidc_settings
 from talaia.hub.auth.passkey_challenges import PasskeyChallenges
 from talaia.hub.auth.passwords import Passwords
+from talaia.hub.auth.provider_client import ProviderClient
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.gateways.join_queue import JoinQueue
@@ -25,6 +29,7 @@ from talaia.hub.live.pages.session_registry import SocketSessions
 from talaia.hub.store.accounts.account_list import AccountList
 from talaia.hub.store.accounts.credentials import Credentials
 from talaia.hub.store.accounts.failed_logins import FailedLogins
+from talaia.hub.store.accounts.identities import Identities
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
 from talaia.hub.store.accounts.mfa import SecondFactors
 from talaia.hub.store.accounts.passkeys import Passkeys
@@ -107,6 +112,7 @@ class PeopleFeature(Feature):
             clock=clock,
             audit=audit,
         )
+        roster = AccountList(database, self.sessions)
         pages = (
             Accounts(
                 proving=proving,
@@ -131,10 +137,17 @@ class PeopleFeature(Feature):
                 sessions=sessions,
                 audit=audit,
             ),
+            OidcPages(
+                signing=self._build_oidc(core, roster, audit),
+                access=self.access,
+                sessions=sessions,
+                clock=clock,
+                audit=audit,
+            ),
             TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
             PeoplePages(
                 people=self.accounts,
-                roster=AccountList(database, self.sessions),
+                roster=roster,
                 passwords=passwords,
                 factors=factors,
                 sessions=sessions,
@@ -144,6 +157,19 @@ class PeopleFeature(Feature):
         )
         self.routers = [page.make_router() for page in pages]
         self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
+
+    def _build_oidc(self, core: Core, roster: AccountList, audit: Audit) -> OidcSignIn | None:
+        """Build the sign-in by a provider, where the start of the hub names one."""
+        if core.settings.oidc is None:
+            return None
+        return OidcSignIn(
+            provider=ProviderClient(read_oidc_settings(core.settings.oidc), core.clock),
+            identities=Identities(core.database, core.clock),
+            people=self.accounts,
+            roster=roster,
+            clock=core.clock,
+            audit=audit,
+        )
 
     async def open(self) -> None:
         """Remember wrong sign-ins, and offer the set-up page where there is nobody yet."""

@@ -39,6 +39,7 @@ __all__ = [
     "enrolment_codes",
     "frames",
     "gateways",
+    "identities",
     "known_browsers",
     "learned",
     "metadata",
@@ -159,6 +160,8 @@ sessions = Table(
     Column("used_us", BigInteger, nullable=False),
     Column("address", String(_NAME), nullable=False),
     Column("agent", String(_NAME), nullable=False),
+    # Begun by the provider of sign-ins, whose matter a second factor is then.
+    Column("provider", Boolean, nullable=False, default=False),
 )
 
 recovery_codes = Table(
@@ -188,6 +191,17 @@ passkeys = Table(
     Column("sign_count", BigInteger, nullable=False),
     Column("created_us", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
+)
+
+# Accounts at a provider (OpenID Connect), by the hash of issuer and subject.
+identities = Table(
+    "identities",
+    metadata,
+    Column("key_hash", String(_HASH), primary_key=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
+    Column("created_us", BigInteger, nullable=False),
 )
 
 # Browsers from which a person has signed in before: a flood of wrong tries of others does not

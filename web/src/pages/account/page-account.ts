@@ -11,6 +11,7 @@ import { sessionContext } from "../../state/contexts.js";
 import type { Me } from "../../generated/api.js";
 import "../../elements/feedback/status.js";
 import "./factors.js";
+import "./provider.js";
 import "./change-password.js";
 import "./notification-rules.js";
 import "./sessions.js";
@@ -28,7 +29,8 @@ export class PageAccount extends LitElement {
     return html`
       ${renderPageHead("Account", `${person.name}, with the role ${person.role}: ${rightsText(person)}`)}
       <t-account-factors></t-account-factors>
-      <t-account-password class="sheet" .name=${person.name}></t-account-password>
+      ${person.password ? html`<t-account-password class="sheet" .name=${person.name}></t-account-password>` : nothing}
+      <t-account-provider class="sheet" ?only=${!person.password}></t-account-provider>
       ${seesOnlyPublic(person) ? nothing : html`<t-account-rules class="sheet"></t-account-rules>`}
       <t-account-sessions class="sheet"></t-account-sessions>
       <t-account-tokens class="sheet" .person=${person}></t-account-tokens>

@@ -8,9 +8,11 @@ import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { isFactor, signInAdvice, isPasskey, waitOf, waitText, type Advice } from "../../format/error-advice.js";
-import { routerContext, sessionContext } from "../../state/contexts.js";
+import { LoadController } from "../../controllers/load.js";
+import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
+import type { HubApi } from "../../wire/hub-api.js";
 import { hasPasskeys } from "../../wire/passkeys.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
@@ -52,6 +54,8 @@ export class PageSignIn extends LitElement {
   /** This page's clock (ms) when the hub may be asked again. */
   private waitUntil = 0;
 
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly provider = new LoadController<string>(this);
   @consume({ context: routerContext }) private readonly router!: Router;
   private readonly session = new ContextStoreController(this, sessionContext, (session) => {
     // Signed in already, here or in another tab.
@@ -61,6 +65,10 @@ export class PageSignIn extends LitElement {
   constructor() {
     super();
     new TickerController(this);
+  }
+
+  override willUpdate(): void {
+    this.provider.load("provider", () => this.api.provider());
   }
 
   override firstUpdated(): void {
@@ -93,6 +101,9 @@ export class PageSignIn extends LitElement {
               >${this.wantsCode ? "Use a passkey instead" : "Sign in with a passkey"}</t-button
             >`
           : nothing}
+        ${this.wantsCode || (this.provider.value ?? "") === ""
+          ? nothing
+          : html`<t-button ?disabled=${this.busy} @click=${this.onProvider}>Sign in with ${this.provider.value}</t-button>`}
         ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.goBackToPassword}>Back to name and password</t-button>` : nothing}
       </form>
     `;
@@ -162,6 +173,14 @@ export class PageSignIn extends LitElement {
     const name = this.wantsCode ? this.name.value.trim() : "";
     const password = this.wantsCode ? this.password.value : "";
     void this.attempt(() => this.session.store?.loginByPasskey(name, password), true);
+  };
+
+  private readonly onProvider = (): void => {
+    if (this.busy) return;
+    const returns = returnPath(this.router.search, this.router.origin);
+    void this.attempt(async () => {
+      window.location.assign(await this.api.beginOidc("/api/login/oidc", returns));
+    }, true);
   };
 
   private signIn(name: string, password: string, code: string): Promise<void> {

@@ -173,7 +173,8 @@ class Authentication:
     ) -> Person:
         person = await self._people.find_by_name(name)
         # Who is unknown or disabled is checked against a hash of nobody's, for as long.
-        kept = person.password_hash if person and not person.disabled else None
+        # So is who has none, and signs in by the provider.
+        kept = (person.password_hash or None) if person and not person.disabled else None
         if await self._passwords.verify_password(password, kept) and person is not None:
             return person
         self._append_record(request, what, name, "")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, Response
 
-from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.access import address_of, alive_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import (
@@ -100,6 +100,10 @@ class OwnPages:
         """Take another password; your other sessions and all your tokens end."""
         who = who_of(request)
         # The password stands in the question; the factor must have been given lately.
+        if not alive_of(request).has_password:
+            raise ApiProblem(
+                409, "no_password", "you sign in by the provider; an admin can give you a password"
+            )
         self._require_factor_lately(who)
         await self._proving.confirm_password(
             request, who.user, asked.old, "password change refused"

@@ -125,6 +125,7 @@ def me_schema(alive: LiveSession) -> Me:
         factor=who.factor,
         factor_missing=who.factor_missing,
         codes_locked_us=alive.codes_locked_us,
+        password=alive.has_password,
         idle_ends_us=alive.idle_ends_us,
         ends_us=alive.ends_us,
         permissions=permissions_of(who.grants),

@@ -21,6 +21,11 @@ __all__ = [
     "FactorNeed",
     "FactorOffer",
     "NewToken",
+    "OidcAnswer",
+    "OidcDone",
+    "OidcProvider",
+    "OidcReturn",
+    "OidcStart",
     "PasskeyAdded",
     "PasskeyAsk",
     "PasskeyList",
@@ -158,6 +163,40 @@ class PasskeyAdded(Schema):
 
     id: str
     recovery: list[str]
+
+
+class OidcProvider(Schema):
+    """The provider by which people can sign in; ``label`` is its name, empty: there is none."""
+
+    label: str
+
+
+class OidcReturn(Schema):
+    """The page to come back to."""
+
+    returns: str = Field("/", max_length=2000, pattern=r"^/([^/\\].*)?$")
+
+
+class OidcStart(Schema):
+    """Where the browser goes to sign in at the provider."""
+
+    url: str
+
+
+class OidcAnswer(Schema):
+    """What the provider sent the browser back with; ``iss`` where it names itself."""
+
+    state: str = Field(min_length=1, max_length=500)
+    code: str = Field("", max_length=4000)
+    iss: str = Field("", max_length=500)
+    error: str = Field("", max_length=500)
+
+
+class OidcDone(Schema):
+    """What was done, ``sign_in``, ``confirm`` or ``connect``, and the page that was asked for."""
+
+    purpose: str
+    returns: str
 
 
 class SessionShape(Schema):

@@ -141,7 +141,8 @@ class Me(Schema):
 
     ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor;
     ``factor_missing``: your role requires one, and nothing is open to you until you set it up;
-    ``codes_locked_us``: when somebody gave too many wrong codes, until you say you have seen it.
+    ``codes_locked_us``: when somebody gave too many wrong codes, until you say you have seen it;
+    ``password``: you have one here, and do not sign in by the provider alone.
     """
 
     name: str
@@ -150,6 +151,7 @@ class Me(Schema):
     factor: bool
     factor_missing: bool
     codes_locked_us: int  # UTC; 0: never, or seen
+    password: bool
     idle_ends_us: int  # UTC; moves on with each use
     ends_us: int  # UTC; fixed at the sign-in
     permissions: list[PermissionShape]

@@ -34,6 +34,7 @@ class LiveSession(NamedTuple):
     """Someone who is signed in, and when that ends: unused, and however much it is used.
 
     ``codes_locked_us``: when somebody gave too many wrong codes, until the person has seen it.
+    ``has_password``: they can sign in by name and password.
     """
 
     who: Who
@@ -41,6 +42,7 @@ class LiveSession(NamedTuple):
     ends_us: int
     used_us: int
     codes_locked_us: int = 0
+    has_password: bool = True
 
 
 class OpenSession(NamedTuple):
@@ -67,9 +69,12 @@ class Sessions:
         self._confirmations = FreshConfirmations(round(settings.confirm_s * SECOND))
 
     async def start_session(
-        self, user: int, address: str, agent: str = ""
+        self, user: int, address: str, agent: str = "", *, provider: bool = False
     ) -> tuple[str, LiveSession]:
-        """Start a session; give the token for the cookie and whom it stands for."""
+        """Start a session; give the token for the cookie and whom it stands for.
+
+        ``provider``: the person was signed in by the provider, which sees to second factors.
+        """
         token = new_token()
         hashed = hash_token(token)
         now = self._now_us()
@@ -84,6 +89,7 @@ class Sessions:
                     used_us=now,
                     address=address[:200],
                     agent=agent[:200],
+                    provider=provider,
                 )
             )
             await connection.execute(update(users).where(users.c.id == user).values(used_us=now))
@@ -189,6 +195,8 @@ class Sessions:
                 users.c.name,
                 has_factor().label("factor"),
                 users.c.code_alert_us,
+                users.c.password_hash,
+                sessions.c.provider,
                 users.c.role_id,
                 roles.c.name.label("role"),
                 roles.c.factor_required,
@@ -208,12 +216,13 @@ class Sessions:
                     row.role,
                     held[row.role_id],
                     factor=bool(row.factor),
-                    factor_required=bool(row.factor_required),
+                    factor_required=bool(row.factor_required) and not row.provider,
                 ),
                 row.used_us + self._idle_us,
                 row.created_us + self._life_us,
                 row.used_us,
                 row.code_alert_us,
+                bool(row.password_hash),
             )
             for row in people
         }
