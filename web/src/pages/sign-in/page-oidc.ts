@@ -50,7 +50,7 @@ export class PageOidc extends LitElement {
     if (this.action.problem === null) return html`<t-loading what="Signing in"></t-loading>`;
     return html`<div class="sheet">
       ${renderAdvice(this.action.problem)}
-      <p><a href="/login">Back to the sign-in page</a></p>
+      <p><a href="/">Back</a></p>
     </div>`;
   }
 }
