@@ -63,8 +63,6 @@ class Hub(AssembledHub):
         self.notifications = NotificationsFeature(
             core, alarms=alarms, outbox=self.alarms.outbox, audit=log
         )
-        # A person is told by the same ways when somebody tries codes for their account.
-        self.people.proving.on_notice = self.notifications.wake_up
         self.robot_events = RobotEventsFeature(core, alarms=alarms, audit=log)
         reporting, flood_guard = self.robot_events.reporting, self.robot_events.flood_guard
         self.media = MediaFeature(
@@ -133,6 +131,8 @@ class Hub(AssembledHub):
     def _add_connections(self) -> None:
         """Build what serves pages and clients of other tools, from all that was built before."""
         core, log = self.core, self.audit.log
+        # A person is told by the same ways when somebody tries codes for their account.
+        self.people.proving.on_notice = self.notifications.wake_up
         self.imports = ImportsFeature(
             core,
             registry=self.gateways.registry,

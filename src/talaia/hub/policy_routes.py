@@ -1,6 +1,6 @@
 """What every route of the hub takes: one line for each.
 
-What has no line is denied; `talaia.hub.policy` judges by it.
+What has no line is denied; `talaia.hub.policy` judges by it. Long, because each has its line.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 import { Refused } from "./hub-api.js";
 
-type Json = Readonly<Record<string, unknown>>;
+type CredentialJson = Readonly<Record<string, unknown>>;
 
 /** Whether this browser can have passkeys here: only in a secure context. */
 export function hasPasskeys(): boolean {
@@ -10,13 +10,13 @@ export function hasPasskeys(): boolean {
 }
 
 /** Lets the browser make a passkey. @throws Refused when the person, or the browser, did not want to */
-export async function createPasskey(options: Json): Promise<Json> {
+export async function createPasskey(options: CredentialJson): Promise<CredentialJson> {
   const publicKey = withBytes(options) as unknown as PublicKeyCredentialCreationOptions;
   return answerOf(await asked(() => navigator.credentials.create({ publicKey }), "made"));
 }
 
 /** Lets a passkey answer. @throws Refused when the person, or the browser, did not want to */
-export async function usePasskey(options: Json): Promise<Json> {
+export async function usePasskey(options: CredentialJson): Promise<CredentialJson> {
   const publicKey = withBytes(options) as unknown as PublicKeyCredentialRequestOptions;
   return answerOf(await asked(() => navigator.credentials.get({ publicKey }), "used"));
 }
@@ -31,7 +31,7 @@ async function asked(ask: () => Promise<Credential | null>, done: string): Promi
   }
 }
 
-function answerOf(credential: Credential | null): Json {
+function answerOf(credential: Credential | null): CredentialJson {
   if (!(credential instanceof PublicKeyCredential)) throw new Refused(400, "passkey", "The browser gave no passkey.");
   const { response } = credential;
   const said: Record<string, string> = { clientDataJSON: toText(response.clientDataJSON) };
@@ -45,13 +45,13 @@ function answerOf(credential: Credential | null): Json {
 }
 
 /** With bytes where the browser wants bytes: the challenge, and every id but the hub's. */
-function withBytes(options: Json): Json {
+function withBytes(options: CredentialJson): CredentialJson {
   const known = (list: unknown): unknown =>
-    Array.isArray(list) ? list.map((each: Json) => ({ ...each, id: toBytes(String(each.id)) })) : [];
+    Array.isArray(list) ? list.map((each: CredentialJson) => ({ ...each, id: toBytes(String(each.id)) })) : [];
   const made: Record<string, unknown> = { ...options, challenge: toBytes(String(options.challenge)) };
   if (options.allowCredentials !== undefined) made.allowCredentials = known(options.allowCredentials);
   if (options.excludeCredentials !== undefined) made.excludeCredentials = known(options.excludeCredentials);
-  const user = options.user as Json | undefined;
+  const user = options.user as CredentialJson | undefined;
   if (user !== undefined) made.user = { ...user, id: toBytes(String(user.id)) };
   return made;
 }

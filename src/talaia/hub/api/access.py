@@ -1,4 +1,7 @@
-"""Who is asking, and whether the policy lets them; stands before every route and socket."""
+"""Who is asking, and whether the policy lets them; stands before every route and socket.
+
+Long, because every way in, with the cookies and headers by which it knows somebody, is here.
+"""
 
 from __future__ import annotations
 

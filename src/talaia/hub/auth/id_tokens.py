@@ -16,9 +16,8 @@ if TYPE_CHECKING:
 __all__ = ["IdToken", "verify_id_token"]
 
 # By the provider's public keys alone: neither unsigned, nor by a secret that both have.
-_ALGORITHMS = (
-    "RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA",
-)  # fmt: skip
+_RSA = ("RS256", "RS384", "RS512", "PS256", "PS384", "PS512")
+_ALGORITHMS = (*_RSA, "ES256", "ES384", "ES512", "EdDSA")
 # Clocks of two machines differ (s).
 _SLACK_S = 60
 # Older than that a token was not made for this sign-in (s).
@@ -53,7 +52,7 @@ class IdToken:
         """Give a claim that is a text, or a list of them."""
         value = self.claims.get(claim)
         found = [value] if isinstance(value, str) else value if isinstance(value, list) else []
-        return {each for each in found if isinstance(each, str)}
+        return {word for word in found if isinstance(word, str)}
 
 
 def verify_id_token(

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 __all__ = [
-    "HubAddress",
     "RegisteredPasskey",
+    "RelyingParty",
     "challenge_of",
     "creation_options",
     "request_options",
@@ -32,7 +32,7 @@ _TIMEOUT_MS = 120_000
 _NAME = "Talaia"  # what authenticators show
 
 
-class HubAddress(NamedTuple):
+class RelyingParty(NamedTuple):
     """The hub as the browser has it in its address bar."""
 
     host: str
@@ -63,7 +63,7 @@ def user_handle(user: int) -> bytes:
 
 
 def creation_options(
-    address: HubAddress, challenge: bytes, *, user: int, name: str, have: Iterable[str]
+    address: RelyingParty, challenge: bytes, *, user: int, name: str, have: Iterable[str]
 ) -> dict[str, Any]:
     """Give what ``navigator.credentials.create`` takes, as JSON; ``have`` are not made anew."""
     import webauthn
@@ -81,13 +81,13 @@ def creation_options(
             resident_key=structs.ResidentKeyRequirement.PREFERRED,
             user_verification=structs.UserVerificationRequirement.PREFERRED,
         ),
-        exclude_credentials=[_descriptor(each) for each in have],
+        exclude_credentials=[_descriptor(credential_id) for credential_id in have],
     )
     return _as_json(webauthn.options_to_json(made))
 
 
 def request_options(
-    address: HubAddress, challenge: bytes, *, known: Iterable[str], verified: bool
+    address: RelyingParty, challenge: bytes, *, known: Iterable[str], verified: bool
 ) -> dict[str, Any]:
     """Give what ``navigator.credentials.get`` takes, as JSON.
 
@@ -101,7 +101,7 @@ def request_options(
         rp_id=address.host,
         challenge=challenge,
         timeout=_TIMEOUT_MS,
-        allow_credentials=[_descriptor(each) for each in known],
+        allow_credentials=[_descriptor(credential_id) for credential_id in known],
         user_verification=need.REQUIRED if verified else need.PREFERRED,
     )
     return _as_json(webauthn.options_to_json(made))
@@ -122,7 +122,7 @@ def challenge_of(credential: Mapping[str, Any]) -> bytes:
 
 
 def verify_registration(
-    address: HubAddress, challenge: bytes, credential: Mapping[str, Any]
+    address: RelyingParty, challenge: bytes, credential: Mapping[str, Any]
 ) -> RegisteredPasskey:
     """Check the answer of a browser that has made a passkey.
 
@@ -148,7 +148,7 @@ def verify_registration(
 
 
 def verify_answer(
-    address: HubAddress,
+    address: RelyingParty,
     challenge: bytes,
     credential: Mapping[str, Any],
     *,

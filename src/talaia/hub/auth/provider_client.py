@@ -171,8 +171,8 @@ class ProviderClient:
         import httpx
 
         # Coded as in a form before it is packed (RFC 6749, 2.3.1).
-        name, word = (urlencode({"": each})[1:] for each in (self.settings.client_id, secret))
-        return next(httpx.BasicAuth(name, word).auth_flow(request))
+        name, password = (urlencode({"": word})[1:] for word in (self.settings.client_id, secret))
+        return next(httpx.BasicAuth(name, password).auth_flow(request))
 
 
 def _check_address(name: str, value: object) -> None:

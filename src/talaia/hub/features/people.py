@@ -104,14 +104,7 @@ class PeopleFeature(Feature):
             tries=self._tries,
             audit=audit,
         )
-        passkeys = Passkeys(database, clock)
-        answers = PasskeyAnswers(
-            passkeys=passkeys,
-            challenges=PasskeyChallenges(),
-            proving=proving,
-            clock=clock,
-            audit=audit,
-        )
+        answers, passkey_pages = self._build_passkeys(core, sessions, factors, audit)
         roster = AccountList(database, self.sessions)
         pages = (
             Accounts(
@@ -130,13 +123,7 @@ class PeopleFeature(Feature):
                 answers=answers,
                 audit=audit,
             ),
-            PasskeyPages(
-                answers=answers,
-                passkeys=passkeys,
-                factors=factors,
-                sessions=sessions,
-                audit=audit,
-            ),
+            passkey_pages,
             OidcPages(
                 signing=self._build_oidc(core, roster, audit),
                 access=self.access,
@@ -157,6 +144,23 @@ class PeopleFeature(Feature):
         )
         self.routers = [page.make_router() for page in pages]
         self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
+
+    def _build_passkeys(
+        self, core: Core, sessions: BrowserSessions, factors: SecondFactors, audit: Audit
+    ) -> tuple[PasskeyAnswers, PasskeyPages]:
+        """Build what asks people's passkeys, and the pages of them."""
+        passkeys = Passkeys(core.database, core.clock)
+        answers = PasskeyAnswers(
+            passkeys=passkeys,
+            challenges=PasskeyChallenges(),
+            proving=self.proving,
+            clock=core.clock,
+            audit=audit,
+        )
+        pages = PasskeyPages(
+            answers=answers, passkeys=passkeys, factors=factors, sessions=sessions, audit=audit
+        )
+        return answers, pages
 
     def _build_oidc(self, core: Core, roster: AccountList, audit: Audit) -> OidcSignIn | None:
         """Build the sign-in by a provider, where the start of the hub names one."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request, Response
 
 from talaia.hub.api.access import address_of, who_of
-from talaia.hub.api.accounts.passkey_answers import hub_address
+from talaia.hub.api.accounts.passkey_answers import relying_party
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import (
@@ -86,14 +86,14 @@ class OidcPages:
     ) -> OidcStart:
         """Prove anew by the provider that it is you: it asks for your password there."""
         session = who_of(request).session
-        return await self._begin(OidcPurpose.CONFIRM, asked, request, response, session)
+        return await self._begin(OidcPurpose.CONFIRM, asked, request, response, session=session)
 
     async def begin_connect(
         self, asked: OidcReturn, request: Request, response: Response
     ) -> OidcStart:
         """Let your account here be yours by the provider, too."""
         session = who_of(request).session
-        return await self._begin(OidcPurpose.CONNECT, asked, request, response, session)
+        return await self._begin(OidcPurpose.CONNECT, asked, request, response, session=session)
 
     async def finish(self, asked: OidcAnswer, request: Request, response: Response) -> OidcDone:
         """Come back from the provider: sign in, confirm, or connect."""
@@ -127,6 +127,7 @@ class OidcPages:
         asked: OidcReturn,
         request: Request,
         response: Response,
+        *,
         session: str = "",
     ) -> OidcStart:
         provider = self._provided().provider
@@ -135,7 +136,7 @@ class OidcPages:
             purpose,
             self._clock.monotonic_ns(),
             browser=hash_token(token),
-            redirect=f"{hub_address(request).origin}{_BACK}",
+            redirect=f"{relying_party(request).origin}{_BACK}",
             returns=asked.returns,
             session=session,
         )

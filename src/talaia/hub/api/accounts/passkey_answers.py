@@ -8,8 +8,8 @@ from talaia.hub.api.access import address_of
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.server.request_guard import host_name
 from talaia.hub.auth.passkey_ceremony import (
-    HubAddress,
     RegisteredPasskey,
+    RelyingParty,
     challenge_of,
     creation_options,
     request_options,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.accounts.passkeys import KeptPasskey, Passkeys
     from talaia.hub.store.audit import Audit
 
-__all__ = ["PasskeyAnswers", "hub_address"]
+__all__ = ["PasskeyAnswers", "relying_party"]
 
 _SIGN_IN = frozenset({ChallengeUse.SECOND_FACTOR, ChallengeUse.PASSWORDLESS})
 
@@ -147,7 +147,7 @@ class PasskeyAnswers:
             waited = self._redeem(
                 credential, frozenset({ChallengeUse.REGISTER}), session=who.session
             )
-            return verify_registration(hub_address(request), waited.value, credential)
+            return verify_registration(relying_party(request), waited.value, credential)
         except PasskeyRefused as error:
             raise ApiProblem(422, "invalid", str(error)) from error
 
@@ -195,7 +195,7 @@ class PasskeyAnswers:
         credential: Mapping[str, Any],
     ) -> bool:
         count, verified = verify_answer(
-            hub_address(request),
+            relying_party(request),
             waited.value,
             credential,
             kept=kept.key,
@@ -205,9 +205,9 @@ class PasskeyAnswers:
             raise PasskeyRefused("this answer was used already", "try again")
         return verified
 
-    async def _ids_of(self, user: int, address: HubAddress) -> list[str]:
+    async def _ids_of(self, user: int, address: RelyingParty) -> list[str]:
         found = await self._passkeys.passkeys_of(user)
-        return [each.key.credential_id for each in found if each.host == address.host]
+        return [passkey.key.credential_id for passkey in found if passkey.host == address.host]
 
     def _begin(self, use: ChallengeUse, *, user: int = 0, session: str = "") -> bytes:
         return self._challenges.begin(use, self._clock.monotonic_ns(), user=user, session=session)
@@ -222,14 +222,14 @@ class PasskeyAnswers:
         return found
 
 
-def hub_address(request: Request) -> HubAddress:
+def relying_party(request: Request) -> RelyingParty:
     """Give the hub's address as the browser has it; the guard has held the name against its own."""
     host = request.headers["host"]
-    return HubAddress(host_name(host), f"{request.url.scheme}://{host}")
+    return RelyingParty(host_name(host), f"{request.url.scheme}://{host}")
 
 
-def _usable_address(request: Request) -> HubAddress:
-    address = hub_address(request)
+def _usable_address(request: Request) -> RelyingParty:
+    address = relying_party(request)
     if not address.can_have_passkeys:
         raise ApiProblem(
             409, "no_name", "passkeys need a name in the address bar, and not an IP address"

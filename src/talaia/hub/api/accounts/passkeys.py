@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request, Response
 
 from talaia.hub.api.access import address_of, number_of, who_of
-from talaia.hub.api.accounts.passkey_answers import hub_address
+from talaia.hub.api.accounts.passkey_answers import relying_party
 from talaia.hub.api.accounts.sign_in import me_schema
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
@@ -86,16 +86,16 @@ class PasskeyPages:
         return PasskeyList(
             passkeys=[
                 PasskeyShape(
-                    id=str(each.id),
-                    name=each.name,
-                    host=each.host,
-                    created_us=each.created_us,
-                    used_us=each.used_us,
+                    id=str(passkey.id),
+                    name=passkey.name,
+                    host=passkey.host,
+                    created_us=passkey.created_us,
+                    used_us=passkey.used_us,
                 )
-                for each in await self._passkeys.passkeys_of(user)
+                for passkey in await self._passkeys.passkeys_of(user)
             ],
             codes=await self._factors.has_codes(user),
-            possible=hub_address(request).can_have_passkeys,
+            possible=relying_party(request).can_have_passkeys,
         )
 
     async def creation_options(self, request: Request) -> PasskeyOptions:
@@ -110,7 +110,7 @@ class PasskeyPages:
         key = await self._answers.created(request, who, asked.credential)
         try:
             number, recovery = await self._passkeys.add_passkey(
-                who.user, name, hub_address(request).host, key
+                who.user, name, relying_party(request).host, key
             )
         except PasskeyRefused as error:
             raise ApiProblem(409, "taken", str(error)) from error

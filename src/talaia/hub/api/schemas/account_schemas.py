@@ -1,6 +1,8 @@
 """JSON bodies of accounts, people, roles and tokens; the browser's types are made from these.
 
 Times ending in ``_us`` are microseconds since the epoch (UTC); 0 says never. Ids are texts.
+
+Long, because all that is said about one's own account and others' is read together.
 """
 
 from __future__ import annotations

@@ -140,9 +140,8 @@ class Me(Schema):
     """Who is signed in, until when unless used, and until when at most.
 
     ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor;
-    ``factor_missing``: your role requires one, and nothing is open to you until you set it up;
-    ``codes_locked_us``: when somebody gave too many wrong codes, until you say you have seen it;
-    ``password``: you have one here, and do not sign in by the provider alone.
+    ``factor_missing``: your role requires one, and nothing is open before it is set up;
+    ``codes_locked_us``: when many wrong codes were given; ``password``: you have one here.
     """
 
     name: str
