@@ -59,6 +59,8 @@ TESTED_WITH = {
 # which wants every test, gets them. Without them these tests skip, and say so.
 JUDGES = {
     "prometheus": "/usr/bin/prometheus",
+    # A provider of sign-ins (OpenID Connect).
+    "glewlwyd": "/usr/bin/glewlwyd",
     "astrometry.net": "/usr/bin/solve-field",
     "astrometry-data-tycho2-10-19-littleendian": (
         "/usr/share/astrometry/index-tycho2-12.littleendian.fits"

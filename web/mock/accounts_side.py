@@ -38,10 +38,10 @@ class Accounts:
         self.numbers = itertools.count(10)
         everything = {"site": "*", "device": "*"}
         self.roles: list[dict[str, Any]] = [
-            {"id": "1", "name": "guest", "seeded": True, "permissions": []},
-            {"id": "2", "name": "operator", "seeded": True,
+            {"id": "1", "name": "guest", "seeded": True, "factor_required": False, "permissions": []},
+            {"id": "2", "name": "operator", "seeded": True, "factor_required": False,
              "permissions": [{"right": "use", **everything}]},
-            {"id": "3", "name": "admin", "seeded": True,
+            {"id": "3", "name": "admin", "seeded": True, "factor_required": False,
              "permissions": [{"right": "admin", **everything}]},
         ]  # fmt: skip
         self.people = [self.person(role["name"], role["name"]) for role in self.roles]
@@ -87,6 +87,7 @@ class Accounts:
         given = self.permissions(name)
         return {
             "name": name, "role": self.role_of(name), "factor": bool(found.get("factor")),
+            "factor_missing": False, "codes_locked_us": 0, "password": True,
             "admin": any(one["right"] == "admin" and one["site"] == "*" for one in given),
             "idle_ends_us": now_us() + 12 * 3600 * 10**6, "ends_us": now_us() + 24 * 3600 * 10**6,
             "permissions": given,
@@ -227,7 +228,7 @@ def admin(routes: APIRouter, accounts: Accounts) -> None:
 
     @routes.post("/api/roles")
     async def make(request: Request) -> dict[str, Any]:
-        row = {"id": str(next(accounts.numbers)), "seeded": False, **await request.json()}
+        row = {"id": str(next(accounts.numbers)), "seeded": False, "factor_required": False, **await request.json()}
         accounts.roles.append(row)
         return {**row, "people": 0}
 

@@ -131,6 +131,8 @@ class Hub(AssembledHub):
     def _add_connections(self) -> None:
         """Build what serves pages and clients of other tools, from all that was built before."""
         core, log = self.core, self.audit.log
+        # A person is told by the same ways when somebody tries codes for their account.
+        self.people.proving.on_notice = self.notifications.wake_up
         self.imports = ImportsFeature(
             core,
             registry=self.gateways.registry,

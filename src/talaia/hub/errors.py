@@ -26,6 +26,8 @@ __all__ = [
     "HubError",
     "LastAdmin",
     "NameTaken",
+    "PasskeyRefused",
+    "ProviderRefused",
     "RoleInUse",
     "SeededRole",
     "StoreDown",
@@ -93,6 +95,14 @@ class SeededRole(HubError):
 
 class WeakPassword(HubError):
     """The password does not meet the rules, or the name does not."""
+
+
+class PasskeyRefused(HubError):
+    """What a browser says of a passkey does not hold, or may not be."""
+
+
+class ProviderRefused(HubError):
+    """The provider of sign-ins does not answer, or what it says does not hold."""
 
 
 class TapRefused(HubError):

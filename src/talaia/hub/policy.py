@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from talaia.wire.message import Message
 
 __all__ = [
+    "BEFORE_FACTOR",
     "BY_DISPLAY",
     "BY_SCRIPT",
     "CLIENT_ROUTES",
@@ -208,11 +209,32 @@ CONFIRMED = frozenset(
     {
         ("POST", "/api/me/tokens"),
         ("POST", "/api/displays"),
+        # Whoever finds a page open must not leave a key of their own behind.
+        ("POST", "/api/me/passkeys"),
+        ("POST", "/api/me/passkeys/options"),
+        ("DELETE", "/api/me/passkeys/{passkey}"),
+        ("POST", "/api/me/oidc/connect"),
         ("POST", "/api/people"),
         ("PATCH", "/api/people/{person}"),
         ("DELETE", "/api/people/{person}/factor"),
         ("POST", "/api/roles"),
         ("PUT", "/api/roles/{role}"),
+        ("PUT", "/api/roles/{role}/factor"),
+    }
+)
+
+# All that is open to a person whose role requires a second factor while they have none.
+BEFORE_FACTOR = frozenset(
+    {
+        ("GET", "/api/me"),
+        ("POST", "/api/logout"),
+        ("POST", "/api/me/confirm"),
+        ("POST", "/api/me/oidc/confirm"),
+        ("POST", "/api/me/factor"),
+        ("POST", "/api/me/factor/confirm"),
+        ("GET", "/api/me/passkeys"),
+        ("POST", "/api/me/passkeys"),
+        ("POST", "/api/me/passkeys/options"),
     }
 )
 

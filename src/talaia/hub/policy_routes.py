@@ -1,6 +1,6 @@
 """What every route of the hub takes: one line for each.
 
-What has no line is denied; `talaia.hub.policy` judges by it.
+What has no line is denied; `talaia.hub.policy` judges by it. Long, because each has its line.
 """
 
 from __future__ import annotations
@@ -61,6 +61,15 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     "people": {
         # Wrong tries are counted, and more of them must wait (`auth.throttle`).
         ("POST", "/api/login"): AccessNeed.OPEN,
+        # The same; and each challenge is good once.
+        ("POST", "/api/login/passkey"): AccessNeed.OPEN,
+        ("POST", "/api/login/passkey/options"): AccessNeed.OPEN,
+        # Which provider there is; to begin; and to come back, with what the provider has said.
+        ("GET", "/api/login/oidc"): AccessNeed.OPEN,
+        ("POST", "/api/login/oidc"): AccessNeed.OPEN,
+        ("POST", "/api/login/oidc/finish"): AccessNeed.OPEN,
+        ("POST", "/api/me/oidc/confirm"): AccessNeed.OWN,
+        ("POST", "/api/me/oidc/connect"): AccessNeed.OWN,
         # Whoever has the token that the hub wrote at its start; it is used up by the first admin.
         ("POST", "/api/setup"): AccessNeed.OPEN,
         ("POST", "/api/logout"): AccessNeed.OWN,
@@ -75,6 +84,13 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/me/factor"): AccessNeed.OWN,
         ("POST", "/api/me/factor/confirm"): AccessNeed.OWN,
         ("POST", "/api/me/factor/remove"): AccessNeed.OWN,
+        ("POST", "/api/me/factor/seen"): AccessNeed.OWN,
+        ("GET", "/api/me/passkeys"): AccessNeed.OWN,
+        ("POST", "/api/me/passkeys"): AccessNeed.OWN,
+        ("POST", "/api/me/passkeys/options"): AccessNeed.OWN,
+        # To confirm by one that is there already; it gives nothing away.
+        ("POST", "/api/me/passkeys/challenge"): AccessNeed.OWN,
+        ("DELETE", "/api/me/passkeys/{passkey}"): AccessNeed.OWN,
         ("GET", "/api/me/tokens"): AccessNeed.OWN,
         # A token must not outlive itself by making another.
         ("POST", "/api/me/tokens"): AccessNeed.OWN,
@@ -94,6 +110,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/roles"): AccessNeed.ADMIN,
         ("PUT", "/api/roles/{role}"): AccessNeed.ADMIN,
         ("DELETE", "/api/roles/{role}"): AccessNeed.ADMIN,
+        ("PUT", "/api/roles/{role}/factor"): AccessNeed.ADMIN,
     },
     "history": {
         # Each channel is looked at besides; what may not be seen is as if it were not there.

@@ -199,13 +199,8 @@ def _read_options(argv: Sequence[str]) -> argparse.Namespace:
         metavar="FILE",
         help="certificate chain (PEM); else one is made",
     )
-    parser.add_argument(
-        "--tls-key",
-        "--key",
-        type=Path,
-        metavar="FILE",
-        help="the certificate's private key (PEM)",
-    )
+    said = "the certificate's private key (PEM)"
+    parser.add_argument("--tls-key", "--key", type=Path, metavar="FILE", help=said)
     parser.add_argument(
         "--allow-host",
         "--name",
@@ -266,6 +261,8 @@ def _read_options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _add_neighbours(parser: argparse.ArgumentParser) -> None:
+    said = "names a provider (OpenID Connect) by which people sign in besides"
+    parser.add_argument("--oidc", type=Path, metavar="FILE", help=said)
     parser.add_argument(
         "--mqtt",
         type=Path,
@@ -350,6 +347,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         sightings_most=max(1, options.sightings_most),
         extensions=options.extensions,
         assets=options.assets,
+        oidc=options.oidc,
         mqtt=options.mqtt,
         alpaca=options.alpaca,
         alerts=options.alerts,

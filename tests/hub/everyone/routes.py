@@ -9,7 +9,9 @@ from zlib import crc32
 
 import pyotp
 
+from talaia.hub.auth.passkey_ceremony import RegisteredPasskey
 from talaia.hub.policy import AccessNeed
+from talaia.hub.store.accounts.passkeys import Passkeys
 from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
@@ -147,6 +149,20 @@ async def _display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask
 async def _open_display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
     _, token = await world.hub.hub.people.displays.add_display("Hall", ["agv"])
     return Ask(json={"token": token}, done=(204,))
+
+
+async def _passkey(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    core = world.hub.hub.core
+    person = int(await world.person())
+    if about == "own":
+        named = (await client.get("/api/me")).json().get("name", "")
+        # Of who cannot remove it none is made: they would sign in with it from then on.
+        if not named or "Authorization" in client.headers:
+            return Ask({"passkey": "0"})
+        person = (await world.hub.people.find_by_name(named)).id
+    key = RegisteredPasskey(f"key {next(_NUMBERS)}", "", 0)
+    made, _ = await Passkeys(core.database, core.clock).add_passkey(person, "key", "hub", key)
+    return Ask({"passkey": str(made)}, done=(204,))
 
 
 async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
@@ -607,6 +623,24 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/me/factor"): Recipe(plain(json={"password": PASSWORD})),
     ("POST", "/api/me/factor/confirm"): Recipe(_confirm),
     ("POST", "/api/me/factor/remove"): Recipe(_remove_factor),
+    ("POST", "/api/me/factor/seen"): Recipe(plain(json={}, done=(204,))),
+    # What a passkey answers is tried elsewhere: this hub is reached by its number, for which
+    # browsers make none, and nobody has one.
+    ("POST", "/api/login/passkey/options"): Recipe(plain(json={}, done=(409,))),
+    ("POST", "/api/login/passkey"): Recipe(plain(json={"credential": {}}, done=(401, 429))),
+    # This hub has no provider: whoever may ask is told so.
+    ("GET", "/api/login/oidc"): Recipe(plain()),
+    ("POST", "/api/login/oidc"): Recipe(plain(json={}, done=(404,))),
+    ("POST", "/api/login/oidc/finish"): Recipe(plain(json={"state": "-"}, done=(404,))),
+    ("POST", "/api/me/oidc/confirm"): Recipe(plain(json={}, done=(404,))),
+    ("POST", "/api/me/oidc/connect"): Recipe(plain(json={}, done=(404,))),
+    ("GET", "/api/me/passkeys"): Recipe(plain()),
+    ("POST", "/api/me/passkeys"): Recipe(
+        plain(json={"name": "key", "credential": {}}, done=(422,))
+    ),
+    ("POST", "/api/me/passkeys/options"): Recipe(plain(json={}, done=(409,))),
+    ("POST", "/api/me/passkeys/challenge"): Recipe(plain(json={}, done=(409,))),
+    ("DELETE", "/api/me/passkeys/{passkey}"): Recipe(_passkey, OWN_AND_FOREIGN, _own),
     ("GET", "/api/me/tokens"): Recipe(plain()),
     ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
     ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
@@ -631,6 +665,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/roles"): Recipe(plain(json=NEW_ROLE)),
     ("PUT", "/api/roles/{role}"): _of_role(json={"name": "other", "permissions": []}),
     ("DELETE", "/api/roles/{role}"): _of_role(done=(204,)),
+    ("PUT", "/api/roles/{role}/factor"): _of_role(json={"required": True}),
     ("GET", "/api/openapi.json"): Recipe(plain()),
     ("GET", "/api/devices"): Recipe(plain()),
     ("GET", "/api/sites/{site}/alarms"): of_site(),

@@ -57,6 +57,11 @@ export function signInAdvice(error: unknown): Advice {
   if (error.status === 429) {
     return { what: "Too many tries.", how: `The hub delays repeated tries. Try again ${waitText(error.retryAfter)}.` };
   }
+  if (error.code === "provider") return { what: "The provider could not be asked.", how: asSentence(error.message) };
+  if (isPasskey(error)) return { what: "You were not signed in by a passkey.", how: asSentence(error.message) };
+  if (error.code === "factor_locked") {
+    return { what: "Codes are not taken now.", how: "Too many were wrong. Use a recovery code or a passkey, or wait an hour." };
+  }
   if (isFactor(error)) {
     return { what: "This code is wrong.", how: `${asSentence(error.message)} Each code works once; wait for the next one.` };
   }
@@ -68,7 +73,12 @@ export function signInAdvice(error: unknown): Advice {
 
 /** The password is right, and the hub wants the second factor besides. */
 export function isFactor(error: unknown): boolean {
-  return isRefusal(error) && error.status === 401 && error.code === "factor";
+  return isRefusal(error) && error.status === 401 && (error.code === "factor" || error.code === "factor_locked");
+}
+
+/** A passkey did not answer, cannot be used here, or there is none. */
+export function isPasskey(error: unknown): boolean {
+  return isRefusal(error) && ["passkey", "no_passkey", "no_name", "provider"].includes(error.code);
 }
 
 /** Seconds that the hub wants to be left alone; 0 when it did not say so. */

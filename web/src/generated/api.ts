@@ -165,6 +165,9 @@ export interface Me {
   readonly role: string;
   readonly admin: boolean;
   readonly factor: boolean;
+  readonly factor_missing: boolean;
+  readonly codes_locked_us: number;
+  readonly password: boolean;
   readonly idle_ends_us: number;
   readonly ends_us: number;
   readonly permissions: readonly PermissionShape[];
@@ -267,10 +270,11 @@ export interface CodeOnly {
   readonly code: string;
 }
 
-/** Prove anew that it is you; ``code`` of the second factor, where you have one. */
+/** Prove anew that it is you. */
 export interface Confirmation {
-  readonly password: string;
+  readonly password?: string;
   readonly code?: string;
+  readonly credential?: Readonly<Record<string, unknown>> | null;
 }
 
 /** All devices that are open to you, by site. */
@@ -317,6 +321,11 @@ export interface DisplayShape {
   readonly used_us: number;
 }
 
+/** Whether a role requires a second factor. */
+export interface FactorNeed {
+  readonly required: boolean;
+}
+
 /** A secret for an authenticator: as text, as a link, and as an SVG picture of the link. */
 export interface FactorOffer {
   readonly secret: string;
@@ -334,6 +343,79 @@ export interface NewDisplay {
 export interface NewToken {
   readonly id: string;
   readonly token: string;
+}
+
+/** What the provider sent the browser back with; ``iss`` where it names itself. */
+export interface OidcAnswer {
+  readonly state: string;
+  readonly code?: string;
+  readonly iss?: string;
+  readonly error?: string;
+}
+
+/** What was done, ``sign_in``, ``confirm`` or ``connect``, and the page that was asked for. */
+export interface OidcDone {
+  readonly purpose: string;
+  readonly returns: string;
+}
+
+/** The provider by which people can sign in; ``label`` is its name, empty: there is none. */
+export interface OidcProvider {
+  readonly label: string;
+}
+
+/** The page to come back to. */
+export interface OidcReturn {
+  readonly returns?: string;
+}
+
+/** Where the browser goes to sign in at the provider. */
+export interface OidcStart {
+  readonly url: string;
+}
+
+/** It is kept. Where it is your first second factor, recovery codes; shown this once. */
+export interface PasskeyAdded {
+  readonly id: string;
+  readonly recovery: readonly string[];
+}
+
+/** Keep a passkey that the browser has made, under a name of yours. */
+export interface PasskeyAsk {
+  readonly name: string;
+  readonly credential: Readonly<Record<string, unknown>>;
+}
+
+/** Your passkeys, the oldest first; ``codes``: you have an authenticator with codes besides. */
+export interface PasskeyList {
+  readonly passkeys: readonly PasskeyShape[];
+  readonly codes: boolean;
+  readonly possible: boolean;
+}
+
+/** What the browser's ``navigator.credentials`` takes (WebAuthn, level 3, as JSON). */
+export interface PasskeyOptions {
+  readonly options: Readonly<Record<string, unknown>>;
+}
+
+/** Begin to sign in by passkey: with name and password as a second factor, without alone. */
+export interface PasskeyOptionsAsk {
+  readonly name?: string;
+  readonly password?: string;
+}
+
+/** One of your passkeys; ``host`` is the name of the hub for which it was made. */
+export interface PasskeyShape {
+  readonly id: string;
+  readonly name: string;
+  readonly host: string;
+  readonly created_us: number;
+  readonly used_us: number;
+}
+
+/** The answer of a passkey (WebAuthn's ``PublicKeyCredential`` as JSON). */
+export interface PasskeySignIn {
+  readonly credential: Readonly<Record<string, unknown>>;
 }
 
 /** Take another password. */
@@ -406,6 +488,7 @@ export interface RoleShape {
   readonly name: string;
   readonly seeded: boolean;
   readonly people: number;
+  readonly factor_required: boolean;
   readonly permissions: readonly PermissionShape[];
 }
 

@@ -14,6 +14,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   login: { tag: "t-page-sign-in", title: "Sign in", load: () => import("./sign-in/page-sign-in.js") },
   logout: { tag: "t-page-logout", title: "Log out", load: () => import("./logout/page-logout.js") },
   display: { tag: "t-page-display", title: "Display", load: () => import("./display/page-display.js") },
+  oidc: { tag: "t-page-oidc", title: "Sign in", load: () => import("./sign-in/page-oidc.js") },
   setup: { tag: "t-page-setup", title: "Set up", load: () => import("./setup/page-setup.js") },
   home: { tag: "t-page-home", title: "Home", load: () => import("./home/page-home.js") },
   devices: { tag: "t-page-devices", title: "Devices", load: () => import("./devices/page-devices.js") },
@@ -57,7 +58,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
 
 /** A page that can be opened by anyone, signed in or not. */
 export function isOpen(page: PageName): boolean {
-  return page === "login" || page === "logout" || page === "display" || page === "setup" || page === "gallery";
+  return ["login", "logout", "oidc", "display", "setup", "gallery"].includes(page);
 }
 
 /** Whether the navigation leads a person there; the hub checks each thing once more. */

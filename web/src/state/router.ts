@@ -6,6 +6,7 @@ export type PageName =
   | "login"
   | "logout"
   | "display"
+  | "oidc"
   | "setup"
   | "home"
   | "devices"
@@ -53,6 +54,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/login": "login",
   "/logout": "logout",
   "/display": "display",
+  "/oidc": "oidc",
   "/setup": "setup",
   "/devices": "devices",
   "/public": "public",

@@ -2,6 +2,7 @@
 
 import type { Me } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
+import { usePasskey } from "../wire/passkeys.js";
 import { Store } from "./store.js";
 
 /**
@@ -77,6 +78,13 @@ export class Session extends Store {
     this.setPerson(person);
   }
 
+  /** By a passkey: after name and password, or without both. @throws Refused, Unreachable */
+  async loginByPasskey(name = "", password = ""): Promise<void> {
+    const person = await this.api.loginByPasskey(await usePasskey(await this.api.passkeySignIn(name, password)));
+    this.notice = "";
+    this.setPerson(person);
+  }
+
   /** Nobody is signed in afterwards, also when the hub could not be told. */
   async logout(): Promise<void> {
     this.going = true;
@@ -107,9 +115,9 @@ export class Session extends Store {
 
 /** Watchers are told of everything but the idle time, which moves all the time. */
 function isSamePerson(a: Me | null, b: Me | null): boolean {
-  return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor;
+  return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor && a?.password === b?.password && a?.codes_locked_us === b?.codes_locked_us;
 }
 
 function rightsOf(person: Me | null): string {
-  return person === null ? "" : JSON.stringify([person.name, person.role, person.admin, person.permissions]);
+  return person === null ? "" : JSON.stringify([person.name, person.role, person.admin, person.factor_missing, person.permissions]);
 }

@@ -1,7 +1,8 @@
 /** What a person may ask of the hub about their own account. */
 
-import type { FactorOffer, NewToken, PermissionShape, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
+import type { FactorOffer, NewToken, PasskeyAdded, PasskeyList, PasskeyOptions, PermissionShape, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
+import { createPasskey, usePasskey } from "./passkeys.js";
 
 export class AccountApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
@@ -41,6 +42,33 @@ export class AccountApi {
 
   async removeFactor(password: string, code: string): Promise<void> {
     await this.hub.request("POST", "/api/me/factor/remove", { password, code });
+  }
+
+  /** The person has read that somebody tried codes. */
+  async seeAlert(): Promise<void> {
+    await this.hub.request("POST", "/api/me/factor/seen", {});
+  }
+
+  passkeys(): Promise<PasskeyList> {
+    return this.hub.request("GET", "/api/me/passkeys");
+  }
+
+  /** Lets the browser make one; gives recovery codes where it is the first second factor. */
+  async addPasskey(name: string): Promise<readonly string[]> {
+    const { options } = await this.hub.request<PasskeyOptions>("POST", "/api/me/passkeys/options", {});
+    const credential = await createPasskey(options);
+    return (await this.hub.request<PasskeyAdded>("POST", "/api/me/passkeys", { name, credential })).recovery;
+  }
+
+  async removePasskey(passkey: string): Promise<void> {
+    await this.hub.request("DELETE", `/api/me/passkeys/${encodeURIComponent(passkey)}`);
+  }
+
+  /** Proves by a passkey that it is the person; the password is needed where its device did not ask who holds it. */
+  async confirmByPasskey(password: string): Promise<void> {
+    const { options } = await this.hub.request<PasskeyOptions>("POST", "/api/me/passkeys/challenge", {});
+    const credential = await usePasskey(options);
+    await this.hub.request("POST", "/api/me/confirm", password === "" ? { credential } : { password, credential });
   }
 
   async tokens(): Promise<readonly TokenShape[]> {

@@ -57,6 +57,11 @@ export class AdminApi {
     await this.hub.request("PUT", itemUrl("roles", role), { name, permissions });
   }
 
+  /** Who has the role and no second factor sets one up before anything else. */
+  async requireFactor(role: string, required: boolean): Promise<void> {
+    await this.hub.request("PUT", itemUrl("roles", role, "/factor"), { required });
+  }
+
   async removeRole(role: string): Promise<void> {
     await this.hub.request("DELETE", itemUrl("roles", role));
   }

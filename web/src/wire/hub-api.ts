@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OutlierList, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -66,6 +66,37 @@ export class HubApi {
   /** @param code the second factor's six digits, or a recovery code; empty when none was asked for */
   login(name: string, password: string, code = ""): Promise<Me> {
     return this.request("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
+  }
+
+  /** What a passkey has to answer: in place of name and password, or after both. */
+  async passkeySignIn(name = "", password = ""): Promise<Readonly<Record<string, unknown>>> {
+    const said = name === "" ? {} : { name, password };
+    return (await this.request<PasskeyOptions>("POST", "/api/login/passkey/options", said)).options;
+  }
+
+  /** @param credential the passkey's answer */
+  loginByPasskey(credential: Readonly<Record<string, unknown>>): Promise<Me> {
+    return this.request("POST", "/api/login/passkey", { credential });
+  }
+
+  /** By which provider one can sign in; empty when there is none. */
+  async provider(): Promise<string> {
+    return (await this.request<OidcProvider>("GET", "/api/login/oidc")).label;
+  }
+
+  /**
+   * Begins a sign-in at the provider; gives where the browser has to go.
+   *
+   * @param path what for: to sign in, to confirm that it is you, or to connect one's account
+   * @param returns the page to come back to
+   */
+  async beginOidc(path: "/api/login/oidc" | "/api/me/oidc/confirm" | "/api/me/oidc/connect", returns: string): Promise<string> {
+    return (await this.request<OidcStart>("POST", path, { returns })).url;
+  }
+
+  /** Comes back from the provider. */
+  finishOidc(answer: OidcAnswer): Promise<OidcDone> {
+    return this.request("POST", "/api/login/oidc/finish", answer);
   }
 
   async logout(): Promise<void> {

@@ -4,7 +4,7 @@ import { ADMIN_PAGES } from "../../src/state/router.js";
 import type { Me } from "../../src/generated/api.js";
 
 const person = (change: Partial<Me> = {}): Me => ({
-  name: "ada", role: "operator", admin: false, factor: false, idle_ends_us: 0, ends_us: 0,
+  name: "ada", role: "operator", admin: false, factor: false, factor_missing: false, codes_locked_us: 0, password: true, idle_ends_us: 0, ends_us: 0,
   permissions: [{ right: "view", site: "agv", device: "base" }], ...change,
 });
 const guest = person({ role: "guest", permissions: [] });

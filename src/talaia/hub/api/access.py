@@ -1,4 +1,7 @@
-"""Who is asking, and whether the policy lets them; stands before every route and socket."""
+"""Who is asking, and whether the policy lets them; stands before every route and socket.
+
+Long, because every way in, with the cookies and headers by which it knows somebody, is here.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,15 @@ from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem_response
 from talaia.hub.errors import StoreDown
-from talaia.hub.policy import BY_SCRIPT, CONFIRMED, SOCKETS, AccessNeed, allows, need_of_route
+from talaia.hub.policy import (
+    BEFORE_FACTOR,
+    BY_SCRIPT,
+    CONFIRMED,
+    SOCKETS,
+    AccessNeed,
+    allows,
+    need_of_route,
+)
 from talaia.hub.store.accounts.displays import DISPLAY_MARK
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
 from talaia.hub.store.accounts.tokens import MARK
@@ -40,6 +51,7 @@ __all__ = [
 _BACKGROUND = "talaia-background"
 # As long as browsers keep a cookie (RFC 6265bis); a screen that is opened anew gets it anew.
 _DISPLAY_S = 400 * 86_400
+_FACTOR_FIRST = "your role requires a second factor; set one up first"
 # Digits; so many always fit a column of 64 bits.
 _LONGEST_NUMBER = 18
 
@@ -89,6 +101,15 @@ class Access:
     def set_browser_cookie(self, response: Response, token: str) -> None:
         """Let the browser be known at the next sign-in. It opens nothing."""
         self._hand(response, self.browser_cookie, token, KNOWN_S)
+
+    @property
+    def oidc_cookie(self) -> str:
+        """Name of the cookie by which a browser is known while it is at the provider."""
+        return f"{self.cookie}-oidc"
+
+    def set_oidc_cookie(self, response: Response, token: str) -> None:
+        """Let the browser be known when it comes back from the provider. It opens nothing."""
+        self._hand(response, self.oidc_cookie, token, 600)
 
     def clear_cookie(self, response: Response) -> None:
         """Take the session from the browser."""
@@ -154,6 +175,10 @@ class Access:
         # Before the rights: whatever its person may, a token may not.
         if who.script and need not in BY_SCRIPT:
             raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
+        # Whatever the rights: until then it could be anybody who knows the password.
+        open_now = (request.method, request.scope["route"].path) in BEFORE_FACTOR
+        if who.factor_missing and not open_now:
+            raise ApiProblem(403, "factor_required", _FACTOR_FIRST)
         site = request.path_params.get("site")
         # None also for a site that is not known; `allows` then lets only admins of everything pass.
         live = self._sites.find_site(site) if site else None
@@ -193,6 +218,9 @@ class Access:
         # Of a stream, which site it is of is not known here; its own route looks.
         if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
             await deny_socket(socket, status=401, code="unauthorized", message="sign in first")
+            return None
+        if alive.who.factor_missing:
+            await deny_socket(socket, status=403, code="factor_required", message=_FACTOR_FIRST)
             return None
         return alive.who
 

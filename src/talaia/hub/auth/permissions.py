@@ -145,6 +145,7 @@ class Who:
     Attributes:
         session: names the session (or the token) without being of use to open one.
         factor: whether the person signs in with a second factor.
+        factor_required: whether the role requires one.
         script: whether it is a token that asks; it may manage nothing.
         display: whether it is a screen's token: it only looks.
 
@@ -159,6 +160,12 @@ class Who:
     factor: bool = False
     script: bool = False
     display: bool = False
+    factor_required: bool = False
+
+    @property
+    def factor_missing(self) -> bool:
+        """Whether a second factor has to be set up before anything else."""
+        return self.factor_required and not self.factor
 
 
 def _intersect_permissions(ours: Permission, theirs: Permission) -> Permission | None:

@@ -8,7 +8,11 @@ from talaia.hub.api.access import Access
 from talaia.hub.api.accounts.authentication import Authentication
 from talaia.hub.api.accounts.browser_sessions import BrowserSessions
 from talaia.hub.api.accounts.displays import DisplayPages
+from talaia.hub.api.accounts.oidc import OidcPages
+from talaia.hub.api.accounts.oidc_sign_in import OidcSignIn
 from talaia.hub.api.accounts.own_account import OwnPages
+from talaia.hub.api.accounts.passkey_answers import PasskeyAnswers
+from talaia.hub.api.accounts.passkeys import PasskeyPages
 from talaia.hub.api.accounts.people import PeoplePages
 from talaia.hub.api.accounts.roles import RolePages
 from talaia.hub.api.accounts.sign_in import Accounts
@@ -16,7 +20,10 @@ from talaia.hub.api.accounts.tokens import TokenPages
 from talaia.hub.api.rate_limits import RateLimits
 from talaia.hub.api.sockets.gateway_admission import GatewayAdmission
 from talaia.hub.api.sockets.socket_admission import SocketAdmission
+from talaia.hub.auth.oidc_settings import read_oidc_settings
+from talaia.hub.auth.passkey_challenges import PasskeyChallenges
 from talaia.hub.auth.passwords import Passwords
+from talaia.hub.auth.provider_client import ProviderClient
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.gateways.join_queue import JoinQueue
@@ -25,8 +32,10 @@ from talaia.hub.store.accounts.account_list import AccountList
 from talaia.hub.store.accounts.credentials import Credentials
 from talaia.hub.store.accounts.displays import Displays
 from talaia.hub.store.accounts.failed_logins import FailedLogins
+from talaia.hub.store.accounts.identities import Identities
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
 from talaia.hub.store.accounts.mfa import SecondFactors
+from talaia.hub.store.accounts.passkeys import Passkeys
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
@@ -52,6 +61,7 @@ class PeopleFeature(Feature):
         access: guards every route by the policy table.
         limits: how much each may ask.
         admission: lets sockets in.
+        proving: checks what people know and have.
         setup_token: opens the set-up page; set after the start when there are no people yet.
 
     """
@@ -96,7 +106,8 @@ class PeopleFeature(Feature):
             browsers=KnownBrowsers(database, clock),
             seats=self.seats,
         )
-        proving = Authentication(
+        # Told by whoever delivers how to wake it, which is built after this.
+        self.proving = proving = Authentication(
             sessions=sessions,
             people=self.accounts,
             passwords=passwords,
@@ -104,6 +115,8 @@ class PeopleFeature(Feature):
             tries=self._tries,
             audit=audit,
         )
+        answers, passkey_pages = self._build_passkeys(core, sessions, factors, audit)
+        roster = AccountList(database, self.sessions)
         pages = (
             Accounts(
                 proving=proving,
@@ -118,12 +131,21 @@ class PeopleFeature(Feature):
                 people=self.accounts,
                 passwords=passwords,
                 factors=factors,
+                answers=answers,
+                audit=audit,
+            ),
+            passkey_pages,
+            OidcPages(
+                signing=self._build_oidc(core, roster, audit),
+                access=self.access,
+                sessions=sessions,
+                clock=clock,
                 audit=audit,
             ),
             TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
             PeoplePages(
                 people=self.accounts,
-                roster=AccountList(database, self.sessions),
+                roster=roster,
                 passwords=passwords,
                 factors=factors,
                 sessions=sessions,
@@ -141,6 +163,36 @@ class PeopleFeature(Feature):
         )
         self.routers = [page.make_router() for page in pages]
         self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
+
+    def _build_passkeys(
+        self, core: Core, sessions: BrowserSessions, factors: SecondFactors, audit: Audit
+    ) -> tuple[PasskeyAnswers, PasskeyPages]:
+        """Build what asks people's passkeys, and the pages of them."""
+        passkeys = Passkeys(core.database, core.clock)
+        answers = PasskeyAnswers(
+            passkeys=passkeys,
+            challenges=PasskeyChallenges(),
+            proving=self.proving,
+            clock=core.clock,
+            audit=audit,
+        )
+        pages = PasskeyPages(
+            answers=answers, passkeys=passkeys, factors=factors, sessions=sessions, audit=audit
+        )
+        return answers, pages
+
+    def _build_oidc(self, core: Core, roster: AccountList, audit: Audit) -> OidcSignIn | None:
+        """Build the sign-in by a provider, where the start of the hub names one."""
+        if core.settings.oidc is None:
+            return None
+        return OidcSignIn(
+            provider=ProviderClient(read_oidc_settings(core.settings.oidc), core.clock),
+            identities=Identities(core.database, core.clock),
+            people=self.accounts,
+            roster=roster,
+            clock=core.clock,
+            audit=audit,
+        )
 
     async def open(self) -> None:
         """Remember wrong sign-ins, and offer the set-up page where there is nobody yet."""

@@ -40,9 +40,11 @@ __all__ = [
     "enrolment_codes",
     "frames",
     "gateways",
+    "identities",
     "known_browsers",
     "learned",
     "metadata",
+    "passkeys",
     "permissions",
     "recordings",
     "recovery_codes",
@@ -76,6 +78,8 @@ roles = Table(
     Column("id", ROW_ID, primary_key=True),
     Column("name", String(_NAME), nullable=False, unique=True),
     Column("seeded", Boolean, nullable=False),
+    # Whoever has the role signs in with a second factor, or sets one up before anything else.
+    Column("factor_required", Boolean, nullable=False, default=False),
 )
 
 permissions = Table(
@@ -116,6 +120,11 @@ users = Table(
     # The last step of time whose code was used; none at or before it is taken again.
     Column("factor_step", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
+    # Wrong codes one after the other; until when codes of time are not looked at; and when that
+    # was, until the person has seen it (0: no news).
+    Column("code_wrong", BigInteger, nullable=False, default=0),
+    Column("code_locked_us", BigInteger, nullable=False, default=0),
+    Column("code_alert_us", BigInteger, nullable=False, default=0),
 )
 
 # A client protocol that was ever opened; one without a row is shut.
@@ -152,6 +161,8 @@ sessions = Table(
     Column("used_us", BigInteger, nullable=False),
     Column("address", String(_NAME), nullable=False),
     Column("agent", String(_NAME), nullable=False),
+    # Begun by the provider of sign-ins, whose matter a second factor is then.
+    Column("provider", Boolean, nullable=False, default=False),
 )
 
 recovery_codes = Table(
@@ -161,6 +172,37 @@ recovery_codes = Table(
     Column(
         "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
     ),
+)
+
+# Keys that a person's own devices hold (WebAuthn); here are only their public halves.
+passkeys = Table(
+    "passkeys",
+    metadata,
+    Column("id", ROW_ID, primary_key=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
+    Column("name", String(_NAME), nullable=False),
+    # Of the credential's id, which may be too long for an index.
+    Column("id_hash", String(_HASH), nullable=False, unique=True),
+    Column("credential_id", LONG_TEXT, nullable=False),
+    Column("public_key", LONG_TEXT, nullable=False),
+    # The name of the hub for which it was made; at another it is of no use.
+    Column("host", String(_NAME), nullable=False),
+    Column("sign_count", BigInteger, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+    Column("used_us", BigInteger, nullable=False),
+)
+
+# Accounts at a provider (OpenID Connect), by the hash of issuer and subject.
+identities = Table(
+    "identities",
+    metadata,
+    Column("key_hash", String(_HASH), primary_key=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
+    Column("created_us", BigInteger, nullable=False),
 )
 
 # Browsers from which a person has signed in before: a flood of wrong tries of others does not

@@ -1,6 +1,6 @@
 /** One's own account: password, second factor, sessions, tokens for scripts. */
 
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
@@ -10,7 +10,8 @@ import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
 import { sessionContext } from "../../state/contexts.js";
 import type { Me } from "../../generated/api.js";
 import "../../elements/feedback/status.js";
-import "./second-factor.js";
+import "./factors.js";
+import "./provider.js";
 import "./change-password.js";
 import "./notification-rules.js";
 import "./sessions.js";
@@ -18,18 +19,7 @@ import "./tokens.js";
 
 @customElement("t-page-account")
 export class PageAccount extends LitElement {
-  static override styles = [
-    base,
-    sheets,
-    css`
-      .two {
-        display: grid;
-        grid-template-columns: repeat(auto-fit, minmax(min(26rem, 100%), 1fr));
-        align-items: start;
-        gap: var(--t-space-4);
-      }
-    `,
-  ];
+  static override styles = [base, sheets];
 
   private readonly session = new ContextStoreController(this, sessionContext);
 
@@ -38,10 +28,9 @@ export class PageAccount extends LitElement {
     if (person === null) return nothing;
     return html`
       ${renderPageHead("Account", `${person.name}, with the role ${person.role}: ${rightsText(person)}`)}
-      <div class="two">
-        <t-account-password class="sheet" .name=${person.name}></t-account-password>
-        <t-account-factor class="sheet" .active=${person.factor}></t-account-factor>
-      </div>
+      <t-account-factors></t-account-factors>
+      ${person.password ? html`<t-account-password class="sheet" .name=${person.name}></t-account-password>` : nothing}
+      <t-account-provider class="sheet" ?only=${!person.password}></t-account-provider>
       ${seesOnlyPublic(person) ? nothing : html`<t-account-rules class="sheet"></t-account-rules>`}
       <t-account-sessions class="sheet"></t-account-sessions>
       <t-account-tokens class="sheet" .person=${person}></t-account-tokens>

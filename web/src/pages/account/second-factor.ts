@@ -1,4 +1,4 @@
-/** Set up or remove one's second factor. */
+/** Set up or remove the codes of an app, as one's second factor. */
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, type TemplateResult } from "lit";
@@ -15,6 +15,7 @@ import type { FactorOffer } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
+import { renderRecoveryCodes } from "./recovery-codes.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/forms/field.js";
 import "../../elements/values/qr-code.js";
@@ -23,6 +24,7 @@ import "../../elements/feedback/status.js";
 /** Where one stands: at rest, about to begin, scanning, looking at the recovery codes, about to remove it. */
 type SetupStep = "rest" | "begin" | "scan" | "codes" | "remove";
 
+/** @fires t-changed it was set up or removed */
 @customElement("t-account-factor")
 export class SecondFactor extends LitElement {
   static override styles = [
@@ -58,9 +60,10 @@ export class SecondFactor extends LitElement {
 
   override render(): TemplateResult {
     const { problem } = this.action;
+    const on = this.active || this.step === "codes";
     return html`<div class="head">
-        <h2>Second factor</h2>
-        <t-status kind=${this.active ? "ok" : "unknown"} word=${this.active ? "on" : "off"}></t-status>
+        <h2>Codes from an app</h2>
+        <t-status kind=${on ? "ok" : "unknown"} word=${on ? "on" : "off"}></t-status>
       </div>
       ${renderAdvice(problem)}
       ${this.renderContent()}`;
@@ -75,7 +78,7 @@ export class SecondFactor extends LitElement {
       case "scan":
         return this.renderScan();
       case "codes":
-        return this.renderCodes();
+        return renderRecoveryCodes(this.recovery, this.onKept);
       case "remove":
         return this.renderForm(
           "Remove it",
@@ -108,18 +111,6 @@ export class SecondFactor extends LitElement {
     ${this.renderForm("Switch it on", this.onConfirm, this.renderCodeField("Six digits from your app"))}`;
   }
 
-  private renderCodes(): TemplateResult {
-    return html`<p>
-        The second factor is on. If your phone is lost, each of these codes lets you in once. They are not shown again:
-        keep them where your phone is not.
-      </p>
-      <t-copy label="Recovery codes" .text=${this.recovery.join("\n")}></t-copy>
-      <div class="actions">
-        <a download="talaia-recovery-codes.txt" href=${this.recoveryCodesUrl()}>Download as a file</a>
-        <t-button kind="primary" @click=${this.stepOpener("rest")}>I have kept them</t-button>
-      </div>`;
-  }
-
   private renderForm(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
     const onSubmit = (event: SubmitEvent): void => {
       event.preventDefault();
@@ -140,11 +131,6 @@ export class SecondFactor extends LitElement {
     return html`<t-field label="Code" hint=${hint}>
       <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
     </t-field>`;
-  }
-
-  /** A file without a server: the codes never leave this page but by the person's hand. */
-  private recoveryCodesUrl(): string {
-    return `data:text/plain;charset=utf-8,${encodeURIComponent(`${this.recovery.join("\n")}\n`)}`;
   }
 
   private stepOpener(step: SetupStep): () => void {
@@ -180,7 +166,13 @@ export class SecondFactor extends LitElement {
     if (!done) return;
     this.offer = null;
     this.showStep("codes");
-    await this.session.refresh().catch(() => undefined);
+    this.dispatchEvent(new CustomEvent("t-changed"));
+  };
+
+  /** Only now: who had to set it up is led on to another page. */
+  private readonly onKept = (): void => {
+    this.showStep("rest");
+    void this.session.refresh().catch(() => undefined);
   };
 
   private readonly removeFactor = async (): Promise<void> => {
@@ -188,6 +180,7 @@ export class SecondFactor extends LitElement {
     const code = this.typedCode();
     if (!(await this.action.run("remove it", () => new AccountApi(this.api).removeFactor(password, code)))) return;
     this.showStep("rest");
+    this.dispatchEvent(new CustomEvent("t-changed"));
     await this.session.refresh().catch(() => undefined);
   };
 

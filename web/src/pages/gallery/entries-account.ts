@@ -3,13 +3,15 @@
 import { html } from "lit";
 import { passwordRules } from "../../format/password-rules.js";
 import { ANY } from "../../state/rights.js";
-import type { DeviceSummary, RoleShape } from "../../generated/api.js";
+import type { DeviceSummary, PasskeyList, RoleShape } from "../../generated/api.js";
 import { draftsOf, withLevelEdited, matrixLines } from "../roles/permission-matrix.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/values/qr-code.js";
 import "../../elements/forms/rule-list.js";
 import "../admin-tabs.js";
+import "../account/passkeys.js";
+import "../roles/role-factors.js";
 import "../roles/role-matrix.js";
 import "../shell/confirm-person.js";
 import type { GalleryEntry } from "./entry.js";
@@ -24,12 +26,20 @@ const row = (device: string, name: string, open: boolean): DeviceSummary => ({
   site: "agv", site_name: "House vehicle", device, name, kind: "other", online: true, rights: [], public: open,
   signals: 1, stale: 0,
 });
+const NO_PASSKEYS: PasskeyList = { passkeys: [], codes: false, possible: true };
+const TWO_PASSKEYS: PasskeyList = {
+  passkeys: [
+    { id: "1", name: "Phone", host: "hub.example", created_us: 1_700_000_000_000_000, used_us: 1_700_000_600_000_000 },
+    { id: "2", name: "Key on my ring", host: "hub.example", created_us: 1_700_000_000_000_000, used_us: 0 },
+  ],
+  codes: true, possible: true,
+};
 const DEVICES = [row("base", "Vehicle base", true), row("camera", "Camera", false)];
 const ROLES: readonly RoleShape[] = [
-  { id: "1", name: "guest", seeded: true, people: 4, permissions: [] },
-  { id: "2", name: "operator", seeded: true, people: 1, permissions: [{ right: "use", site: ANY, device: ANY }] },
-  { id: "3", name: "admin", seeded: true, people: 1, permissions: [{ right: "admin", site: ANY, device: ANY }] },
-  { id: "4", name: "camera crew", seeded: false, people: 0, permissions: [{ right: "view", site: "agv", device: "camera" }] },
+  { id: "1", name: "guest", seeded: true, factor_required: false, people: 4, permissions: [] },
+  { id: "2", name: "operator", seeded: true, factor_required: false, people: 1, permissions: [{ right: "use", site: ANY, device: ANY }] },
+  { id: "3", name: "admin", seeded: true, factor_required: true, people: 1, permissions: [{ right: "admin", site: ANY, device: ANY }] },
+  { id: "4", name: "camera crew", seeded: false, factor_required: false, people: 0, permissions: [{ right: "view", site: "agv", device: "camera" }] },
 ];
 const LINES = matrixLines(DEVICES, ROLES);
 const CHANGED = withLevelEdited(draftsOf(ROLES), "4", { site: "agv", device: "base" }, "use");
@@ -53,6 +63,19 @@ export const entries: readonly GalleryEntry[] = [
       { name: "as saved", show: () => html`<t-role-matrix .lines=${LINES} .drafts=${draftsOf(ROLES)}></t-role-matrix>` },
       { name: "one cell changed", show: () => html`<t-role-matrix .lines=${LINES} .drafts=${CHANGED}></t-role-matrix>` },
       { name: "being saved", show: () => html`<t-role-matrix busy .lines=${LINES} .drafts=${CHANGED}></t-role-matrix>` },
+    ],
+  },
+  {
+    tag: "t-role-factors",
+    wide: true,
+    states: [{ name: "admins need one", show: () => html`<t-role-factors class="sheet" .roles=${ROLES}></t-role-factors>` }],
+  },
+  {
+    tag: "t-account-passkeys",
+    wide: true,
+    states: [
+      { name: "none", show: () => html`<t-account-passkeys class="sheet" .list=${NO_PASSKEYS}></t-account-passkeys>` },
+      { name: "two", show: () => html`<t-account-passkeys class="sheet" .list=${TWO_PASSKEYS}></t-account-passkeys>` },
     ],
   },
   {

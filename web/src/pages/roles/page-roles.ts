@@ -20,6 +20,7 @@ import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.j
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
 import "./role-dialog.js";
+import "./role-factors.js";
 import "./role-matrix.js";
 
 interface LoadedRoles {
@@ -120,7 +121,8 @@ export class PageRoles extends LitElement {
         <strong>tap</strong> has the robot’s raw topics, <strong>metrics</strong> lets Prometheus read figures of the
         signals that it sees, whatever else it may. <strong>request</strong> asks for observations for a proposal,
         <strong>approve</strong> lets them be observed, <strong>arm</strong> lets the night run by itself. A dashed cell has its right from a line above it.
-      </p>`;
+      </p>
+      <t-role-factors class="sheet" .roles=${this.drawn?.roles ?? []} @t-changed=${this.given.invalidate}></t-role-factors>`;
   }
 
   private renderBar(changes: readonly RoleChange[]): TemplateResult {

@@ -152,7 +152,7 @@ export class App extends LitElement {
       this.sites.clear();
       this.live.clear();
     }
-    if (this.session.state === "known") this.connection.start();
+    if (this.mayConnect()) this.connection.start();
     else this.connection.stop();
     this.redirectIfNeeded();
   };
@@ -173,9 +173,14 @@ export class App extends LitElement {
     this.router.replace(`/login?${query.toString()}`);
   };
 
+  /** Who has to set up a second factor first is let in to nothing else. */
+  private mayConnect(): boolean {
+    return this.session.person?.factor_missing === false;
+  }
+
   /** The session goes on with other rights, or another tab signed in anew: a fresh socket is ours. */
   private resumeConnection(): void {
-    if (this.session.state !== "known" || this.connection.state !== "ended") return;
+    if (!this.mayConnect() || this.connection.state !== "ended") return;
     this.session.notice = "";
     // Once at once; a hub that ends each session would be asked without a pause.
     const now = performance.now();
@@ -183,7 +188,7 @@ export class App extends LitElement {
     this.resumedAt = now;
     this.retryTimer = setTimeout(
       () => {
-        if (this.session.state === "known") this.connection.start();
+        if (this.mayConnect()) this.connection.start();
       },
       soon ? 0 : 1000,
     );

@@ -12,6 +12,7 @@ import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { apiContext, sessionContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { hasPasskeys } from "../../wire/passkeys.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/forms/field.js";
@@ -62,12 +63,20 @@ export class ConfirmPerson extends LitElement {
     return html`<t-dialog heading="Confirm that it is you" ?open=${this.open} @t-close=${this.onClosed}>
       ${this.open ? this.renderForm() : nothing}
       <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
-      <t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirm}>Confirm</t-button>
+      ${this.session.store?.person?.password === false
+        ? html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirmByProvider}>Sign in anew</t-button>`
+        : html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirm}>Confirm</t-button>`}
     </t-dialog>`;
   }
 
   private renderForm(): TemplateResult {
     const person = this.session.store?.person;
+    if (person?.password === false) {
+      return html`<p>
+          What you are about to do gives rights to somebody, or takes a protection away. Sign in anew where you have your password; you come back to this page. Then do it once more.
+        </p>
+        ${renderAdvice(this.action.problem)}`;
+    }
     return html`<form novalidate @submit=${this.onSubmit}>
       <p>What you are about to do gives rights to somebody, or takes a protection away. You are asked again after five minutes.</p>
       <input hidden name="username" autocomplete="username" .value=${person?.name ?? ""} />
@@ -82,6 +91,9 @@ export class ConfirmPerson extends LitElement {
           >
             <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
           </t-field>`
+        : nothing}
+      ${person?.factor === true && hasPasskeys()
+        ? html`<div><t-button ?busy=${this.action.runningKey === "passkey"} @click=${this.confirmByPasskey}>Use a passkey</t-button></div>`
         : nothing}
       ${renderAdvice(this.action.problem)}
       <button type="submit" hidden></button>
@@ -106,6 +118,19 @@ export class ConfirmPerson extends LitElement {
     const done = await this.action.run("take this", () => new AccountApi(this.api).confirm(password, code));
     if (done) this.finish(true);
     else void focusInside(this, this.code === null ? "#password" : "#code");
+  };
+
+  private readonly confirmByProvider = (): void => {
+    void this.action.run("send you there", async () => {
+      window.location.assign(await this.api.beginOidc("/api/me/oidc/confirm", window.location.pathname));
+    });
+  };
+
+  private readonly confirmByPasskey = (): void => {
+    const api = new AccountApi(this.api);
+    void this.action.run("take this", () => api.confirmByPasskey(this.password.value), "", "passkey").then((done) => {
+      if (done) this.finish(true);
+    });
   };
 
   private readonly closeQuestion = (): void => {

@@ -13,13 +13,15 @@ import { ADMIN_PAGES, localPath } from "../../state/router.js";
 import type { NightList, SiteShape, SiteSummary } from "../../generated/api.js";
 import { ArchiveApi } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { mayOpen, PAGES } from "../routes.js";
+import { isOpen, mayOpen, PAGES } from "../routes.js";
 import "../../elements/feedback/banner.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/values/time.js";
 import "./alarm-bar.js";
+import "./code-alert.js";
+import "./first-factor.js";
 import "./header.js";
 import "./interlock-bar.js";
 import "./navigation.js";
@@ -134,7 +136,7 @@ export class Shell extends LitElement {
   private loadSiteDetail(): void {
     const sites = this.sites.store;
     const site = this.siteNow();
-    if (sites === undefined || site === "" || this.session.store?.state !== "known") return;
+    if (sites === undefined || site === "" || this.session.store?.person?.factor_missing !== false) return;
     const question = [site, sites.catalogueOf(site), this.session.store.rightsKey].join("\n");
     this.detail.load(question, () => sites.loadDetail(site));
     const { api } = this;
@@ -157,7 +159,7 @@ export class Shell extends LitElement {
 
   override render(): TemplateResult {
     const person = this.session.store?.person ?? null;
-    const inside = person !== null;
+    const inside = person !== null && !person.factor_missing;
     const page = this.router.store?.route.page ?? "home";
     const site = this.siteNow();
     const actuable = this.hasActuators();
@@ -171,6 +173,7 @@ export class Shell extends LitElement {
         </t-header>
         ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-alarm-bar></t-alarm-bar><t-interlocks></t-interlocks>` : nothing}
+        ${inside && person.codes_locked_us > 0 ? html`<t-code-alert></t-code-alert>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.renderContent()}</main>
@@ -189,6 +192,7 @@ export class Shell extends LitElement {
     }
     const person = this.session.store?.person ?? null;
     const place = this.router.store?.route.page ?? "missing";
+    if (person?.factor_missing === true && !isOpen(place)) return html`<t-first-factor></t-first-factor>`;
     const admins = ADMIN_PAGES.includes(place);
     // An empty list would say that all is well.
     if (person !== null && (admins || place === "alarms" || place === "logbook") && !mayOpen(place, person)) {
@@ -208,7 +212,7 @@ export class Shell extends LitElement {
   }
 
   private renderBanner(): unknown {
-    if (this.session.store?.state !== "known") return nothing;
+    if (this.session.store?.person?.factor_missing !== false) return nothing;
     if (this.link.state === "lost") {
       return html`<t-banner kind="bad"
         >No connection to the hub. What you see is old; it is tried again by itself.</t-banner

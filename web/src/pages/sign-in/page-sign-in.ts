@@ -7,10 +7,13 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
 import { TickerController } from "../../controllers/ticker.js";
-import { isFactor, signInAdvice, waitOf, waitText, type Advice } from "../../format/error-advice.js";
-import { routerContext, sessionContext } from "../../state/contexts.js";
+import { isFactor, signInAdvice, isPasskey, waitOf, waitText, type Advice } from "../../format/error-advice.js";
+import { LoadController } from "../../controllers/load.js";
+import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { hasPasskeys } from "../../wire/passkeys.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
@@ -51,6 +54,8 @@ export class PageSignIn extends LitElement {
   /** This page's clock (ms) when the hub may be asked again. */
   private waitUntil = 0;
 
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly provider = new LoadController<string>(this);
   @consume({ context: routerContext }) private readonly router!: Router;
   private readonly session = new ContextStoreController(this, sessionContext, (session) => {
     // Signed in already, here or in another tab.
@@ -60,6 +65,10 @@ export class PageSignIn extends LitElement {
   constructor() {
     super();
     new TickerController(this);
+  }
+
+  override willUpdate(): void {
+    this.provider.load("provider", () => this.api.provider());
   }
 
   override firstUpdated(): void {
@@ -87,6 +96,14 @@ export class PageSignIn extends LitElement {
         <t-button type="submit" kind="primary" ?busy=${this.busy} ?disabled=${waits}
           >${this.busy ? "Signing in…" : "Sign in"}</t-button
         >
+        ${hasPasskeys()
+          ? html`<t-button ?disabled=${this.busy || waits} @click=${this.onPasskey}
+              >${this.wantsCode ? "Use a passkey instead" : "Sign in with a passkey"}</t-button
+            >`
+          : nothing}
+        ${this.wantsCode || (this.provider.value ?? "") === ""
+          ? nothing
+          : html`<t-button ?disabled=${this.busy} @click=${this.onProvider}>Sign in with ${this.provider.value}</t-button>`}
         ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.goBackToPassword}>Back to name and password</t-button>` : nothing}
       </form>
     `;
@@ -151,14 +168,33 @@ export class PageSignIn extends LitElement {
     if (this.missing === "" && this.waitS() === 0) void this.signIn(name, password, code);
   };
 
-  private async signIn(name: string, password: string, code: string): Promise<void> {
+  private readonly onPasskey = (): void => {
+    if (this.busy) return;
+    const name = this.wantsCode ? this.name.value.trim() : "";
+    const password = this.wantsCode ? this.password.value : "";
+    void this.attempt(() => this.session.store?.loginByPasskey(name, password), true);
+  };
+
+  private readonly onProvider = (): void => {
+    if (this.busy) return;
+    const returns = returnPath(this.router.search, this.router.origin);
+    void this.attempt(async () => {
+      window.location.assign(await this.api.beginOidc("/api/login/oidc", returns));
+    }, true);
+  };
+
+  private signIn(name: string, password: string, code: string): Promise<void> {
+    return this.attempt(() => this.session.store?.login(name, password, code), code !== "");
+  }
+
+  private async attempt(signIn: () => Promise<void> | undefined, whole: boolean): Promise<void> {
     this.busy = true;
     this.advice = null;
     this.waitUntil = 0;
     try {
-      await this.session.store?.login(name, password, code);
+      await signIn();
     } catch (error) {
-      await this.showFailure(error, code !== "");
+      await this.showFailure(error, whole);
     } finally {
       this.busy = false;
     }
@@ -169,7 +205,8 @@ export class PageSignIn extends LitElement {
     const asked = isFactor(error);
     // That a code is wanted is no failure; that it did not fit is.
     this.advice = asked && !hadCode ? null : signInAdvice(error);
-    this.wantsCode = asked || (this.wantsCode && waitOf(error) > 0);
+    // A passkey that did not answer leads nowhere else.
+    this.wantsCode = (asked && this.name.value !== "") || (this.wantsCode && (waitOf(error) > 0 || isPasskey(error)));
     await this.updateComplete;
     const control = this.wantsCode ? this.code : this.password;
     await control?.closest("t-field")?.updateComplete;

@@ -8,7 +8,7 @@ const row = (site: string, device: string): DeviceSummary => ({
   public: device === "base", signals: 1, stale: 0,
 });
 const role = (name: string, permissions: readonly PermissionShape[] = [], seeded = false): RoleShape => ({
-  id: name, name, seeded, people: 0, permissions,
+  id: name, name, seeded, people: 0, factor_required: false, permissions,
 });
 const DEVICES = [row("agv", "base"), row("agv", "arm"), row("dome", "roof")];
 const ADMIN = role("admin", [{ right: "admin", site: ANY, device: ANY }], true);

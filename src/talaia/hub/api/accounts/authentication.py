@@ -13,6 +13,8 @@ from talaia.hub.store.accounts.mfa import CodeVerdict
 from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from fastapi import Request
 
     from talaia.hub.api.accounts.browser_sessions import BrowserSessions
@@ -27,6 +29,11 @@ __all__ = ["Authentication", "SignInAttempt"]
 _REFUSED = {
     CodeVerdict.WRONG: "the code is wrong",
     CodeVerdict.REPLAYED: "this code was used already; wait for the next one",
+}
+# The page offers what still opens.
+_LOCKED = {
+    CodeVerdict.LOCKED: "codes are locked after many wrong ones; use a recovery code or a passkey",
+    CodeVerdict.LOCKS: "the code is wrong, and one too many: codes are locked for an hour",
 }
 
 
@@ -61,6 +68,8 @@ class Authentication:
         # Every wrong try, kept over restarts: a restart must give nobody new ones.
         self._tries = tries
         self._audit = audit
+        # Called when a message to a person was put into the outbox; whoever delivers sets it.
+        self.on_notice: Callable[[], None] = lambda: None
 
     async def sign_in(self, request: Request, name: str, password: str, code: str) -> Person:
         """Check name, password and, where there is one, the second factor.
@@ -120,6 +129,21 @@ class Authentication:
         await self.clear_attempt(ask)
         return person
 
+    async def check_first_half(self, request: Request, name: str, password: str) -> Person:
+        """Check name and password of one whose second factor is not a code.
+
+        Raises:
+            ApiProblem: 401 ``wrong``, 429 ``busy``.
+
+        """
+        ask = await self.begin_attempt(request, name)
+        person = await self._check_password(
+            request, name=name, password=password, status=401, what="login failed"
+        )
+        # The second half is counted for itself.
+        await self._tries.count_unfinished(ask.user, ask.address, ask.browser)
+        return person
+
     async def begin_attempt(self, request: Request, name: str) -> SignInAttempt:
         """Count a try as wrong before it is looked at; `clear_attempt` takes it off.
 
@@ -149,7 +173,8 @@ class Authentication:
     ) -> Person:
         person = await self._people.find_by_name(name)
         # Who is unknown or disabled is checked against a hash of nobody's, for as long.
-        kept = person.password_hash if person and not person.disabled else None
+        # So is who has none, and signs in by the provider.
+        kept = (person.password_hash or None) if person and not person.disabled else None
         if await self._passwords.verify_password(password, kept) and person is not None:
             return person
         self._append_record(request, what, name, "")
@@ -171,6 +196,13 @@ class Authentication:
             await self._tries.count_unfinished(ask.user, ask.address, ask.browser)
             raise ApiProblem(status, "factor", "the code of your second factor is needed")
         verdict = await self._factors.use_code(person.id, code)
+        if verdict in _LOCKED:
+            self._append_record(request, what, person.name, "second factor locked")
+            if verdict is CodeVerdict.LOCKS:
+                self._append_record(request, "second factor locked", person.name, "")
+                # The message about it is in the outbox.
+                self.on_notice()
+            raise ApiProblem(status, "factor_locked", _LOCKED[verdict])
         if verdict in _REFUSED:
             self._append_record(request, what, person.name, "second factor")
             raise ApiProblem(status, "factor", _REFUSED[verdict])

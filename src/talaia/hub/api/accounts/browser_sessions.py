@@ -32,7 +32,9 @@ class BrowserSessions:
         # Sockets that are open: they end with their session, and follow a change of rights.
         self._seats = seats
 
-    async def start_session(self, user: int, request: Request, response: Response) -> LiveSession:
+    async def start_session(
+        self, user: int, request: Request, response: Response, *, provider: bool = False
+    ) -> LiveSession:
         """Begin a session for the browser that asks, in place of the one that it brought."""
         # A session that the browser brought is not the one that it leaves with.
         before = await self._access.identify_caller(request)
@@ -42,7 +44,9 @@ class BrowserSessions:
             self._seats.end_session(before.who.session, "you have signed in anew")
         # Shown to the person in the list of sessions, so cut and cleaned.
         agent = safe_text(request.headers.get("user-agent", ""), 200)
-        token, alive = await self._sessions.start_session(user, address_of(request), agent)
+        token, alive = await self._sessions.start_session(
+            user, address_of(request), agent, provider=provider
+        )
         self._access.set_cookie(response, token)
         known = request.cookies.get(self._access.browser_cookie, "")
         await self.remember_browser(user, response, known)

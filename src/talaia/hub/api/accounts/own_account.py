@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, Response
 
-from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.access import address_of, alive_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import (
@@ -22,12 +22,14 @@ from talaia.hub.api.schemas.account_schemas import (
 )
 from talaia.hub.auth.passwords import check_password
 from talaia.hub.auth.totp import otp_uri, qr_svg
-from talaia.hub.errors import WeakPassword
+from talaia.hub.errors import PasskeyRefused, WeakPassword
 
 if TYPE_CHECKING:
     from talaia.hub.api.accounts.authentication import Authentication
     from talaia.hub.api.accounts.browser_sessions import BrowserSessions
+    from talaia.hub.api.accounts.passkey_answers import PasskeyAnswers
     from talaia.hub.auth.passwords import Passwords
+    from talaia.hub.auth.permissions import Who
     from talaia.hub.store.accounts.mfa import SecondFactors
     from talaia.hub.store.accounts.people import People
     from talaia.hub.store.audit import Audit
@@ -46,6 +48,7 @@ class OwnPages:
         people: People,
         passwords: Passwords,
         factors: SecondFactors,
+        answers: PasskeyAnswers,
         audit: Audit,
     ) -> None:
         """Change what ``people`` and ``factors`` keep of who has passed ``proving``."""
@@ -55,6 +58,8 @@ class OwnPages:
         self._people = people
         self._passwords = passwords
         self._factors = factors
+        # Of passkeys, which confirm as well as a password and a code.
+        self._answers = answers
         self._audit = audit
 
     def make_router(self) -> APIRouter:
@@ -68,13 +73,19 @@ class OwnPages:
         router.post("/api/me/factor")(self.offer_factor)
         router.post("/api/me/factor/confirm")(self.confirm_factor)
         router.post("/api/me/factor/remove", status_code=204)(self.remove_factor)
+        router.post("/api/me/factor/seen", status_code=204)(self.see_alert)
         return router
 
     async def confirm(self, asked: Confirmation, request: Request) -> None:
         """Give your password anew, and your second factor: for minutes you may give rights away."""
         who = who_of(request)
         what = "confirmation refused"
-        if who.factor:
+        if asked.credential is not None:
+            verified = await self._answers.confirm_answer(request, who, asked.credential)
+            # The device has not asked who holds it: the password has to say so.
+            if not verified:
+                await self._proving.confirm_password(request, who.user, asked.password, what)
+        elif who.factor:
             await self._proving.confirm_both(
                 request, user=who.user, password=asked.password, code=asked.code, what=what
             )
@@ -89,8 +100,11 @@ class OwnPages:
         """Take another password; your other sessions and all your tokens end."""
         who = who_of(request)
         # The password stands in the question; the factor must have been given lately.
-        if who.factor and not self._sessions.is_confirmed(who.session):
-            raise ApiProblem(403, "confirm", "confirm first that it is you: POST /api/me/confirm")
+        if not alive_of(request).has_password:
+            raise ApiProblem(
+                409, "no_password", "you sign in by the provider; an admin can give you a password"
+            )
+        self._require_factor_lately(who)
         await self._proving.confirm_password(
             request, who.user, asked.old, "password change refused"
         )
@@ -130,6 +144,8 @@ class OwnPages:
     async def offer_factor(self, asked: PasswordOnly, request: Request) -> FactorOffer:
         """Begin a second factor. It is asked for once its first code has been confirmed."""
         who = who_of(request)
+        # With a passkey there is a factor already, and it must have been given lately.
+        self._require_factor_lately(who)
         await self._proving.confirm_password(
             request, who.user, asked.password, "second factor refused"
         )
@@ -154,17 +170,34 @@ class OwnPages:
         return RecoveryCodes(recovery=codes)
 
     async def remove_factor(self, asked: RemoveFactor, request: Request) -> None:
-        """Sign in without the second factor from now on."""
+        """Sign in without codes from now on; passkeys stay."""
         who = who_of(request)
         what = "second factor removal refused"
-        if not who.factor:
-            raise ApiProblem(409, "missing", "you have no second factor")
+        if not await self._factors.has_codes(who.user):
+            raise ApiProblem(409, "missing", "you have no second factor with codes")
         await self._proving.confirm_both(
             request, user=who.user, password=asked.password, code=asked.code, what=what
         )
-        await self._factors.remove_factor(who.user)
+        try:
+            await self._factors.remove_codes(who.user, keep_one=who.factor_required)
+        except PasskeyRefused as error:
+            raise ApiProblem(409, "required", str(error)) from error
         await self._sessions.follow_rights()
         self._append_record(request, "second factor removed")
+
+    async def see_alert(self, request: Request) -> None:
+        """Say that you have read that somebody tried codes for your account."""
+        await self._factors.see_alert(who_of(request).user)
+
+    def _require_factor_lately(self, who: Who) -> None:
+        """Ask who has a second factor to have given it a short while ago.
+
+        Raises:
+            ApiProblem: 403 ``confirm``.
+
+        """
+        if who.factor and not self._sessions.is_confirmed(who.session):
+            raise ApiProblem(403, "confirm", "confirm first that it is you: POST /api/me/confirm")
 
     def _append_record(self, request: Request, kind: str) -> None:
         self._audit.append_record(kind, who=who_of(request).name, address=address_of(request))

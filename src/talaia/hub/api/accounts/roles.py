@@ -11,7 +11,7 @@ from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.accounts.sign_in import permissions_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.account_schemas import RoleAsk, RoleList, RoleShape
+from talaia.hub.api.schemas.account_schemas import FactorNeed, RoleAsk, RoleList, RoleShape
 from talaia.hub.auth.passwords import check_name
 from talaia.hub.auth.permissions import Permission, Right
 from talaia.hub.errors import NameTaken, RoleInUse, SeededRole, UnknownRole, WeakPassword
@@ -43,6 +43,7 @@ class RolePages:
         router.post("/api/roles")(self.add)
         router.put("/api/roles/{role}")(self.change)
         router.delete("/api/roles/{role}", status_code=204)(self.remove)
+        router.put("/api/roles/{role}/factor")(self.require_factor)
         return router
 
     async def overview(self) -> RoleList:
@@ -76,6 +77,28 @@ class RolePages:
             "role changed",
             f"{before.name}: {was} -> {asked.name}: {in_words(given)}",
         )
+        return _role_schema(after)
+
+    async def require_factor(self, role: str, asked: FactorNeed, request: Request) -> RoleShape:
+        """Say whether a role requires a second factor.
+
+        Who has the role and no factor sets one up before anything else, also on open pages.
+        """
+        number, who = number_of(role, "role"), who_of(request)
+        with _translate_refusals():
+            found = await self._roles.find_role(number)
+            # Whoever switches it on for themselves has shown that they can sign in with one; so
+            # there is always somebody who can take it back.
+            if asked.required and found.name == who.role and not who.factor:
+                raise ApiProblem(
+                    409, "no_factor", "this is your own role: set up your own second factor first"
+                )
+            await self._roles.require_factor(number, required=asked.required)
+            after = await self._roles.find_role(number)
+        await self._seats.follow()
+        if found.factor_required != asked.required:
+            kind = "required" if asked.required else "no longer required"
+            self._append_record(request, f"second factor {kind}", f"role {found.name}")
         return _role_schema(after)
 
     async def remove(self, role: str, request: Request) -> None:
@@ -129,5 +152,6 @@ def _role_schema(role: Role) -> RoleShape:
         name=role.name,
         seeded=role.seeded,
         people=role.people,
+        factor_required=role.factor_required,
         permissions=permissions_of(role.grants),
     )

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.accounts.sessions import LiveSession
     from talaia.hub.store.audit import Audit
 
-__all__ = ["Accounts", "permissions_of"]
+__all__ = ["Accounts", "me_schema", "permissions_of"]
 
 
 class Accounts:
@@ -88,14 +88,14 @@ class Accounts:
 
     async def me(self, request: Request) -> Me:
         """Tell who is signed in, with which rights and until when."""
-        return _own_account(alive_of(request))
+        return me_schema(alive_of(request))
 
     async def _welcome_person(
         self, user: int, request: Request, response: Response, kind: str
     ) -> Me:
         alive = await self._sessions.start_session(user, request, response)
         self._audit.append_record(kind, who=alive.who.name, address=address_of(request))
-        return _own_account(alive)
+        return me_schema(alive)
 
 
 def permissions_of(grants: Grants) -> list[PermissionShape]:
@@ -115,13 +115,17 @@ def permissions_of(grants: Grants) -> list[PermissionShape]:
     ]
 
 
-def _own_account(alive: LiveSession) -> Me:
+def me_schema(alive: LiveSession) -> Me:
+    """Write who is signed in."""
     who = alive.who
     return Me(
         name=who.name,
         role=who.role,
         admin=who.grants.has_right(Right.ADMIN, ANY),
         factor=who.factor,
+        factor_missing=who.factor_missing,
+        codes_locked_us=alive.codes_locked_us,
+        password=alive.has_password,
         idle_ends_us=alive.idle_ends_us,
         ends_us=alive.ends_us,
         permissions=permissions_of(who.grants),

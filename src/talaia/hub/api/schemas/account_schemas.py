@@ -1,9 +1,13 @@
 """JSON bodies of accounts, people, roles and tokens; the browser's types are made from these.
 
 Times ending in ``_us`` are microseconds since the epoch (UTC); 0 says never. Ids are texts.
+
+Long, because all that is said about one's own account and others' is read together.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 from pydantic import Field
 
@@ -20,9 +24,22 @@ __all__ = [
     "DisplayList",
     "DisplayOpenAsk",
     "DisplayShape",
+    "FactorNeed",
     "FactorOffer",
     "NewDisplay",
     "NewToken",
+    "OidcAnswer",
+    "OidcDone",
+    "OidcProvider",
+    "OidcReturn",
+    "OidcStart",
+    "PasskeyAdded",
+    "PasskeyAsk",
+    "PasskeyList",
+    "PasskeyOptions",
+    "PasskeyOptionsAsk",
+    "PasskeyShape",
+    "PasskeySignIn",
     "PasswordChange",
     "PasswordOnly",
     "PersonAsk",
@@ -69,10 +86,16 @@ class CodeOnly(Schema):
 
 
 class Confirmation(Schema):
-    """Prove anew that it is you; ``code`` of the second factor, where you have one."""
+    """Prove anew that it is you.
 
-    password: str = _PASSWORD
+    ``password``, and ``code`` of the second factor where you have one; or ``credential``, the
+    answer of a passkey: in place of the code, and of the password too where its device has
+    verified you (by a PIN, a finger, a face).
+    """
+
+    password: str = Field("", max_length=4096)
     code: str = Field("", max_length=64)
+    credential: dict[str, Any] | None = None
 
 
 class RemoveFactor(Schema):
@@ -94,6 +117,94 @@ class RecoveryCodes(Schema):
     """Each opens once in place of a code. They are shown this once."""
 
     recovery: list[str]
+
+
+class PasskeyShape(Schema):
+    """One of your passkeys; ``host`` is the name of the hub for which it was made."""
+
+    id: str
+    name: str
+    host: str
+    created_us: int
+    used_us: int  # UTC; 0: never
+
+
+class PasskeyList(Schema):
+    """Your passkeys, the oldest first; ``codes``: you have an authenticator with codes besides.
+
+    ``possible``: one can be made here; browsers make none for an IP address.
+    """
+
+    passkeys: list[PasskeyShape]
+    codes: bool
+    possible: bool
+
+
+class PasskeyOptions(Schema):
+    """What the browser's ``navigator.credentials`` takes (WebAuthn, level 3, as JSON)."""
+
+    options: dict[str, Any]
+
+
+class PasskeyOptionsAsk(Schema):
+    """Begin to sign in by passkey: with name and password as a second factor, without alone."""
+
+    name: str = Field("", max_length=200)
+    password: str = Field("", max_length=4096)
+
+
+class PasskeySignIn(Schema):
+    """The answer of a passkey (WebAuthn's ``PublicKeyCredential`` as JSON)."""
+
+    credential: dict[str, Any]
+
+
+class PasskeyAsk(Schema):
+    """Keep a passkey that the browser has made, under a name of yours."""
+
+    name: str = _NAME
+    credential: dict[str, Any]
+
+
+class PasskeyAdded(Schema):
+    """It is kept. Where it is your first second factor, recovery codes; shown this once."""
+
+    id: str
+    recovery: list[str]
+
+
+class OidcProvider(Schema):
+    """The provider by which people can sign in; ``label`` is its name, empty: there is none."""
+
+    label: str
+
+
+class OidcReturn(Schema):
+    """The page to come back to."""
+
+    returns: str = Field("/", max_length=2000, pattern=r"^/([^/\\].*)?$")
+
+
+class OidcStart(Schema):
+    """Where the browser goes to sign in at the provider."""
+
+    url: str
+
+
+class OidcAnswer(Schema):
+    """What the provider sent the browser back with; ``iss`` where it names itself."""
+
+    state: str = Field(min_length=1, max_length=500)
+    code: str = Field("", max_length=4000)
+    iss: str = Field("", max_length=500)
+    error: str = Field("", max_length=500)
+
+
+class OidcDone(Schema):
+    """What was done, ``sign_in``, ``confirm`` or ``connect``, and the page that was asked for."""
+
+    purpose: str
+    returns: str
 
 
 class SessionShape(Schema):
@@ -217,12 +328,16 @@ class PersonChange(Schema):
 
 
 class RoleShape(Schema):
-    """A role; ``people`` counts those who have it."""
+    """A role; ``people`` counts those who have it.
+
+    ``factor_required``: they need a second factor, and set one up before anything else.
+    """
 
     id: str
     name: str
     seeded: bool
     people: int
+    factor_required: bool
     permissions: list[PermissionShape]
 
 
@@ -230,6 +345,12 @@ class RoleList(Schema):
     """Every role, the seeded ones first."""
 
     roles: list[RoleShape]
+
+
+class FactorNeed(Schema):
+    """Whether a role requires a second factor."""
+
+    required: bool
 
 
 class RoleAsk(Schema):

@@ -131,13 +131,18 @@ class PermissionShape(Schema):
 class Me(Schema):
     """Who is signed in, until when unless used, and until when at most.
 
-    ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor.
+    ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor;
+    ``factor_missing``: your role requires one, and nothing is open before it is set up;
+    ``codes_locked_us``: when many wrong codes were given; ``password``: you have one here.
     """
 
     name: str
     role: str
     admin: bool
     factor: bool
+    factor_missing: bool
+    codes_locked_us: int  # UTC; 0: never, or seen
+    password: bool
     idle_ends_us: int  # UTC; moves on with each use
     ends_us: int  # UTC; fixed at the sign-in
     permissions: list[PermissionShape]

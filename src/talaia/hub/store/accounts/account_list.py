@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import delete, func, select, update
 
 from talaia.hub.errors import LastAdmin, UnknownPerson
+from talaia.hub.store.accounts.passkeys import has_factor
 from talaia.hub.store.accounts.people import role_number, set_hash, sign_out
 from talaia.hub.store.accounts.roles import ADMIN
 from talaia.hub.store.tables import api_tokens, roles, sessions, users
@@ -124,7 +125,7 @@ class AccountList:
                 users.c.name,
                 roles.c.name.label("role"),
                 users.c.disabled,
-                users.c.factor_secret,
+                has_factor().label("factor"),
                 users.c.created_us,
                 users.c.used_us,
                 func.coalesce(open_now.c.open, 0).label("open"),
@@ -140,7 +141,7 @@ class AccountList:
                 row.name,
                 row.role,
                 bool(row.disabled),
-                bool(row.factor_secret),
+                bool(row.factor),
                 row.created_us,
                 row.used_us,
                 row.open,

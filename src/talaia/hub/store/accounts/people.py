@@ -10,6 +10,7 @@ from sqlalchemy.exc import IntegrityError
 from talaia.hub.auth.passwords import name_key
 from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.errors import NameTaken, UnknownPerson, UnknownRole
+from talaia.hub.store.accounts.passkeys import has_factor
 from talaia.hub.store.accounts.roles import ADMIN
 from talaia.hub.store.tables import (
     api_tokens,
@@ -167,6 +168,9 @@ class People:
                     factor_pending="",
                     factor_step=0,
                     used_us=0,
+                    code_wrong=0,
+                    code_locked_us=0,
+                    code_alert_us=0,
                 )
             )
         # The unique key decides: of two that add one name at once one gets this.
@@ -218,7 +222,10 @@ async def set_hash(
     await connection.execute(delete(api_tokens).where(api_tokens.c.user_id == user))
     await connection.execute(delete(known_browsers).where(known_browsers.c.user_id == user))
     await connection.execute(
-        update(users).where(users.c.id == user).values(password_hash=password_hash)
+        update(users)
+        .where(users.c.id == user)
+        # Who tried codes knew the old password; with it they do not get so far any more.
+        .values(password_hash=password_hash, code_wrong=0, code_locked_us=0)
     )
 
 
@@ -234,19 +241,19 @@ async def _person_id(connection: AsyncConnection, name: str) -> int:
     return int(user)
 
 
-def _select_people() -> Select[tuple[int, str, str, str, bool, str, str]]:
+def _select_people() -> Select[tuple[int, str, str, str, bool, bool, str]]:
     return select(
         users.c.id,
         users.c.name,
         roles.c.name.label("role"),
         users.c.password_hash,
         users.c.disabled,
-        users.c.factor_secret,
+        has_factor().label("factor"),
         users.c.name_key,
     ).join(roles, roles.c.id == users.c.role_id)
 
 
-def _row_to_person(row: Row[tuple[int, str, str, str, bool, str, str]]) -> Person:
+def _row_to_person(row: Row[tuple[int, str, str, str, bool, bool, str]]) -> Person:
     return Person(
-        row.id, row.name, row.role, row.password_hash, bool(row.disabled), bool(row.factor_secret)
+        row.id, row.name, row.role, row.password_hash, bool(row.disabled), bool(row.factor)
     )

@@ -26,13 +26,17 @@ ADMIN = "admin"
 
 
 class Role(NamedTuple):
-    """One role; ``people`` counts those who have it."""
+    """One role; ``people`` counts those who have it.
+
+    ``factor_required``: they sign in with a second factor, or set one up before anything else.
+    """
 
     id: int
     name: str
     seeded: bool
     people: int
     grants: Grants
+    factor_required: bool
 
 
 class Roles:
@@ -47,14 +51,22 @@ class Roles:
         async with self._database.read() as connection:
             rows = (
                 await connection.execute(
-                    select(roles.c.id, roles.c.name, roles.c.seeded, func.count(users.c.id))
+                    select(
+                        roles.c.id,
+                        roles.c.name,
+                        roles.c.seeded,
+                        func.count(users.c.id),
+                        roles.c.factor_required,
+                    )
                     .join(users, users.c.role_id == roles.c.id, isouter=True)
-                    .group_by(roles.c.id, roles.c.name, roles.c.seeded)
+                    .group_by(roles.c.id, roles.c.name, roles.c.seeded, roles.c.factor_required)
                     .order_by(roles.c.id)
                 )
             ).all()
             held = await grants_of(connection, OF_ROLES, [row[0] for row in rows])
-        return [Role(row[0], row[1], bool(row[2]), row[3], held[row[0]]) for row in rows]
+        return [
+            Role(row[0], row[1], bool(row[2]), row[3], held[row[0]], bool(row[4])) for row in rows
+        ]
 
     async def find_role(self, role: int) -> Role:
         """Find a role.
@@ -101,6 +113,20 @@ class Roles:
             await _check_name_free(connection, name, role)
             await connection.execute(update(roles).where(roles.c.id == role).values(name=name))
             await grant_permissions(connection, OF_ROLES, role, given)
+
+    async def require_factor(self, role: int, *, required: bool) -> str:
+        """Say whether a role requires a second factor; give the role's name.
+
+        Raises:
+            UnknownRole: there is none of that number.
+
+        """
+        async with self._database.write() as connection:
+            name, _ = await _read_role(connection, role)
+            await connection.execute(
+                update(roles).where(roles.c.id == role).values(factor_required=required)
+            )
+        return name
 
     async def remove_role(self, role: int) -> str:
         """Remove a role; give the name it had.

@@ -10,6 +10,7 @@ from talaia.clock import SECOND
 from talaia.hub.auth.fresh_confirmations import FreshConfirmations
 from talaia.hub.auth.permissions import Who
 from talaia.hub.auth.tokens import hash_token, new_token
+from talaia.hub.store.accounts.passkeys import has_factor
 from talaia.hub.store.accounts.permission_grants import OF_ROLES, grants_of
 from talaia.hub.store.tables import roles, sessions, users
 
@@ -30,12 +31,18 @@ _TOUCH_US = 60_000_000
 
 
 class LiveSession(NamedTuple):
-    """Someone who is signed in, and when that ends: unused, and however much it is used."""
+    """Someone who is signed in, and when that ends: unused, and however much it is used.
+
+    ``codes_locked_us``: when somebody gave too many wrong codes, until the person has seen it.
+    ``has_password``: they can sign in by name and password.
+    """
 
     who: Who
     idle_ends_us: int
     ends_us: int
     used_us: int
+    codes_locked_us: int = 0
+    has_password: bool = True
 
 
 class OpenSession(NamedTuple):
@@ -62,9 +69,12 @@ class Sessions:
         self._confirmations = FreshConfirmations(round(settings.confirm_s * SECOND))
 
     async def start_session(
-        self, user: int, address: str, agent: str = ""
+        self, user: int, address: str, agent: str = "", *, provider: bool = False
     ) -> tuple[str, LiveSession]:
-        """Start a session; give the token for the cookie and whom it stands for."""
+        """Start a session; give the token for the cookie and whom it stands for.
+
+        ``provider``: the person was signed in by the provider, which sees to second factors.
+        """
         token = new_token()
         hashed = hash_token(token)
         now = self._now_us()
@@ -79,6 +89,7 @@ class Sessions:
                     used_us=now,
                     address=address[:200],
                     agent=agent[:200],
+                    provider=provider,
                 )
             )
             await connection.execute(update(users).where(users.c.id == user).values(used_us=now))
@@ -182,9 +193,13 @@ class Sessions:
                 sessions.c.used_us,
                 users.c.id,
                 users.c.name,
-                users.c.factor_secret,
+                has_factor().label("factor"),
+                users.c.code_alert_us,
+                users.c.password_hash,
+                sessions.c.provider,
                 users.c.role_id,
                 roles.c.name.label("role"),
+                roles.c.factor_required,
             )
             .join(users, users.c.id == sessions.c.user_id)
             .join(roles, roles.c.id == users.c.role_id)
@@ -200,11 +215,14 @@ class Sessions:
                     row.name,
                     row.role,
                     held[row.role_id],
-                    factor=bool(row.factor_secret),
+                    factor=bool(row.factor),
+                    factor_required=bool(row.factor_required) and not row.provider,
                 ),
                 row.used_us + self._idle_us,
                 row.created_us + self._life_us,
                 row.used_us,
+                row.code_alert_us,
+                bool(row.password_hash),
             )
             for row in people
         }

@@ -1,0 +1,148 @@
+/** One's passkeys: make, list and remove them. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { ActionController } from "../../controllers/action.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderFormActions } from "../../elements/forms/form-parts.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { renderRows } from "../../elements/layout/rows.js";
+import { browserName } from "../../format/user-agent.js";
+import type { PasskeyList, PasskeyShape } from "../../generated/api.js";
+import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { AccountApi } from "../../wire/account-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { hasPasskeys } from "../../wire/passkeys.js";
+import { renderRecoveryCodes } from "./recovery-codes.js";
+import "../../elements/feedback/status.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+import "../../elements/values/time.js";
+
+/** @fires t-changed one was made or removed: the list is old */
+@customElement("t-account-passkeys")
+export class AccountPasskeys extends LitElement {
+  static override styles = [base, sheets];
+
+  @property({ attribute: false }) list: PasskeyList | null = null;
+  @state() private adding = false;
+  @state() private missing = false;
+  @state() private recovery: readonly string[] = [];
+  @query("#passkey-name") private readonly name!: HTMLInputElement | null;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly action = new ActionController(this);
+
+  override render(): TemplateResult {
+    const rows = this.list?.passkeys ?? [];
+    const on = rows.length > 0 || this.recovery.length > 0;
+    return html`<div class="head">
+        <h2>Passkeys</h2>
+        <t-status kind=${on ? "ok" : "unknown"} word=${on ? "on" : "off"}></t-status>
+      </div>
+      ${renderAdvice(this.action.problem)}
+      ${this.recovery.length > 0 ? renderRecoveryCodes(this.recovery, this.onKept) : this.renderList(rows)}`;
+  }
+
+  private renderList(rows: readonly PasskeyShape[]): TemplateResult {
+    return html`<p>
+        A key that your phone, your computer or a security key keeps. It signs you in only at this hub's own address, so nobody can get it out of you on another page.
+      </p>
+      ${rows.length === 0 ? nothing : renderRows(rows, (row) => this.renderRow(row))} ${this.renderForm()}`;
+  }
+
+  private renderRow(row: PasskeyShape): TemplateResult {
+    const zone = this.sites.store?.zone ?? "UTC";
+    return html`<li>
+      <div>
+        <span class="name">${row.name}</span>
+        <div class="facts">
+          <span>for ${row.host}</span>
+          <span>since <t-time .us=${row.created_us} .zone=${zone}></t-time></span>
+          <span>${row.used_us === 0 ? "not used yet" : html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`}</span>
+        </div>
+      </div>
+      <t-button label=${`Remove the passkey ${row.name}`} ?busy=${this.action.runningKey === row.id} @click=${this.remover(row)}>Remove</t-button>
+    </li>`;
+  }
+
+  private renderForm(): TemplateResult {
+    if (this.list?.possible === false || !hasPasskeys()) {
+      return html`<p class="muted">
+        Browsers make passkeys only over HTTPS, and for a name: open this hub by a name (such as hub.example) and not by an IP address.
+      </p>`;
+    }
+    if (!this.adding) {
+      return html`<div class="actions"><t-button kind=${this.list?.passkeys.length === 0 ? "primary" : "plain"} @click=${this.openForm}>Add a passkey</t-button></div>`;
+    }
+    return html`<form class="fields" novalidate @submit=${this.onSubmit}>
+      <t-field label="Name of the passkey" hint="So that you know it again, such as the device that keeps it." error=${this.missing ? "Enter a name." : ""}>
+        <input id="passkey-name" autocomplete="off" maxlength="100" .value=${browserName(navigator.userAgent)} required />
+      </t-field>
+      ${renderFormActions({ submit: "Make it", busy: this.action.runningKey === "add", cancel: this.closeForm })}
+    </form>`;
+  }
+
+  private readonly openForm = (): void => {
+    this.adding = true;
+    this.missing = false;
+    this.action.clear();
+    void focusInside(this, "input");
+  };
+
+  private readonly closeForm = (): void => {
+    this.adding = false;
+    void focusInside(this, ".actions t-button");
+  };
+
+  private readonly onSubmit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const name = this.name?.value.trim() ?? "";
+    this.missing = name === "";
+    if (!this.missing) void this.addPasskey(name);
+  };
+
+  private async addPasskey(name: string): Promise<void> {
+    const done = await this.action.run(
+      "add a passkey",
+      async () => {
+        this.recovery = await new AccountApi(this.api).addPasskey(name);
+      },
+      "",
+      "add",
+    );
+    if (!done) return;
+    this.adding = false;
+    this.dispatchEvent(new CustomEvent("t-changed"));
+    // Codes are looked at first: with the first factor another page may take the place of this one.
+    if (this.recovery.length === 0) this.closeForm();
+  }
+
+  private remover(row: PasskeyShape): () => void {
+    return () => {
+      void this.action.run("remove this passkey", () => new AccountApi(this.api).removePasskey(row.id), "", row.id).then(async (done) => {
+        if (!done) return;
+        this.dispatchEvent(new CustomEvent("t-changed"));
+        await this.session.store?.refresh().catch(() => undefined);
+      });
+    };
+  }
+
+  private readonly onKept = (): void => {
+    this.recovery = [];
+    void this.session.store?.refresh().catch(() => undefined);
+    void focusInside(this, ".actions t-button");
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-account-passkeys": AccountPasskeys;
+  }
+}

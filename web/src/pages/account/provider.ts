@@ -1,0 +1,58 @@
+/** One's account at the provider of sign-ins, where the hub has one. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { ActionController } from "../../controllers/action.js";
+import { LoadController } from "../../controllers/load.js";
+import { base } from "../../elements/base/base-style.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { apiContext } from "../../state/contexts.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import "../../elements/forms/button.js";
+
+@customElement("t-account-provider")
+export class AccountProvider extends LitElement {
+  static override styles = [base, sheets];
+
+  /** There is no password here: one signs in by the provider alone. */
+  @property({ type: Boolean }) only = false;
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly provider = new LoadController<string>(this);
+  private readonly action = new ActionController(this);
+
+  override willUpdate(): void {
+    this.provider.load("provider", () => this.api.provider());
+  }
+
+  override updated(): void {
+    this.hidden = (this.provider.value ?? "") === "";
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const label = this.provider.value ?? "";
+    if (label === "") return nothing;
+    if (this.only) {
+      return html`<h2>Sign-in with ${label}</h2>
+        <p>You sign in with ${label} and have no password here. An admin can give you one.</p>`;
+    }
+    return html`<h2>Sign-in with ${label}</h2>
+      <p>Connect this account, and ${label} signs you in, too.</p>
+      ${renderAdvice(this.action.problem)}
+      <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onConnect}>Connect it</t-button></div>`;
+  }
+
+  private readonly onConnect = (): void => {
+    void this.action.run("connect it", async () => {
+      window.location.assign(await this.api.beginOidc("/api/me/oidc/connect", "/account"));
+    });
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-account-provider": AccountProvider;
+  }
+}
