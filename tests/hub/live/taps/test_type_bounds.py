@@ -13,8 +13,8 @@ from talaia.hub.clients.rosbridge.ros_types import (
     describe_type,
     message_reader,
 )
-from talaia.hub.live.taps.type_bounds import MOST_DEFINITION
 from talaia.wire.frames import TapSchema
+from talaia.wire.type_bounds import MOST_DEFINITION
 
 pytestmark = pytest.mark.pure
 

@@ -8,14 +8,12 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 
 from talaia.gateway.errors import FieldError
+from talaia.wire.type_bounds import OutOfBounds, check_text, check_types
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 __all__ = ["decoder_of", "full_name"]
-
-# A definition says little; a longer one is none.
-_MAX_DEFINITION = 1_000_000
 
 
 def full_name(ros1: str) -> str:
@@ -31,13 +29,17 @@ def decoder_of(type_name: str, definition: str) -> Callable[[bytes], object]:
         FieldError: the definition is not understood.
 
     """
-    if len(definition) > _MAX_DEFINITION:
-        raise FieldError("", f"the definition of {type_name} is too long")
     # A store of its own: another publisher's type of the same name may have other fields.
     store = get_typestore(Stores.EMPTY)
     try:
-        store.register(get_types_from_msg(definition, type_name))
-    except (TypesysError, ValueError, KeyError, RecursionError) as error:
+        # Before anything is made of it: rosbags writes a class of this name, and runs it.
+        check_text(type_name, definition)
+        types = get_types_from_msg(definition, type_name)
+        check_types(types)
+        store.register(types)
+    except OutOfBounds as error:
+        raise FieldError("", f"{type_name[:200]!r} is not read: {error}") from error
+    except (TypesysError, ValueError, KeyError, SyntaxError, RecursionError) as error:
         raise FieldError("", f"the definition of {type_name} is not understood") from error
     decode = store.deserialize_ros1
 

@@ -137,7 +137,7 @@ def command_payload(control: ControlMetric, metric: ReadMetric) -> bytes:
         try:
             # Read here: what is put in as it stands could bring keys of its own with it.
             said["args"] = msgspec.json.decode(text)
-        except (msgspec.DecodeError, RecursionError):
+        except (msgspec.DecodeError, RecursionError, UnicodeError):
             # No arguments; it is refused as such.
             said["args"] = text
     return msgspec.json.encode(said)

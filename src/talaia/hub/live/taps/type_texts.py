@@ -9,7 +9,7 @@ from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.errors import TalaiaError
-from talaia.hub.live.taps.type_bounds import OutOfBounds, check_text, check_types
+from talaia.wire.type_bounds import OutOfBounds, check_text, check_types
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict

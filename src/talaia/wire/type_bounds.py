@@ -1,4 +1,4 @@
-"""Bounds of message definitions that gateways hand over, before anything is made of them. Pure.
+"""Bounds of message definitions of robots, gateways and files, before they are read. Pure.
 
 `rosbags` writes Python source for each type and runs it: a type's name must be one. And a type
 says how much there is to read: an array of a thousand million things that take no bytes would be
