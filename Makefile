@@ -3,8 +3,7 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults fuzz soak docs lock \
-	pages clean
+.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults fuzz soak docs lock pages clean
 
 help:  ## list the words
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
