@@ -8,7 +8,7 @@ read for hours.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
 
@@ -81,13 +81,11 @@ def _values_of(
 ) -> int:
     from rosbags.interfaces import Nodetype
 
-    described: Any = kind
-    node, of = described
-    if node == Nodetype.BASE:
+    if kind[0] == Nodetype.BASE:
         return 1
-    if node == Nodetype.NAME:
-        return _count_values(of, types, known, around)
-    element, length = of
+    if kind[0] == Nodetype.NAME:
+        return _count_values(kind[1], types, known, around)
+    node, (element, length) = kind
     values = _values_of(element, types, known, around)
     if not values:
         raise OutOfBounds(f"{around[-1]}: a list of {element[1]}, which takes no bytes")

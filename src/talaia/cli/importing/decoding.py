@@ -25,9 +25,7 @@ __all__ = ["Definition", "Undecodable", "decoder_of", "ros_type"]
 
 # ROS's own types, for files that carry no definitions: the newest that rosbags has.
 _KNOWN = get_typestore(Stores.LATEST)
-_NO_DEFINITION = (
-    TypesysError, AssertionError, ValueError, LookupError, SyntaxError, RecursionError
-)  # fmt: skip
+_NO_DEFINITION = (TypesysError, AssertionError, ValueError, LookupError, SyntaxError)
 # Between a definition and each that it is made of, as ROS 2 writes them into a recording.
 _RULE = "=" * 80 + "\n"
 
@@ -81,7 +79,7 @@ def decoder_of(definition: Definition) -> Callable[[bytes], object]:
             check_types(types)
         store.register(types)
     # What rosbags raises of text that is no definition; it was written by whoever made the file.
-    except (OutOfBounds, *_NO_DEFINITION) as error:
+    except (OutOfBounds, RecursionError, *_NO_DEFINITION) as error:
         raise Undecodable(f"its definition of {name} cannot be read: {error}") from error
     read = store.deserialize_ros1 if definition.encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)
