@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults soak docs lock pages clean
+.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults fuzz soak docs lock pages clean
 
 help:  ## list the words
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -50,6 +50,9 @@ bench: setup  ## measure speed and memory; prints each figure beside its limit
 
 faults: setup  ## `make proofs ONLY=faults`, again; MINUTES=5 for a short look, not written down
 	$(VENV)/python tools/proofs.py faults --again $(if $(MINUTES),--minutes $(MINUTES))
+
+fuzz: setup  ## `make proofs ONLY=fuzz`, again; MINUTES=5 for a short look, not written down
+	$(VENV)/python tools/proofs.py fuzz --again $(if $(MINUTES),--minutes $(MINUTES))
 
 soak: setup  ## hub and gateway for 2 hours (HOURS=24 before a release), and what grows
 	PYTHONPATH=src:tests $(VENV)/python -m system.soak $(or $(HOURS),2) \

@@ -87,6 +87,13 @@ JOBS = (
         "docs/properties-table.md",
         minutes=120,
     ),
+    Job(
+        "fuzz",
+        "what is made up reaches no reader of foreign bytes with more than its declared errors",
+        ("-m", "system.fuzz", "--minutes", "{minutes}", "--table", "{table}"),
+        "docs/fuzz-table.md",
+        minutes=20,
+    ),
     # These two ask the index that pip is set up with; nothing of arm64 runs.
     Job(
         "images",

@@ -46,18 +46,39 @@ def test_the_changelog_says_what_is_new() -> None:
     assert "## Unreleased" in (ROOT / "CHANGELOG.md").read_text()
 
 
+def written_tests() -> set[str]:
+    written = "".join(path.read_text() for path in ROOT.glob("tests/**/test_*.py"))
+    return set(re.findall(r"^(?:async )?def (test_\w+)\(", written, re.MULTILINE))
+
+
 def test_every_row_of_the_security_table_is_held_by_tests_that_exist() -> None:
     page = (ROOT / "docs/security.md").read_text()
     table = page.partition("| ASVS | topic |")[2].splitlines()[2:]
     rows = [line.strip("| ").split(" | ") for line in table if line.startswith("|")]
     assert len(rows) >= 35
-    written = "".join(path.read_text() for path in ROOT.glob("tests/**/test_*.py"))
-    there = set(re.findall(r"^(?:async )?def (test_\w+)\(", written, re.MULTILINE))
+    there = written_tests()
     for row in rows:
         assert len(row) == 4, row
         named = re.findall(r"`(test_\w+)`", row[3])
         assert named or "does not apply: " in row[2], row
         assert set(named) <= there, row
+
+
+def test_asvs_table_names_tests_and_places_that_exist_and_lists_what_is_open() -> None:
+    page = (ROOT / "docs/asvs.md").read_text()
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if re.match(r"\| \d", line)]
+    assert len(rows) >= 200
+    assert {len(row) for row in rows} == {5}
+    assert {row[1] for row in rows} == {"1", "2"}
+    assert {row[3] for row in rows} == {"yes", "part", "no", "n.a."}
+    there = written_tests()
+    for row in rows:
+        assert set(re.findall(r"`(test_\w+)`", row[4])) <= there, row
+        for place in re.findall(r"`((?:src|tests|web)/[\w./-]+)`", row[4]):
+            assert (ROOT / place).exists(), row
+    said = re.search(r"^Open today, in part or whole: (.*)\.$", page, re.MULTILINE)
+    assert said is not None
+    assert said[1].split(", ") == [row[0] for row in rows if row[3] in {"part", "no"}]
 
 
 def test_every_place_that_the_glossary_names_is_there() -> None:

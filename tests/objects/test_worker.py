@@ -17,6 +17,7 @@ from patience import PATIENCE_S
 
 from talaia.model.detection import ModelKind, ObjectModel
 from talaia.objects import worker as module
+from talaia.objects.child import MOST_FILES, MOST_MEMORY
 from talaia.objects.errors import DetectorError
 from talaia.objects.worker import USUAL, Worker, WorkerTimes
 
@@ -94,6 +95,9 @@ async def test_its_process_gives_way_to_all_others(tmp_path: Path) -> None:
         assert os.sched_getscheduler(process.pid) == os.SCHED_BATCH
         score = Path(f"/proc/{process.pid}/oom_score_adj").read_text()  # noqa: ASYNC240
         assert score.strip() == "1000"
+        # And cannot take what is theirs.
+        assert process.rlimit(psutil.RLIMIT_DATA) == (MOST_MEMORY, MOST_MEMORY)
+        assert process.rlimit(psutil.RLIMIT_NOFILE) == (MOST_FILES, MOST_FILES)
         assert "talaia.objects.child" in process.cmdline()
     assert not psutil.pid_exists(process.pid)
 

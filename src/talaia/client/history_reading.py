@@ -180,7 +180,8 @@ def _open_arrow(pyarrow: Any, stream: BodyStream) -> Any:  # noqa: ANN401
     ipc = importlib.import_module("pyarrow.ipc")
     try:
         return ipc.open_stream(pyarrow.PythonFile(stream, mode="r"))
-    except pyarrow.ArrowInvalid as error:
+    # Of a damaged head pyarrow says either.
+    except (pyarrow.ArrowInvalid, OSError) as error:
         raise HistoryCut(f"the hub's answer is no Arrow stream: {error}") from error
 
 

@@ -107,7 +107,7 @@ class HttpRequests:
             body = stream.read(_LONGEST)
         try:
             return msgspec.json.decode(body, type=kind)
-        except msgspec.DecodeError as error:
+        except (msgspec.DecodeError, UnicodeError, RecursionError) as error:
             raise HubNotReached(
                 f"{self._hub.page}{path} answers what this version does not understand: {error}"
             ) from error

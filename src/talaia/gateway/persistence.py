@@ -117,7 +117,8 @@ def read_whole(path: Path, kind: type[T], otherwise: Callable[[], T]) -> T:
     # The first start.
     except FileNotFoundError:
         return otherwise()
-    except msgspec.DecodeError as error:
+    # Bytes that a bad block has changed need not even be text.
+    except (msgspec.DecodeError, UnicodeError) as error:
         # Not taken for empty: whoever held a lease or pressed STOP must not be forgotten by a bad
         # block.
         raise SpoolError(

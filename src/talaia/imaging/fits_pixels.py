@@ -69,10 +69,12 @@ def read_frame(data: bytes) -> Frame:
     if len(data) < at + size:
         raise UnreadableFrame(f"it ends {at + size - len(data)} bytes too soon")
     stored = np.frombuffer(data, kind, columns * rows, at).reshape(rows, columns)
-    pixels = stored.astype(np.float32)
     scale, zero = header.get("BSCALE", 1.0), header.get("BZERO", 0.0)
-    if isinstance(scale, (int, float)) and isinstance(zero, (int, float)):
-        pixels = pixels * np.float32(scale) + np.float32(zero)
+    # What is too large for 32 bits is infinite, and no reason to warn of each picture.
+    with np.errstate(over="ignore", invalid="ignore"):
+        pixels = stored.astype(np.float32)
+        if isinstance(scale, (int, float)) and isinstance(zero, (int, float)):
+            pixels = pixels * np.float32(scale) + np.float32(zero)
     return Frame(header, pixels)
 
 

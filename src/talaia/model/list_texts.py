@@ -58,7 +58,7 @@ def parse_list(kind: ArgumentType, text: str) -> list[Item] | str:
     if stripped.startswith("["):
         try:
             found = msgspec.json.decode(stripped, type=list[object])
-        except msgspec.DecodeError as error:
+        except (msgspec.DecodeError, RecursionError) as error:
             return f"it begins with [ but is no JSON list: {error}"
     elif kind is ArgumentType.TEXTS:
         found = [word.strip() for word in stripped.split(",")] if stripped else []
@@ -79,7 +79,7 @@ def _word_value(word: str) -> object:
         return _WORDS[word.lower()]
     try:
         return msgspec.json.decode(word)
-    except msgspec.DecodeError:
+    except (msgspec.DecodeError, RecursionError):
         pass
     try:
         # What people write and JSON has not: +1, .5

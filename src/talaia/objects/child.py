@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["HEAD", "main"]
+__all__ = ["HEAD", "MOST_FILES", "MOST_MEMORY", "main"]
 
 # Of a picture: rows, columns, and how sure a box is at the least.
 HEAD = struct.Struct("<IId")
@@ -38,6 +38,8 @@ HEAD = struct.Struct("<IId")
 NICENESS = 10
 # Bytes: NanoDet takes 0.1 GB; what takes more than this takes it from the robot.
 MOST_MEMORY = 2 * 1024**3
+# The model's own, the pipes and what a library opens as it starts.
+MOST_FILES = 64
 # Seconds. The kernel ends the process then, also when it hangs inside the library.
 LONGEST_LOAD_S, LONGEST_LOOK_S = 120, 20
 
@@ -96,6 +98,9 @@ def _lower_priority() -> None:
     with contextlib.suppress(OSError, ValueError):
         # Data, not address space: libraries map far more than they use.
         resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
+    with contextlib.suppress(OSError, ValueError):
+        # A model may name further files of weights beside it.
+        resource.setrlimit(resource.RLIMIT_NOFILE, (MOST_FILES, MOST_FILES))
     with contextlib.suppress(OSError, ValueError):
         # A core dump of a detector may be as large as its memory, and fill the robot's disk.
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

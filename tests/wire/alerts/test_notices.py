@@ -11,6 +11,7 @@ from hypothesis import given, strategies as st
 from talaia.wire.alerts.filters import AlertFilter, preview_filter
 from talaia.wire.alerts.gcn_json import parse_gcn_json
 from talaia.wire.alerts.notice import AlertNotice
+from talaia.wire.alerts.read_notice import parse_notice
 from talaia.wire.alerts.voevent import parse_voevent
 from talaia.wire.errors import PeerError
 
@@ -111,3 +112,8 @@ def test_a_preview_says_of_each_notice_once_why_it_does_not_pass() -> None:
 )
 def test_each_condition_of_a_filter_refuses(chosen: AlertFilter, why: str) -> None:
     assert why in chosen.refusal(parse_voevent(VOEVENT))
+
+
+def test_notice_that_is_no_text_is_refused() -> None:
+    with pytest.raises(PeerError, match="no notice of GCN"):
+        parse_notice(b'{"$schema":"x","alert_type\xf0":1}')

@@ -14,7 +14,7 @@ from rosbags.typesys import (
     get_typestore,
 )
 
-from talaia.ros_definitions import OutOfBounds, check_type_name, check_types
+from talaia.ros_definitions import OutOfBounds, check_text, check_types
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,6 +25,7 @@ __all__ = ["Definition", "Undecodable", "decoder_of", "ros_type"]
 
 # ROS's own types, for files that carry no definitions: the newest that rosbags has.
 _KNOWN = get_typestore(Stores.LATEST)
+_NO_DEFINITION = (TypesysError, AssertionError, ValueError, LookupError, SyntaxError)
 # Between a definition and each that it is made of, as ROS 2 writes them into a recording.
 _RULE = "=" * 80 + "\n"
 
@@ -71,22 +72,14 @@ def decoder_of(definition: Definition) -> Callable[[bytes], object]:
     # A store for each topic: two files, or two topics, may define one type name differently.
     store = get_typestore(Stores.EMPTY)
     try:
-        check_type_name(name)
+        # Before anything is made of it: rosbags writes a class of this name, and runs it.
+        check_text(name, definition.text)
         types = _read_types(definition)
-        # rosbags runs what it writes of it. Its own need no look.
         if definition.form:
             check_types(types)
         store.register(types)
     # What rosbags raises of text that is no definition; it was written by whoever made the file.
-    except (
-        OutOfBounds,
-        TypesysError,
-        AssertionError,
-        ValueError,
-        KeyError,
-        SyntaxError,
-        RecursionError,
-    ) as error:
+    except (OutOfBounds, RecursionError, *_NO_DEFINITION) as error:
         raise Undecodable(f"its definition of {name} cannot be read: {error}") from error
     read = store.deserialize_ros1 if definition.encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)

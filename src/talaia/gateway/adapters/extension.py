@@ -203,7 +203,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             try:
                 words = read_from_adapter(line)
             # Wrong words are as a broken process: it is begun anew, not guessed at.
-            except msgspec.MsgspecError as error:
+            except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
                 return f"what its process says cannot be read: {error}"
             if isinstance(words, EndMessage):
                 why = words.why

@@ -54,7 +54,7 @@ class CommandJournal:
                 self.remembered.append(_line.decode(line))
             # The power went while the line was written; what it said is told as unknown by the
             # book.
-            except msgspec.DecodeError:
+            except (msgspec.DecodeError, UnicodeError):
                 log.warning("%s: a line was cut short; ignored", path)
 
     @property

@@ -65,7 +65,7 @@ class NightStore:
         for line in filter(None, lines):
             try:
                 entry = msgspec.json.decode(line, type=BookEntry)
-            except msgspec.DecodeError:
+            except (msgspec.DecodeError, UnicodeError):
                 continue
             if entry.update is not None:
                 # Of before the book was written whole.

@@ -12,8 +12,11 @@ from talaia import __version__
 from talaia.gateway.recording.recording_store import RecoveredFile
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
+    from typing import BinaryIO
+
+    from mcap.records import McapRecord
 
     from talaia.gateway.recording.message_ring import RawMessage
 
@@ -125,17 +128,11 @@ def recover_file(broken: Path, whole: Path) -> RecoveredFile:
     channels: dict[int, int] = {}
     count = end_ns = 0
     with broken.open("rb") as source, whole.open("wb") as target:
-        records = StreamReader(source, validate_crcs=True).records
+        records = _whole_records(source)
         header = next(records, None)
         writer = _start_writer(target, header.profile if isinstance(header, Header) else "ros2")
-        while True:
-            try:
-                record = next(records, None)
-            except Exception:  # noqa: BLE001 - here it was cut off, however the reader says it
-                break
+        for record in records:
             match record:
-                case None:
-                    break
                 case Schema():
                     schemas[record.id] = writer.register_schema(
                         record.name, record.encoding, record.data
@@ -147,7 +144,8 @@ def recover_file(broken: Path, whole: Path) -> RecoveredFile:
                         schemas.get(record.schema_id, 0),
                         record.metadata,
                     )
-                case Message():
+                # Of a channel that was not damaged itself: else nobody knows what the message is.
+                case Message() if record.channel_id in channels:
                     writer.add_message(
                         channels[record.channel_id],
                         record.log_time,
@@ -164,6 +162,14 @@ def recover_file(broken: Path, whole: Path) -> RecoveredFile:
         whole.unlink()
         raise ValueError("it holds no message")
     return RecoveredFile(count, end_ns // 1000)
+
+
+def _whole_records(source: BinaryIO) -> Iterator[McapRecord]:
+    """Give the records up to where the file was cut off; none of what is no such file."""
+    try:
+        yield from StreamReader(source, validate_crcs=True).records
+    except Exception:  # noqa: BLE001 - here it was cut off, however the reader says it
+        return
 
 
 def _start_writer(stream: object, profile: str) -> Writer:

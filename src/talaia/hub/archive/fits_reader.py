@@ -180,7 +180,11 @@ def looks_of(path: Path) -> Looks:
     low, high = (float(percentile) for percentile in np.percentile(values, (0.1, 99.9)))
     # A picture of one value, such as a bias of a simulator, has no width.
     high = high if high > low else low + 1.0
-    counts, _ = np.histogram(values, BINS, (low, high))
+    try:
+        counts, _ = np.histogram(values, BINS, (low, high))
+    except ValueError:
+        # So large, and so near to each other, that no bins fit between them.
+        counts = np.zeros(BINS, np.intp)
     return Looks(
         float(values.min()),
         float(values.max()),

@@ -174,14 +174,14 @@ def read_parcel(path: Path) -> tuple[Head, Iterator[ImportChunk]]:
     bodies = _read_bodies(path)
     try:
         head = msgspec.msgpack.decode(next(bodies), type=Head)
-    except (StopIteration, msgspec.MsgspecError) as error:
+    except (StopIteration, msgspec.MsgspecError, UnicodeError) as error:
         raise ParcelDamaged(f"{path} has no head: {error}") from error
 
     def stretches() -> Iterator[ImportChunk]:
         for body in bodies:
             try:
                 row = msgspec.msgpack.decode(body, type=_Row)
-            except msgspec.MsgspecError as error:
+            except (msgspec.MsgspecError, UnicodeError) as error:
                 raise ParcelDamaged(f"{path} is damaged: {error}") from error
             yield ImportChunk(row.address, row.first, read_row(row.body))
 

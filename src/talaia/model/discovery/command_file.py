@@ -97,6 +97,11 @@ def read_classic(text: str, connection: str = "") -> Classic:
         raise NotReadable(where, f"is not JSON: {error.msg}") from error
     except RecursionError as error:
         raise NotReadable("$", "is not JSON: it is nested too deeply") from error
+    except DescriptionError:
+        raise
+    except ValueError as error:
+        # Python makes no whole number of more than some thousand digits.
+        raise NotReadable("$", "is not JSON: a number is too long") from error
     top = _expect_mapping("$", document, known=("command", "devices"))
     command = _expect_mapping("$.command", top.get("command", {}), known=("ros",))
     prefix = _expect_text("$.command.ros", command.get("ros", ""))

@@ -97,7 +97,7 @@ def upgrade_text(
 def _parse_tree(text: str) -> dict[str, object]:
     try:
         document = document_of(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise NotReadable("$", f"is not YAML: {error}") from error
     if not isinstance(document, dict):
         raise DescriptionError("$", "expected a mapping with the keys talaia, site, name, devices")

@@ -24,7 +24,7 @@ def parse_gcn_json(data: bytes) -> AlertNotice:
     """
     try:
         said = msgspec.json.decode(data, type=dict[str, object])
-    except (msgspec.DecodeError, RecursionError) as error:
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
         raise PeerError(f"it is no notice of GCN: {error}") from error
     if "alert_type" not in said and "$schema" not in said:
         raise PeerError("it is no notice of GCN: neither $schema nor alert_type is in it")

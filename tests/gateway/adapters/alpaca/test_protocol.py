@@ -79,3 +79,13 @@ def test_a_discovery_answer_names_a_port() -> None:
     assert parse_discovery(b'{"AlpacaPort": 11111}') == 11111
     assert parse_discovery(b'{"AlpacaPort": 0}') is None
     assert parse_discovery(b"alpacadiscovery1") is None
+
+
+def test_answer_that_is_no_text_is_refused() -> None:
+    listed = (
+        b'{"Value":[{"DeviceName":"a","DeviceType":"Do\xace","DeviceNumber":0,"UniqueID":"x"}]}'
+    )
+    with pytest.raises(AlpacaRefused):
+        parse_configured(listed)
+    with pytest.raises(AlpacaRefused):
+        parse_value(b'{"Value":[{"DeviceName\xae:"a","DeviceType":"Dome",', 1)

@@ -83,7 +83,7 @@ def pixels_of(data: bytes) -> NDArray[Any]:
 def _json_pixels(data: bytes) -> NDArray[Any]:
     try:
         answer = msgspec.json.decode(data, type=_JsonPicture)
-    except (msgspec.DecodeError, RecursionError) as error:
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
         raise FieldError("", f"it is no picture: {data[:60]!r}") from error
     if answer.number:
         raise AlpacaRefused(answer.number, answer.message or "")

@@ -142,7 +142,7 @@ def parse_value(data: bytes, transaction: int) -> object:
     """
     try:
         answer = msgspec.json.decode(data, type=_Answer)
-    except (msgspec.DecodeError, RecursionError) as error:
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
         raise AlpacaRefused(0, f"its answer is none of Alpaca's: {data[:60]!r}") from error
     if answer.error_number:
         raise AlpacaRefused(answer.error_number, answer.error_message or "")
@@ -161,7 +161,7 @@ def parse_configured(data: bytes) -> list[Configured]:
     """
     try:
         answer = msgspec.json.decode(data, type=_ConfiguredAnswer)
-    except (msgspec.DecodeError, RecursionError) as error:
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
         raise AlpacaRefused(0, f"its list of devices cannot be read: {data[:60]!r}") from error
     return [
         Configured(found.name, f"{found.type.lower()}/{found.number}", found.unique_id)
@@ -175,6 +175,6 @@ def parse_discovery(data: bytes) -> int | None:
     """Read the answer to `DISCOVERY_QUESTION`: the TCP port; none if it is something else."""
     try:
         port = msgspec.json.decode(data, type=_DiscoveryAnswer).port
-    except (msgspec.DecodeError, RecursionError):
+    except (msgspec.DecodeError, RecursionError, UnicodeError):
         return None
     return port if 1 <= port <= 65_535 else None

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
+from talaia.wire.frames import CommandPhase
+
 if TYPE_CHECKING:
     from talaia.wire.frames import FromHub
 
@@ -29,6 +31,8 @@ class HandedDown:
         self._names: dict[str, None] = {}
         # By the id of a command or a STOP, or by the session of a lease.
         self._askers: dict[str, str] = {}
+        # How a command ended, by its id.
+        self._ends: dict[str, CommandPhase] = {}
 
     def record_message(self, message: FromHub) -> None:
         """Remember in whose name something goes down, if in anybody's."""
@@ -43,6 +47,22 @@ class HandedDown:
     def asker_of(self, key: str) -> str | None:
         """Give who asked for a command by its id, or for a lease by the session."""
         return self._askers.get(key)
+
+    def may_go_on(self, key: str, phase: CommandPhase, *, final: bool) -> bool:
+        """Tell whether a command that was asked for may still come to a phase; it ends once.
+
+        What was told as unknown may have an end yet: its gateway was away.
+        """
+        before = self._ends.get(key)
+        if before not in {None, CommandPhase.UNKNOWN} or (before is not None and before is phase):
+            return False
+        if final and key in self._askers:
+            _remember(self._ends, key, phase, _MOST_ASKED)
+        return True
+
+    def contradicts_end(self, key: str, phase: CommandPhase) -> bool:
+        """Tell whether a command that has ended would have another end by this."""
+        return self._ends.get(key) not in {None, phase}
 
     def known_name(self, said: str) -> str:
         """Give a name that a gateway says, marked where the hub never handed it down."""

@@ -336,8 +336,14 @@ class RobotEvents:
         # Who asked is known by the hub, or nobody has asked it.
         asker = live.handed_down.asker_of(state.id)
         who = state.who if asker is None else asker
+        final = state.phase in _FINAL
+        if not live.handed_down.may_go_on(state.id, state.phase, final=final):
+            # Replayed or out of order: it is over, for pages and in the name of who asked for it.
+            if final and live.handed_down.contradicts_end(state.id, state.phase):
+                self._write_end(live, state, f"gateway: {who}", own=True)
+            return
         acting = live.current.acting
-        if state.acting and state.phase not in _FINAL:
+        if state.acting and not final:
             if state.id in acting or len(acting) < _MOST_ACTING:
                 acting[state.id] = state, self._clock.monotonic_ns()
         else:
@@ -348,18 +354,22 @@ class RobotEvents:
             self._gateway_log.append_row(
                 live, "command interrupts", who, device=state.device, message=message
             )
-        if state.phase in _FINAL:
+        if final:
             live.current.pending.pop(state.id, None)
             # One that the hub did not hand down is the site's own: a night's, a local client's.
-            own = "" if asker is not None else "of the site "
-            self._gateway_log.append_row(
-                live,
-                f"command {own}{state.phase}",
-                who,
-                device=state.device,
-                message=f"{state.command} {state.id} {state.message}".rstrip(),
-                good=state.phase is CommandPhase.SUCCEEDED,
-            )
+            self._write_end(live, state, who, own=asker is None)
+
+    def _write_end(
+        self, live: LiveSite, state: frames.CommandState, who: str, *, own: bool
+    ) -> None:
+        self._gateway_log.append_row(
+            live,
+            f"command {'of the site ' if own else ''}{state.phase}",
+            who,
+            device=state.device,
+            message=f"{state.command} {state.id} {state.message}".rstrip(),
+            good=state.phase is CommandPhase.SUCCEEDED,
+        )
 
 
 def _lease_news(

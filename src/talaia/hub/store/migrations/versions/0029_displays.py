@@ -8,8 +8,8 @@ from alembic import op
 from talaia.hub.store.migrations import steps
 from talaia.hub.store.migrations.steps import BIG, HASH, ID, LONG, NAME
 
-revision = "0027"
-down_revision = "0026"
+revision = "0029"
+down_revision = "0028"
 branch_labels = None
 depends_on = None
 
