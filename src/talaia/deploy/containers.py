@@ -3,6 +3,8 @@
 Secrets are files that `talaia generate` fills with random words; there is no default password
 anywhere. The gateway's key never leaves the machine: a one-shot service makes it at the first
 start and hands it over in a volume.
+
+Long, because each service with all that bounds it stands here, in one place.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ import "../../elements/forms/field.js";
 import "../../elements/values/time.js";
 
 @customElement("t-displays")
-export class DisplayList extends LitElement {
+export class DisplaySection extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -157,6 +157,6 @@ export class DisplayList extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-displays": DisplayList;
+    "t-displays": DisplaySection;
   }
 }
