@@ -88,14 +88,7 @@ class PeopleFeature(Feature):
             settings=settings,
         )
         self.limits = RateLimits(clock)
-        gateways = GatewayAdmission(
-            registry=registry,
-            resumes=core.resumes,
-            # Turns for keys of gateways; people wait in no queue.
-            turns=JoinQueue(),
-            clock=clock,
-        )
-        self.admission = SocketAdmission(access=self.access, gateways=gateways, limits=self.limits)
+        self.admission = self._build_admission(core, registry)
         # Brought back at the start: a restart must give nobody new tries.
         self._tries = FailedLogins(database, clock, Throttle())
         factors = SecondFactors(database, clock, core.secret_box)
@@ -117,6 +110,18 @@ class PeopleFeature(Feature):
         )
         answers, passkey_pages = self._build_passkeys(core, sessions, factors, audit)
         roster = AccountList(database, self.sessions)
+        others = (
+            OidcPages(
+                signing=self._build_oidc(core, roster, audit),
+                access=self.access,
+                sessions=sessions,
+                clock=clock,
+                audit=audit,
+            ),
+            TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
+            self._build_displays(core, audit),
+            RolePages(roles=Roles(database), seats=self.seats, audit=audit),
+        )
         pages = (
             Accounts(
                 proving=proving,
@@ -135,14 +140,6 @@ class PeopleFeature(Feature):
                 audit=audit,
             ),
             passkey_pages,
-            OidcPages(
-                signing=self._build_oidc(core, roster, audit),
-                access=self.access,
-                sessions=sessions,
-                clock=clock,
-                audit=audit,
-            ),
-            TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
             PeoplePages(
                 people=self.accounts,
                 roster=roster,
@@ -151,17 +148,8 @@ class PeopleFeature(Feature):
                 sessions=sessions,
                 audit=audit,
             ),
-            DisplayPages(
-                displays=self.displays,
-                access=self.access,
-                seats=self.seats,
-                sites=core.sites,
-                audit=audit,
-                clock=clock,
-            ),
-            RolePages(roles=Roles(database), seats=self.seats, audit=audit),
         )
-        self.routers = [page.make_router() for page in pages]
+        self.routers = [page.make_router() for page in (*pages, *others)]
         self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
 
     def _build_passkeys(
@@ -180,6 +168,26 @@ class PeopleFeature(Feature):
             answers=answers, passkeys=passkeys, factors=factors, sessions=sessions, audit=audit
         )
         return answers, pages
+
+    def _build_admission(self, core: Core, registry: SiteRegistry) -> SocketAdmission:
+        gateways = GatewayAdmission(
+            registry=registry,
+            resumes=core.resumes,
+            # Turns for keys of gateways; people wait in no queue.
+            turns=JoinQueue(),
+            clock=core.clock,
+        )
+        return SocketAdmission(access=self.access, gateways=gateways, limits=self.limits)
+
+    def _build_displays(self, core: Core, audit: Audit) -> DisplayPages:
+        return DisplayPages(
+            displays=self.displays,
+            access=self.access,
+            seats=self.seats,
+            sites=core.sites,
+            audit=audit,
+            clock=core.clock,
+        )
 
     def _build_oidc(self, core: Core, roster: AccountList, audit: Audit) -> OidcSignIn | None:
         """Build the sign-in by a provider, where the start of the hub names one."""
