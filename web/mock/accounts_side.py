@@ -38,7 +38,8 @@ class Accounts:
         self.numbers = itertools.count(10)
         everything = {"site": "*", "device": "*"}
         self.roles: list[dict[str, Any]] = [
-            {"id": "1", "name": "guest", "seeded": True, "factor_required": False, "permissions": []},
+            {"id": "1", "name": "guest", "seeded": True, "factor_required": False,
+             "permissions": []},
             {"id": "2", "name": "operator", "seeded": True, "factor_required": False,
              "permissions": [{"right": "use", **everything}]},
             {"id": "3", "name": "admin", "seeded": True, "factor_required": False,
@@ -228,7 +229,12 @@ def admin(routes: APIRouter, accounts: Accounts) -> None:
 
     @routes.post("/api/roles")
     async def make(request: Request) -> dict[str, Any]:
-        row = {"id": str(next(accounts.numbers)), "seeded": False, "factor_required": False, **await request.json()}
+        row = {
+            "id": str(next(accounts.numbers)),
+            "seeded": False,
+            "factor_required": False,
+            **await request.json(),
+        }
         accounts.roles.append(row)
         return {**row, "people": 0}
 
