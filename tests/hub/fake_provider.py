@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import hashlib
 import json
@@ -112,3 +113,6 @@ async def serve_provider():
     async with serve_bounded(application, "127.0.0.1", 0, most_connections=20) as port:
         provider.issuer = f"http://127.0.0.1:{port}"
         yield provider
+    # What was let go of is closed by the loop's next turn, which may be its last.
+    for _ in range(2):
+        await asyncio.sleep(0)
