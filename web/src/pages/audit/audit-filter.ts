@@ -53,10 +53,10 @@ export class AuditFilterForm extends LitElement {
         </select>
       </t-field>
       <t-field class="time" label=${`From (${clock.zone})`}>
-        <input name="from" type="datetime-local" step="1" .value=${shown(filter.fromUs)} />
+        <input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${shown(filter.fromUs)} />
       </t-field>
       <t-field class="time" label=${`To (${clock.zone})`}>
-        <input name="to" type="datetime-local" step="1" .value=${shown(filter.toUs)} />
+        <input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${shown(filter.toUs)} />
       </t-field>
       <div class="actions">
         <t-button type="submit">Show</t-button>

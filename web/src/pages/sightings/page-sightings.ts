@@ -141,8 +141,8 @@ export class PageSightings extends LitElement {
             ${renderOptions([["", "all"], ...this.cameras()], filter.camera)}
           </select>
         </t-field>
-        <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>
-        <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="datetime-local" step="1" .value=${settled(shown(filter.toUs))} /></t-field>
+        <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(shown(filter.fromUs))} /></t-field>
+        <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(shown(filter.toUs))} /></t-field>
         <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is visible now</label>
         <t-button kind="quiet" ?disabled=${writeSightingFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </form>
