@@ -154,7 +154,8 @@ export class Header extends LitElement {
           display: none;
         }
       }
-      @media (max-width: 52rem) {
+      /* That all is well may go unsaid; what is not well is said at every width. */
+      @media (max-width: 75rem) {
         t-status[kind="online"] {
           display: none;
         }

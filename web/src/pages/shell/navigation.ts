@@ -83,6 +83,8 @@ export class Navigation extends LitElement {
       t-menu::part(button) {
         min-block-size: 3.5rem;
         font-weight: inherit;
+        /* As of the links beside it: the header has no room around them. */
+        outline-offset: -4px;
       }
       t-menu.here {
         color: var(--t-text);
@@ -115,6 +117,9 @@ export class Navigation extends LitElement {
         }
         a {
           padding-inline: var(--t-space-2);
+        }
+        a,
+        t-menu {
           font-size: var(--t-size-s);
         }
       }
@@ -133,9 +138,17 @@ export class Navigation extends LitElement {
           display: none;
         }
       }
-      @media (max-width: 60rem) and (min-width: 45.01rem) {
-        /* The name at the edge leads home, too. */
+      @media (max-width: 75rem) and (min-width: 45.01rem) {
+        /* The tower at the edge leads home, too. */
         .home {
+          display: none;
+        }
+      }
+      @media (max-width: 52rem) and (min-width: 45.01rem) {
+        nav > a {
+          padding-inline: var(--t-space-1);
+        }
+        .people {
           display: none;
         }
       }
