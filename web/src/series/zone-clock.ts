@@ -92,6 +92,11 @@ export class ZoneClock {
   }
 }
 
+/** What is wrong with a text that should be a moment; empty when nothing is, and when nothing was written. */
+export function momentProblem(text: string, us: number): string {
+  return text.trim() === "" || !Number.isNaN(us) ? "" : "Write it like 2026-03-29 14:05:09.";
+}
+
 const clocks = new Map<string, ZoneClock>();
 
 /** The zone's clock, one for all who ask: charts that stand together ask for the same moments. */
