@@ -77,6 +77,12 @@ export function timeText(us: number, zone: string, nowUs: number): TimeText {
   };
 }
 
+/** A stretch of time by the site's clock, as the axes have it. */
+export function localSpan(span: { readonly fromUs: number; readonly toUs: number }, zone: string, nowUs: number): string {
+  const [from, to] = [span.fromUs, span.toUs].map((us) => timeText(us, zone, nowUs).local);
+  return `${from ?? ""} – ${to ?? ""} ${zoneName(span.toUs, zone)}`;
+}
+
 /** A stretch of time in UTC, to stand beside the site's own; empty where the site's is UTC. */
 export function utcSpan(span: { readonly fromUs: number; readonly toUs: number }, zone: string, nowUs: number): string {
   if (zoneName(span.toUs, zone) === "UTC") return "";

@@ -60,14 +60,18 @@ export class ZoneClock {
     return this.fromWall(us + this.offsetUs(us) + days * DAY_US);
   }
 
-  /** What `<input type="datetime-local">` shows for a moment: `2026-03-29T14:05:09`. */
+  /**
+   * A moment as a field takes it: `2026-03-29 14:05:09`. Browsers' own fields of date and time go by the language
+   * of the browser, and would say `02:05 PM` beside charts of 24 hours.
+   */
   toInput(us: number): string {
-    return new Date((us + this.offsetUs(us)) / 1000).toISOString().slice(0, 19);
+    return new Date((us + this.offsetUs(us)) / 1000).toISOString().slice(0, 19).replace("T", " ");
   }
 
-  /** The moment that such an input means; NaN when it is empty or no time. */
+  /** The moment that such a text means, with `T` or a blank, with or without seconds; NaN when it is empty or no time. */
   fromInput(text: string): number {
-    return this.fromWall(Date.parse(`${text}Z`) * 1000);
+    const [, day = "", clock = ""] = /^\s*(\d{4}-\d{2}-\d{2})[T\s]\s*(\d{2}:\d{2}(?::\d{2}(?:\.\d{1,3})?)?)\s*$/.exec(text) ?? [];
+    return this.fromWall(Date.parse(`${day}T${clock}Z`) * 1000);
   }
 
   // A wall-clock time, written as if it were UTC, to its moment. Of a time that the change to
@@ -86,6 +90,11 @@ export class ZoneClock {
     const { year = 1970, month = 1, day = 1, hour = 0, minute = 0, second = 0 } = part;
     return Date.UTC(year, month - 1, day, hour, minute, second) * 1000;
   }
+}
+
+/** What is wrong with a text that should be a moment; empty when nothing is, and when nothing was written. */
+export function momentProblem(text: string, us: number): string {
+  return text.trim() === "" || !Number.isNaN(us) ? "" : "Write it like 2026-03-29 14:05:09.";
 }
 
 const clocks = new Map<string, ZoneClock>();

@@ -41,9 +41,15 @@ export class Interlocks extends Store {
       .sort((a, b) => interlockRank(a) - interlockRank(b) || a.news.name.localeCompare(b.news.name));
   }
 
-  /** Whether anything was said of an interlock, locked or not. */
-  get hasAny(): boolean {
-    return this.known.size > 0;
+  /** What is worth a word on a page of a site: its own, and overrides of any site. All of them where `site` is empty. */
+  listAt(site: string): readonly Interlock[] {
+    // An override is shown on every page while it lasts (safety rule 10).
+    return this.list.filter(({ news }) => site === "" || news.site === site || news.overridden_by !== "");
+  }
+
+  /** Whether anything was said of an interlock of a site, locked or not; of any site where `site` is empty. */
+  hasAny(site = ""): boolean {
+    return [...this.known.values()].some(({ news }) => site === "" || news.site === site);
   }
 
   /** What was last said of one, whether it locks or not; undefined before anything was. */

@@ -46,6 +46,8 @@ export interface RequestOptions {
 export class HubApi {
   /** Asks the person for their password anew; gives whether the hub has taken it. */
   confirmPerson: (() => Promise<boolean>) | null = null;
+  /** The hub knows nobody here any more: the session is over. */
+  onSignedOut: (() => void) | null = null;
 
   constructor(private readonly fetcher: typeof fetch = fetch.bind(globalThis)) {}
 
@@ -223,7 +225,10 @@ export class HubApi {
     if (response.status === 502 || response.status === 503 || response.status === 504) {
       throw new Unreachable("The hub is not ready.");
     }
-    throw await refusalOf(response);
+    const refusal = await refusalOf(response);
+    // A wrong password is answered with 401, too, and a wrong code: only this says that nobody is signed in.
+    if (refusal.code === "unauthorized" && path !== "/api/me" && path !== "/api/login") this.onSignedOut?.();
+    throw refusal;
   }
 }
 

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { knownZone, timeText, utcSpan, zoneName } from "../../src/format/time.js";
+import { knownZone, localSpan, timeText, utcSpan, zoneName } from "../../src/format/time.js";
 
 describe("moments", () => {
   const summer = Date.UTC(2026, 6, 1, 12, 5, 9) * 1000;
@@ -31,6 +31,7 @@ describe("beside the site's own", () => {
 
   test("a stretch of time stands in UTC too", () => {
     expect(utcSpan({ fromUs: day, toUs: day + 60e6 }, "Europe/Madrid", day)).toBe("12:00:00 – 12:01:00 UTC");
+    expect(localSpan({ fromUs: day, toUs: day + 60e6 }, "America/Caracas", day)).toBe("08:00:00 – 08:01:00 GMT-4");
   });
 
   test("a site that lives in UTC has nothing beside it", () => {

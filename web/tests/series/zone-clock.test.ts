@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { HOUR_US, ZoneClock } from "../../src/series/zone-clock.js";
+import { HOUR_US, momentProblem, ZoneClock } from "../../src/series/zone-clock.js";
 import { forSeeds } from "./seeded.js";
 
 const utc = (text: string): number => Date.parse(`${text}Z`) * 1000;
@@ -26,6 +26,10 @@ describe("a zone's clock", () => {
 
   it("takes a time that summer time skips for the one an hour later, and nonsense for none", () => {
     expect(madrid.fromInput("2026-03-29T02:30:00")).toBe(utc("2026-03-29T01:30:00"));
-    expect(madrid.fromInput("")).toBeNaN();
+    expect(madrid.toInput(utc("2026-03-29T12:05:09"))).toBe("2026-03-29 14:05:09");
+    expect(madrid.fromInput(" 2026-03-29 14:05 ")).toBe(utc("2026-03-29T12:05:00"));
+    for (const none of ["", "2026-03-29", "29.3.2026 14:05", "2026-03-29 25:00", "2026-13-29 14:05"]) expect(madrid.fromInput(none)).toBeNaN();
+    expect([momentProblem(" ", Number.NaN), momentProblem("2026-03-29 14:05", 1)]).toEqual(["", ""]);
+    expect(momentProblem("2 PM", Number.NaN)).toContain("2026-03-29 14:05:09");
   });
 });

@@ -74,3 +74,13 @@ test("who stands before a lock reads what locks, why, and who can help", () => {
   expect(lockText(news("rain", { unsafe: false, why: "" }))).toContain("safe now, but not for long enough yet");
   expect(lockText(news("rain", { why: "" }))).toContain("unsafe now");
 });
+
+test("a page of a site is told of its own interlocks, and of overrides anywhere", () => {
+  line.say(news("rain"));
+  line.say(news("person", { site: "agv" }));
+  const at = (site: string): string[] => interlocks.listAt(site).map((interlock) => interlock.news.interlock);
+  expect([at("obs"), at("agv"), at("other"), at("").length]).toEqual([["rain"], ["person"], [], 2]);
+  expect([interlocks.hasAny("obs"), interlocks.hasAny("other"), interlocks.hasAny()]).toEqual([true, false, true]);
+  line.say(news("rain", { overridden_by: "Ada", override_ms: 5000 }));
+  expect(at("agv")).toEqual(["rain", "person"]);
+});

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { exportPath } from "../../src/wire/hub-api.js";
+import { exportPath, HubApi } from "../../src/wire/hub-api.js";
 
 describe("the address of an export", () => {
   it("names each channel, the window, the form, and a width only for what is drawn", () => {
@@ -7,5 +7,30 @@ describe("the address of an export", () => {
     const path = exportPath("a b", query);
     expect(path).toBe("/api/sites/a%20b/export?channel=base%2Fpose.x&channel=odd%2F%C3%A4%26c&from_us=1&to_us=9&format=parquet");
     expect(exportPath("agv", { ...query, width: 800 })).toContain("&width=800");
+  });
+});
+
+describe("a session that is over", () => {
+  const refusedApi = (code: string): { api: HubApi; told: string[] } => {
+    const answer = (): Promise<Response> => Promise.resolve(Response.json({ code, message: "no" }, { status: 401 }));
+    const api = new HubApi(answer);
+    const told: string[] = [];
+    api.onSignedOut = () => told.push("over");
+    return { api, told };
+  };
+
+  it("is told by the first question that the hub refuses for it", async () => {
+    const { api, told } = refusedApi("unauthorized");
+    await expect(api.sites()).rejects.toThrow();
+    expect(told).toEqual(["over"]);
+  });
+
+  it("is not what a wrong password means, nor the question who is here", async () => {
+    const wrong = refusedApi("credentials");
+    await expect(wrong.api.request("POST", "/api/me/password", {})).rejects.toThrow();
+    const nobody = refusedApi("unauthorized");
+    expect(await nobody.api.currentPerson()).toBeNull();
+    await expect(nobody.api.login("ada", "wrong")).rejects.toThrow();
+    expect([...wrong.told, ...nobody.told]).toEqual([]);
   });
 });

@@ -90,6 +90,9 @@ export class CameraView extends LitElement {
         color: var(--t-muted);
       }
       /* Stripes over an old picture: grey alone is easily missed on a grey scene. */
+      .heading {
+        font-weight: var(--t-weight-strong);
+      }
       .aged .veil {
         background: repeating-linear-gradient(
           -45deg,
@@ -179,6 +182,8 @@ export class CameraView extends LitElement {
   /** A picture has been drawn since the camera was opened. */
   @property({ type: Boolean }) drawn = false;
   @property({ type: Boolean }) full = false;
+  /** It shows single exposures, each as it was taken: no film that could stand still. */
+  @property({ type: Boolean }) still = false;
   /** What is framed on the picture. */
   @property({ attribute: false }) things: readonly FramedObject[] = [];
   /** It was seen on an earlier picture than the one that is shown. */
@@ -205,13 +210,14 @@ export class CameraView extends LitElement {
   }
 
   override render(): TemplateResult {
-    const live = this.drawn && this.link === "open" && this.age <= LIVE_MS;
-    return html`<div class=${this.drawn && !live ? "aged" : ""}>
+    const live = !this.still && this.drawn && this.link === "open" && this.age <= LIVE_MS;
+    const exposure = this.still && this.drawn;
+    return html`<div class=${this.drawn && !live && !exposure ? "aged" : ""}>
       ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
       ${this.drawn && this.things.length > 0
         ? html`<t-boxes .things=${this.things} ?earlier=${this.earlier} .picture=${this.picture} .zoom=${this.zoom}></t-boxes>`
         : nothing}
-      ${live ? nothing : this.renderPlaceholder()}
+      ${live || exposure ? nothing : this.renderPlaceholder()}
       <div class="head"><slot name="top"></slot></div>
       <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.renderTools()}</div>
     </div>`;
@@ -313,6 +319,7 @@ export class CameraView extends LitElement {
 
   private spokenState(live: boolean): string {
     const name = this.name || "Camera";
+    if (this.still) return `${name}, newest exposure, not live`;
     return live ? `${name}, live picture` : `${name}, old picture, not live`;
   }
 
@@ -324,7 +331,7 @@ export class CameraView extends LitElement {
     const words = WORDS[this.link];
     return html`<div class="veil">
       <t-icon name=${words.icon}></t-icon>
-      <h3>${words.heading}</h3>
+      <p class="heading">${words.heading}</p>
       <p>${this.why || words.more}</p>
     </div>`;
   }
@@ -348,7 +355,7 @@ export class CameraView extends LitElement {
     const age = Number.isFinite(this.age) ? ageText(this.age) : "age unknown";
     return html`<span class="badge">
       <svg viewBox="0 0 12 12" aria-hidden="true"><path d=${live ? DOT : BLOCK} fill="currentColor"></path></svg>
-      <span>${live ? "Live" : "Old"}</span>
+      <span>${live ? "Live" : this.still ? "Exposure" : "Old"}</span>
       <span class="age">${age}</span>
       ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s${this.small ? ", small: slow connection" : ""}</span>` : nothing}
     </span>`;

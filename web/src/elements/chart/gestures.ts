@@ -75,7 +75,8 @@ export class Gestures {
     if (finger.mouse) {
       this.asked.hideSelection();
       const [a, b] = [finger.us, this.timeAt(finger.x)];
-      if (moved) this.asked.changeSpan({ fromUs: Math.min(a, b), toUs: Math.max(a, b) }, true);
+      // A drag that began before the chart had a window began at no moment.
+      if (moved && Number.isFinite(a) && Number.isFinite(b)) this.asked.changeSpan({ fromUs: Math.min(a, b), toUs: Math.max(a, b) }, true);
     } else if (moved) {
       this.applyDrag(true);
     }
@@ -120,7 +121,7 @@ export class Gestures {
   private applyDrag(settled: boolean): void {
     const span = this.asked.span();
     const [one, two] = [...this.fingers.values()];
-    if (span === null || one === undefined) return;
+    if (span === null || one === undefined || ![...this.fingers.values()].every(({ us }) => Number.isFinite(us))) return;
     if (two === undefined) {
       this.asked.changeSpan(panned(span, one.us - this.timeAt(one.x)), settled);
       return;

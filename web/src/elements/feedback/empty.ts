@@ -27,8 +27,9 @@ export class Empty extends LitElement {
       t-icon {
         font-size: var(--t-size-xl);
       }
-      h2 {
+      :is(h1, h2) {
         color: var(--t-text);
+        font-size: var(--t-size-l);
       }
       .more {
         max-inline-size: 34rem;
@@ -38,11 +39,13 @@ export class Empty extends LitElement {
 
   @property() heading = "";
   @property() icon: IconName | "" = "";
+  /** It is all that the page has: its heading is the page's. */
+  @property({ type: Boolean }) page = false;
 
   override render(): TemplateResult {
     return html`
       ${this.icon === "" ? nothing : html`<t-icon name=${this.icon}></t-icon>`}
-      <h2>${this.heading}</h2>
+      ${this.page ? html`<h1>${this.heading}</h1>` : html`<h2>${this.heading}</h2>`}
       <div class="more"><slot></slot></div>
     `;
   }

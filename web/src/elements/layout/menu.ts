@@ -35,6 +35,10 @@ export class Menu extends LitElement {
       button[aria-expanded="true"] {
         background: var(--t-raised);
       }
+      /* At the lower edge of the window there is room above only. */
+      :host([up]) .panel {
+        inset-block: auto calc(100% + var(--t-space-1));
+      }
       .panel {
         position: absolute;
         inset-block-start: calc(100% + var(--t-space-1));
@@ -42,7 +46,7 @@ export class Menu extends LitElement {
         z-index: 30;
         display: grid;
         gap: var(--t-space-3);
-        min-inline-size: 19rem;
+        min-inline-size: var(--t-menu-width, 19rem);
         max-inline-size: calc(100vw - 2 * var(--t-space-3));
         padding: var(--t-space-4);
         ${raisedBox}
@@ -52,6 +56,8 @@ export class Menu extends LitElement {
 
   /** Name of the button for screen readers. */
   @property() label = "";
+  /** The panel unfolds upwards. */
+  @property({ type: Boolean, reflect: true }) up = false;
   @state() private open = false;
   @query("button") private readonly button!: HTMLButtonElement;
 
@@ -68,6 +74,7 @@ export class Menu extends LitElement {
   override render(): TemplateResult {
     return html`
       <button
+        part="button"
         type="button"
         aria-label=${this.label || nothing}
         aria-expanded=${this.open ? "true" : "false"}

@@ -76,6 +76,8 @@ export const sheets = css`
     gap: var(--t-space-2) var(--t-space-4);
     padding-block: var(--t-space-3);
     border-block-start: 1px solid var(--t-line);
+    /* The name of a file is one long word. */
+    overflow-wrap: anywhere;
   }
   .rows > li:first-child {
     border-block-start: 0;

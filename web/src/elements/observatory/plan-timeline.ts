@@ -205,7 +205,8 @@ export class PlanTimeline extends LitElement {
     const chosen = this.blocks.find(({ id }) => id === this.chosen);
     const now = placeMoment(this.ms, span);
     const hours = Math.max(1, (span.to - span.from) / HOUR_MS);
-    return html`<div class="scroll">
+    // Who has no finger scrolls a night that is wider than the window by its keys.
+    return html`<div class="scroll" tabindex="0" role="group" aria-label="Hours of the night">
         <div class="line" ${styled({ "--hours": String(hours) })}>
           <div aria-hidden="true">
             ${map(this.sky?.bands ?? [], ({ id, from, to }) => html`<div class="band ${id}" ${this.placeSpan(from, to)}></div>`)}

@@ -61,7 +61,7 @@ export class AccountSessions extends LitElement {
       ${row.this
         ? nothing
         : html`<t-button
-            label=${`End the session of ${browserName(row.agent)} from ${row.address}`}
+            label=${`End this: the session of ${browserName(row.agent)} from ${row.address}`}
             ?busy=${this.action.runningKey === row.id}
             @click=${this.sessionEnder(row)}
             >End this</t-button

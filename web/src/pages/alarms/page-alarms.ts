@@ -208,7 +208,7 @@ export class PageAlarms extends LitElement {
     const named = id === this.addressedAlarm();
     return html`<li class="alarm ${alarm.severity} ${on} ${named ? "named" : ""}" data-alarm=${alarm.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
       <div>
-        <div class="facts"><t-status kind=${kind} word=${word}></t-status><span class="chip">${alarm.severity}</span></div>
+        <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" && alarm.known ? nothing : html`<span class="chip">${alarm.severity}</span>`}</div>
         <div class="name">${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</div>
         ${alarm.why === "" ? nothing : html`<div class="why">${alarm.why}</div>`}
         ${alarm.known ? nothing : html`<div class="why">It cannot be judged now: ${capitalized(alarm.unknown_why)}</div>`}

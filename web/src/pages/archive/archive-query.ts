@@ -2,7 +2,7 @@
 
 import { queryTexts, textsQuery } from "../../format/filter-query.js";
 import type { FrameShape } from "../../generated/api.js";
-import { formatDec, formatRa, wrapped } from "../../format/sexagesimal.js";
+import { formatDec, formatRa, parseDec, parseRa, wrapped, writeRa } from "../../format/sexagesimal.js";
 
 export interface ArchiveFilter {
   /** Local date at which the night began; empty for all. */
@@ -30,6 +30,22 @@ export function writeArchiveFilter(filter: ArchiveFilter): string {
   return textsQuery(filter, FILTER_KEYS).toString();
 }
 
+/** A place as a person wrote it, in the degrees of the address; what cannot be read stays, for `placeProblem` to say so. */
+export function placeInDegrees(written: ArchiveFilter): ArchiveFilter {
+  return { ...written, ra: degreesText(written.ra, parseRa(written.ra) * 15, "h"), dec: degreesText(written.dec, parseDec(written.dec), "") };
+}
+
+/** @param unit of a plain number in this field, so that it is not taken for degrees */
+function degreesText(text: string, degrees: number, unit: string): string {
+  if (Number.isFinite(degrees)) return String(Number(degrees.toFixed(6)));
+  return /^[\d.]+$/.test(text.trim()) ? `${text.trim()}${unit}` : text;
+}
+
+/** Right ascension as the field shows it: in hours, as everywhere. */
+export function shownRa({ ra }: ArchiveFilter): string {
+  return isWithin(ra, 0, 360) ? writeRa(Number(ra) / 15) : ra;
+}
+
 interface PlaceProblem {
   readonly field: "ra" | "dec" | "radius";
   readonly text: string;
@@ -39,8 +55,8 @@ interface PlaceProblem {
 export function placeProblem({ ra, dec, radius }: ArchiveFilter): PlaceProblem | null {
   if (ra === "" && dec === "") return null;
   if (ra === "" || dec === "") return { field: ra === "" ? "ra" : "dec", text: "Give both right ascension and declination." };
-  if (!isWithin(ra, 0, 360)) return { field: "ra", text: "Right ascension: expected 0 to 360 degrees." };
-  if (!isWithin(dec, -90, 90)) return { field: "dec", text: "Declination: expected -90 to 90 degrees." };
+  if (!isWithin(ra, 0, 360)) return { field: "ra", text: "Right ascension: write 05:34:32 or 83.63° (0 to 360)." };
+  if (!isWithin(dec, -90, 90)) return { field: "dec", text: "Declination: write -05:23:28 or -5.39 (-90 to 90 degrees)." };
   if (radius !== "" && !isWithin(radius, 0.001, 180)) return { field: "radius", text: "Radius: expected 0.001 to 180 degrees." };
   return null;
 }

@@ -23,7 +23,9 @@ import {
   formatFileSize,
   frameQuery,
   NO_FILTER,
+  placeInDegrees,
   placeProblem,
+  shownRa,
   readArchiveFilter,
   skyPlace,
   writeArchiveFilter,
@@ -94,7 +96,7 @@ export class PageArchive extends LitElement {
   private readonly found = new LoadController<FrameList>(this);
   private readonly form = new FilterForm<ArchiveFilter>(
     this,
-    (said) => formTexts(said, FILTER_KEYS),
+    (said) => placeInDegrees(formTexts(said, FILTER_KEYS)),
     (filter) => {
       this.limit = FIRST;
       this.router.store?.replace(this.pathOf("", filter));
@@ -140,10 +142,10 @@ export class PageArchive extends LitElement {
       <t-field label="Target"><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
       <t-field label="Filter"><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
       <t-field label="Camera"><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
-      <t-field label="RA (°, J2000)" error=${errorOf("ra")}>
-        <input name="ra" inputmode="decimal" autocomplete="off" .value=${filter.ra} />
+      <t-field label="RA (J2000)" hint="05:34:32 or 83.63°" error=${errorOf("ra")}>
+        <input name="ra" autocomplete="off" .value=${shownRa(filter)} />
       </t-field>
-      <t-field label="Dec (°, J2000)" error=${errorOf("dec")}>
+      <t-field label="Dec (J2000)" hint="−05:23:28 or −5.39" error=${errorOf("dec")}>
         <input name="dec" inputmode="decimal" autocomplete="off" .value=${filter.dec} />
       </t-field>
       <t-field label="Within (°)" error=${errorOf("radius")}>

@@ -1,7 +1,7 @@
 /** What of the audit log to show. */
 
 import { html, LitElement, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
@@ -10,7 +10,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
 import { formTexts } from "../../format/filter-query.js";
 import { formText } from "../../format/form-values.js";
-import { ZoneClock } from "../../series/zone-clock.js";
+import { momentProblem, ZoneClock } from "../../series/zone-clock.js";
 import type { SiteSummary } from "../../generated/api.js";
 import { FILTER_KEYS, NO_FILTER, writeAuditFilter, type AuditFilter } from "./audit-query.js";
 import "../../elements/forms/button.js";
@@ -25,10 +25,14 @@ export class AuditFilterForm extends LitElement {
   @property({ attribute: false }) sites: readonly SiteSummary[] = [];
   @property() zone = "UTC";
 
+  /** What is written as a time and is none, by field: nothing is filtered by it. */
+  @state() private wrongTimes: Readonly<Record<string, string>> = {};
+
   private readonly form = new FilterForm<AuditFilter>(
     this,
     (said) => this.readFilter(said),
     (detail) => {
+      if (detail === NO_FILTER) this.wrongTimes = {};
       this.dispatchEvent(new CustomEvent("t-filter", { detail }));
     },
     NO_FILTER,
@@ -52,11 +56,11 @@ export class AuditFilterForm extends LitElement {
           ${renderOptions([["", "both"], ["true", "done"], ["false", "refused"]], filter.good)}
         </select>
       </t-field>
-      <t-field class="time" label=${`From (${clock.zone})`}>
-        <input name="from" type="datetime-local" step="1" .value=${shown(filter.fromUs)} />
+      <t-field class="time" label=${`From (${clock.zone})`} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}>
+        <input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${this.wrongTimes["from"] ?? shown(filter.fromUs)} />
       </t-field>
-      <t-field class="time" label=${`To (${clock.zone})`}>
-        <input name="to" type="datetime-local" step="1" .value=${shown(filter.toUs)} />
+      <t-field class="time" label=${`To (${clock.zone})`} .error=${momentProblem(this.wrongTimes["to"] ?? "", Number.NaN)}>
+        <input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${this.wrongTimes["to"] ?? shown(filter.toUs)} />
       </t-field>
       <div class="actions">
         <t-button type="submit">Show</t-button>
@@ -68,12 +72,13 @@ export class AuditFilterForm extends LitElement {
   private readFilter(said: FormData): AuditFilter {
     const clock = new ZoneClock(knownZone(this.zone));
     const good = formText(said, "good");
-    return {
-      ...formTexts(said, FILTER_KEYS),
-      good: good === "true" || good === "false" ? good : "",
-      fromUs: clock.fromInput(formText(said, "from")),
-      toUs: clock.fromInput(formText(said, "to")),
+    const [from, to] = ["from", "to"].map((name) => formText(said, name)) as [string, string];
+    const [fromUs, toUs] = [clock.fromInput(from), clock.fromInput(to)];
+    this.wrongTimes = {
+      ...(momentProblem(from, fromUs) === "" ? {} : { from }),
+      ...(momentProblem(to, toUs) === "" ? {} : { to }),
     };
+    return { ...formTexts(said, FILTER_KEYS), good: good === "true" || good === "false" ? good : "", fromUs, toUs };
   }
 }
 

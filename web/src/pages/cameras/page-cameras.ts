@@ -13,6 +13,7 @@ import { devicePath, sitePath } from "../../state/router.js";
 import type { SiteShape } from "../../generated/api.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
+import { showsExposures } from "../../tiles/observatory/roles.js";
 import "../../tiles/camera/camera-tile.js";
 
 @customElement("t-page-cameras")
@@ -83,6 +84,7 @@ export class PageCameras extends LitElement {
             .name=${stream.name}
             .detect=${stream.detect}
             .online=${online}
+            ?still=${showsExposures(device)}
           ></t-camera>
           <figcaption>${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}</figcaption>
         </figure>`,

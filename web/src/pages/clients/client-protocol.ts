@@ -69,10 +69,10 @@ export class ClientProtocol extends LitElement {
       void this.save(row, !row.open, row.origins);
     };
     return html`<div class="actions">
-      <t-button kind=${row.open ? "plain" : "primary"} label=${`${row.open ? "Shut" : "Open"} ${row.title}`} ?busy=${this.action.busy} @click=${toggle}
+      <t-button kind=${row.open ? "plain" : "primary"} label=${`${row.open ? "Shut it" : "Open it"}: ${row.title}`} ?busy=${this.action.busy} @click=${toggle}
         >${row.open ? "Shut it" : "Open it"}</t-button
       >
-      ${row.path === "" ? nothing : html`<t-button label=${`Web pages that may use ${row.title}`} @click=${this.form.opener("origins")}>Web pages…</t-button>`}
+      ${row.path === "" ? nothing : html`<t-button label=${`Web pages… that may use ${row.title}`} @click=${this.form.opener("origins")}>Web pages…</t-button>`}
     </div>`;
   }
 

@@ -21,7 +21,7 @@ export const layout = css`
     gap: var(--t-space-4);
     align-items: start;
   }
-  .commands {
+  .cockpit > .commands {
     grid-area: commands;
   }
   .top {
@@ -33,7 +33,8 @@ export const layout = css`
   }
   .alone {
     display: grid;
-    gap: var(--t-space-4);
+    grid-template-columns: minmax(0, 1fr);
+    gap: var(--t-space-5);
   }
   /* As high as the window: the map takes what the hands leave. Stays while the commands scroll by. */
   .right {

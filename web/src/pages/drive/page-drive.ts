@@ -3,6 +3,7 @@
 import { ContextConsumer } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
 import { DriveController } from "../../controllers/drive/drive-controller.js";
 import { CommandClient } from "../../controllers/drive/command-client.js";
 import type { StopClient } from "../../controllers/drive/stop-client.js";
@@ -14,7 +15,7 @@ import "../../elements/layout/card.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/empty.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
-import { robotNewsContext, sitesContext } from "../../state/contexts.js";
+import { robotNewsContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/command/command-list.js";
 import "../../tiles/drive/drive-pad.js";
@@ -32,6 +33,7 @@ export class PageActuate extends LitElement {
   @state() private full = false;
   @query(".page") private readonly pageBox!: HTMLElement | null;
 
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly news = new ContextConsumer(this, { context: robotNewsContext });
   private readonly link = new ConnectionStateController(this);
@@ -77,8 +79,8 @@ export class PageActuate extends LitElement {
     const options = drivable.map(({ id, name }) => ({ id, label: name }));
     return html`
       <div class="page ${this.full ? "full" : ""}">
-        <div class="top ${options.length > 1 ? "" : "plain"}">
-          <h1>${device?.name ?? detail.name}</h1>
+        <div class="top ${options.length > 1 || !device ? "" : "plain"}">
+          <h1>${device?.name ?? "Actuate"}</h1>
           ${drivable.length > 1
             ? html`<t-choice
                 label="Device"
@@ -94,13 +96,24 @@ export class PageActuate extends LitElement {
   }
 
   private renderNothingToDrive(detail: SiteShape, online: boolean): TemplateResult {
-    return html`<div class="alone">
-      <t-empty heading="Nothing to drive here" icon="drive">
+    const commanded = detail.devices.filter(({ commands }) => commands.length > 0);
+    if (commanded.length === 0) {
+      // Who administers the hub sees all of the site: nobody could give them more.
+      const admin = this.session.store?.person?.admin === true;
+      return html`<t-empty heading="Nothing to drive or command here" icon="drive">
         <p>
-          None of the devices that you may see can be driven. An admin can give you the right to see more of this site.
+          ${admin
+            ? "No device of this site's description can be driven, and none takes commands."
+            : "None of the devices that you may see can be driven or takes commands. An admin can give you the right to see more of this site."}
         </p>
-      </t-empty>
-      <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+      </t-empty>`;
+    }
+    return html`<div class="alone">
+      ${repeat(
+        commanded,
+        ({ id }) => id,
+        (device) => html`<t-commands .heading=${device.name} .site=${this.site} .devices=${[device]} .line=${this.commands} .online=${online}></t-commands>`,
+      )}
     </div>`;
   }
 

@@ -3,7 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { base, quietText } from "../../elements/base/base-style.js";
-import { knownZone, timeText, zoneName } from "../../format/time.js";
+import { knownZone, localSpan, zoneName } from "../../format/time.js";
 import { lengthOf, panned, zoomed, type TimeSpan } from "../../series/time-window.js";
 import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { QUICK, quickOf, quickShown, spanOf, type HistoryView } from "./history-query.js";
@@ -174,14 +174,12 @@ export class HistoryTools extends LitElement {
   private renderDateField(name: string, value: string): TemplateResult {
     const invalid = this.wrong === "" ? "false" : "true";
     return html`<label
-      ><span>${name}</span><input type="datetime-local" step="1" aria-invalid=${invalid} .value=${value}
+      ><span>${name}</span><input type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" aria-invalid=${invalid} .value=${value}
     /></label>`;
   }
 
   private spanText(clock: ZoneClock): string {
-    const now = Date.now() * 1000;
-    const [from, to] = [this.span.fromUs, this.span.toUs].map((us) => timeText(us, clock.zone, now).local);
-    return `${from ?? ""} – ${to ?? ""} ${zoneName(this.span.toUs, clock.zone)}`;
+    return localSpan(this.span, clock.zone, Date.now() * 1000);
   }
 
   private clock(): ZoneClock {

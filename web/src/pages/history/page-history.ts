@@ -15,7 +15,7 @@ import { indentOf, type SpanChange } from "../../elements/chart/chart-model.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { momentText } from "../../elements/chart/cursor-values.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { formatDate, knownZone, utcSpan } from "../../format/time.js";
+import { formatDate, knownZone, localSpan, utcSpan } from "../../format/time.js";
 import { DrawRate } from "../../series/draw-rate.js";
 import { lengthOf, panned } from "../../series/time-window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
@@ -173,12 +173,19 @@ export class PageHistory extends LitElement {
       <div class="title">
         <h1>History</h1>
         <p class="muted">${detail?.name ?? this.site}</p>
-        ${detail === undefined ? nothing : html`<p class="utc">${utcSpan(this.window.span, detail.zone, this.window.nowUs)}</p>`}
+        ${detail === undefined ? nothing : this.renderSpan(detail.zone)}
         ${detail === undefined ? nothing : this.renderMenus()}
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
       ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
     `;
+  }
+
+  /** First by the clock that the axes go by, then in UTC. */
+  private renderSpan(zone: string): TemplateResult {
+    const { span, nowUs } = this.window;
+    const utc = utcSpan(span, zone, nowUs);
+    return html`<p class="utc">${localSpan(span, zone, nowUs)}${utc === "" ? nothing : html` <span>(${utc})</span>`}</p>`;
   }
 
   private renderMenus(): TemplateResult {

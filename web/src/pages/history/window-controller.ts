@@ -81,6 +81,8 @@ export class WindowController implements ReactiveController {
 
   /** Fingers, keys or the wheel ask for a window. */
   applySpanChange({ span, settled }: SpanChange): void {
+    // No moment, no window: written into the address, nothing could be zoomed any more.
+    if (!Number.isFinite(span.fromUs) || !Number.isFinite(span.toUs)) return;
     clearTimeout(this.settling);
     const latest = Date.now() * 1000 + Math.max(lengthOf(span) * AHEAD, SECOND_US);
     const next = notAfter(span, latest);

@@ -18,7 +18,7 @@ export class PageMissing extends LitElement {
   ];
 
   override render(): TemplateResult {
-    return html`<t-empty heading="There is no page here" icon="unlinked">
+    return html`<t-empty heading="There is no page here" icon="unlinked" page>
       <p>The address may be mistyped, or the page has moved. <a href="/home">Go to the home page</a>.</p>
     </t-empty>`;
   }

@@ -20,6 +20,7 @@ import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
+import { showsExposures } from "../../tiles/observatory/roles.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/signal-value.js";
 
@@ -43,8 +44,14 @@ export class PagePublic extends LitElement {
       }
       .values {
         display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr));
+        grid-template-columns: repeat(auto-fill, minmax(min(10rem, 100%), 1fr));
         gap: var(--t-space-4);
+      }
+      /* What is public may be a sentence: it must not make the page wider than a phone. */
+      section,
+      .sheet {
+        grid-template-columns: minmax(0, 1fr);
+        min-inline-size: 0;
       }
       section {
         display: grid;
@@ -148,6 +155,7 @@ export class PagePublic extends LitElement {
           .name=${stream.name}
           .detect=${stream.detect}
           .online=${online}
+          ?still=${showsExposures(device)}
         ></t-camera>`,
       )}
       ${signals.length === 0
@@ -156,7 +164,7 @@ export class PagePublic extends LitElement {
             ${repeat(
               signals,
               (signal) => signal.address,
-              (signal) => html`<t-signal-value size="xl" .site=${site} .signal=${signal}></t-signal-value>`,
+              (signal) => html`<t-signal-value size="l" .site=${site} .signal=${signal}></t-signal-value>`,
             )}
           </div>`}
       ${signals.length + streams.length === 0 ? html`<p class="muted">It is there; its values are not public.</p>` : nothing}

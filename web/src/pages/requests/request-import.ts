@@ -114,8 +114,8 @@ export class RequestImport extends LitElement {
           <select name="proposal" ?disabled=${isHalf}>${renderOptions([["", "choose"], ...own.map(({ id, title }) => [id, title === "" ? id : `${id}: ${title}`] as const)], standIn.proposal)}</select>
         </t-field>
         <h3 class="wide">Where the file says nothing</h3>
-        <t-field label=${`From (${zone})`} .error=${errors.start}><input name="start" type="datetime-local" ?disabled=${isHalf} .value=${settled(standIn.start)} /></t-field>
-        <t-field label=${`To (${zone})`} .error=${errors.end}><input name="end" type="datetime-local" ?disabled=${isHalf} .value=${settled(standIn.end)} /></t-field>
+        <t-field label=${`From (${zone})`} .error=${errors.start}><input name="start" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" ?disabled=${isHalf} .value=${settled(standIn.start)} /></t-field>
+        <t-field label=${`To (${zone})`} .error=${errors.end}><input name="end" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" ?disabled=${isHalf} .value=${settled(standIn.end)} /></t-field>
         <t-field label="Exposure (s)" .error=${errors.exposure}><input name="exposure" inputmode="decimal" autocomplete="off" ?disabled=${isHalf} .value=${settled(standIn.exposure)} /></t-field>
         <t-field label="Frames" .error=${errors.count}><input name="count" inputmode="numeric" autocomplete="off" ?disabled=${isHalf} .value=${settled(standIn.count)} /></t-field>
         ${this.file === null ? nothing : html`<div class="wide answer">${renderLoaded(this.reading, "what the file asks", (answer) => (answer === null ? nothing : this.renderAnswer(answer)))}</div>`}

@@ -112,6 +112,10 @@ export class App extends LitElement {
         if (link === "lost" || link === "ended") void this.refreshSession();
       }),
     ];
+    // The socket may outlive its session, or wait to be tried again: a page that asks finds out first.
+    this.api.onSignedOut = () => {
+      if (this.session.state === "known") void this.refreshSession();
+    };
     void this.refreshSession();
   }
 

@@ -88,7 +88,8 @@ export class Header extends LitElement {
       select {
         min-block-size: var(--t-touch);
         max-inline-size: 16rem;
-        min-inline-size: 0;
+        /* Room for a word as long as "Observatory": which site it is must be read at a glance. */
+        min-inline-size: 9.5rem;
         padding-inline: var(--t-space-2);
         border: 1px solid transparent;
         border-radius: var(--t-radius-s);
@@ -152,11 +153,9 @@ export class Header extends LitElement {
         .brand.small .word {
           display: none;
         }
-        select {
-          min-inline-size: 7rem;
-        }
       }
-      @media (max-width: 52rem) {
+      /* That all is well may go unsaid; what is not well is said at every width. */
+      @media (max-width: 75rem) {
         t-status[kind="online"] {
           display: none;
         }
@@ -186,7 +185,8 @@ export class Header extends LitElement {
           gap: var(--t-space-1);
         }
         select {
-          max-inline-size: 45vw;
+          flex: 1 1 auto;
+          max-inline-size: 60vw;
         }
       }
     `,
@@ -289,7 +289,7 @@ export class Header extends LitElement {
     if (!(event.target instanceof HTMLSelectElement)) return;
     const page = this.router.route.page;
     const kept =
-      page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "sightings"
+      page === "topics" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "sightings"
         ? page
         : "live";
     this.router.navigate(sitePath(event.target.value, kept));

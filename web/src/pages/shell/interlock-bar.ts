@@ -1,12 +1,13 @@
 /**
- * The bar over every page: what interlocks lock, why and since when, and overrides while they last.
+ * The bar over a page: what interlocks of its site lock, why and since when, and overrides of any site while they last.
  *
- * One line of one height, also while nothing is locked: an interlock that locks or lets go must not
- * move the page under a driver's thumb. All of them unfold when somebody asks for them.
+ * Where something is driven or commanded it is one line of one height, also while nothing is locked: an interlock
+ * that locks or lets go must not move the page under a driver's thumb. On other pages it comes when there is
+ * something to say. All of them unfold when somebody asks for them.
  */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, query, state } from "lit/decorators.js";
+import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -79,10 +80,14 @@ export class InterlockBar extends LitElement {
     `,
   ];
 
+  /** The site that the page shows; empty for pages of all sites. */
+  @property() site = "";
+  /** The line keeps its place while nothing is locked. */
+  @property({ type: Boolean }) steady = false;
   @state() private chosen: InterlockUpdate | null = null;
   @state() private unfolded = false;
-  /** Once there was something to say of interlocks, the line keeps its place. */
-  private placed = false;
+  /** The sites of which there was something to say: there a steady line keeps its place. */
+  private readonly placed = new Set<string>();
   @state() private problem = "";
   @query("input[name=reason]") private readonly reason!: HTMLInputElement | null;
   @query("input[name=minutes]") private readonly minutes!: HTMLInputElement | null;
@@ -101,13 +106,14 @@ export class InterlockBar extends LitElement {
   }
 
   override willUpdate(): void {
-    this.placed ||= this.interlocks.store?.hasAny === true;
+    if (this.interlocks.store?.hasAny(this.site) === true) this.placed.add(this.site);
   }
 
   override render(): TemplateResult | typeof nothing {
     const store = this.interlocks.store;
-    const list = store?.list ?? [];
-    if (!this.placed && this.chosen === null) return nothing;
+    const list = store?.listAt(this.site) ?? [];
+    const kept = this.steady && this.placed.has(this.site);
+    if (!kept && list.length === 0 && this.chosen === null) return nothing;
     const unfolded = this.unfolded && list.length > 0;
     return html`
       ${this.renderStrip(list, unfolded)}
@@ -121,7 +127,7 @@ export class InterlockBar extends LitElement {
   private renderStrip(list: readonly Interlock[], unfolded: boolean): TemplateResult {
     const first = list[0]?.news;
     if (first === undefined) {
-      const known = this.interlocks.store?.hasAny === true;
+      const known = this.interlocks.store?.hasAny(this.site) === true;
       return html`<div class="strip" role="status">
         <t-icon name="lock"></t-icon>
         <span class="first">${known ? "Interlocks: nothing is locked." : "Interlocks: not known now."}</span>

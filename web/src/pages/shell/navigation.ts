@@ -1,7 +1,7 @@
 /** The places of the dashboard that a person may open: beside the name on a desk, under the thumb on a phone. */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import type { IconName } from "../../elements/base/icons.js";
@@ -9,7 +9,10 @@ import { seesOnlyPublic } from "../../state/rights.js";
 import { ADMIN_PAGES, sitePath, type PageName } from "../../state/router.js";
 import type { Me } from "../../generated/api.js";
 import { mayOpen, PAGES } from "../routes.js";
+import { morePlaces } from "./more-places.js";
 import "../../elements/base/icon.js";
+import type { Menu } from "../../elements/layout/menu.js";
+import "../../elements/layout/menu.js";
 
 interface NavigationPlace {
   readonly page: "home" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "night" | "people";
@@ -32,6 +35,9 @@ const PLACES: readonly NavigationPlace[] = [
 
 /** So many places leave no room for their icons beside a site's name. */
 const FULL = 8;
+
+/** Where the window is narrow, an observatory has these behind *More*. */
+const SPARE: readonly PageName[] = ["devices", "archive"];
 
 @customElement("t-nav")
 export class Navigation extends LitElement {
@@ -69,6 +75,34 @@ export class Navigation extends LitElement {
       a:focus-visible {
         outline-offset: -4px;
       }
+      t-menu {
+        --t-menu-width: 12rem;
+        color: var(--t-muted);
+        font-weight: var(--t-weight-strong);
+      }
+      t-menu::part(button) {
+        min-block-size: 3.5rem;
+        font-weight: inherit;
+        /* As of the links beside it: the header has no room around them. */
+        outline-offset: -4px;
+      }
+      t-menu.here {
+        color: var(--t-text);
+      }
+      .more {
+        display: grid;
+      }
+      .more a {
+        flex-direction: row;
+        justify-content: start;
+        min-block-size: var(--t-touch);
+        border: 0;
+        font-size: var(--t-size-m);
+        letter-spacing: normal;
+      }
+      .more a[aria-current] {
+        color: var(--t-accent);
+      }
       @media (max-width: 96rem) and (min-width: 45.01rem) {
         nav {
           gap: 0;
@@ -83,17 +117,44 @@ export class Navigation extends LitElement {
         }
         a {
           padding-inline: var(--t-space-2);
+        }
+        a,
+        t-menu {
           font-size: var(--t-size-s);
         }
       }
+      @media (max-width: 75rem) {
+        .spare {
+          display: none;
+        }
+      }
+      @media (min-width: 75.01rem) {
+        .spared {
+          display: none;
+        }
+      }
       @media (max-width: 75rem) and (min-width: 45.01rem) {
-        t-icon {
+        nav > a > t-icon {
+          display: none;
+        }
+      }
+      @media (max-width: 75rem) and (min-width: 45.01rem) {
+        /* The tower at the edge leads home, too. */
+        .home {
+          display: none;
+        }
+      }
+      @media (max-width: 52rem) and (min-width: 45.01rem) {
+        nav > a {
+          padding-inline: var(--t-space-1);
+        }
+        .people {
           display: none;
         }
       }
       /* With all of them the site's name would have no room. */
       @media (max-width: 96rem) and (min-width: 45.01rem) {
-        .full t-icon {
+        .full > a > t-icon {
           display: none;
         }
       }
@@ -116,22 +177,29 @@ export class Navigation extends LitElement {
           gap: 2px;
           min-inline-size: 0;
           padding-inline: 0;
-          font-size: 0.75rem;
         }
         /* An admin's work is done at a desk; on a phone the menu of one's name leads there. */
         .people {
           display: none;
         }
         /* Seven of them stand side by side: the longest word is as wide as its seventh. */
-        .night-here a {
+        a,
+        t-menu {
           font-size: min(0.75rem, 2.7vw);
           letter-spacing: -0.02em;
         }
-        /* There is no room for eight; the night leads to its pictures. */
-        .night-here .archive {
-          display: none;
+        t-menu {
+          flex: 1;
+          min-inline-size: 0;
         }
-        a[aria-current] {
+        t-menu::part(button) {
+          inline-size: 100%;
+          flex-direction: column-reverse;
+          justify-content: center;
+          gap: 2px;
+          padding-inline: 0;
+        }
+        nav > a[aria-current] {
           border-block-start-color: var(--t-accent);
           border-block-end-color: transparent;
           color: var(--t-accent);
@@ -140,6 +208,9 @@ export class Navigation extends LitElement {
     `,
   ];
 
+  @query("t-menu") private readonly menu!: Menu | null;
+  /** It stands at the lower edge of the window. */
+  @property({ type: Boolean }) below = false;
   @property() page: PageName = "home";
   @property() site = "";
   @property({ attribute: false }) person: Me | null = null;
@@ -152,19 +223,46 @@ export class Navigation extends LitElement {
 
   override render(): TemplateResult {
     const places = this.visiblePlaces();
-    return html`<nav aria-label="Pages" class=${`${this.observing ? "night-here" : ""} ${places.length >= FULL ? "full" : ""}`}>
-      ${map(
+    const atDesk = places.filter(({ page }) => page !== "people");
+    const admins = places.filter(({ page }) => page === "people");
+    return html`<nav aria-label="Pages" class=${places.length >= FULL ? "full" : ""}>
+      ${this.renderPlaces(atDesk)} ${this.renderMore()} ${this.renderPlaces(admins)}
+    </nav>`;
+  }
+
+  private renderPlaces(places: readonly NavigationPlace[]): unknown {
+    return map(
         places,
         (place) => html`<a
-          class=${place.page}
+          class="${place.page} ${this.observing && SPARE.includes(place.page) ? "spare" : ""}"
           href=${this.pathOf(place.page) ?? nothing}
           aria-current=${this.isCurrent(place.page) ? "page" : nothing}
           aria-disabled=${this.pathOf(place.page) === null ? "true" : nothing}
           ><t-icon name=${place.icon}></t-icon>${place.title ?? PAGES[place.page].title}</a
         >`,
-      )}
-    </nav>`;
+      );
   }
+
+  /** What of the site has no place beside the others. */
+  private renderMore(): unknown {
+    const { site, person, observing, archived } = this;
+    const more = person === null ? [] : morePlaces(site, person, { observing, archived });
+    if (more.length === 0) return nothing;
+    const here = more.some(({ page, spared }) => page === this.page && !spared);
+    return html`<t-menu ?up=${this.below} class=${here ? "here" : ""}>
+      <span slot="label">More</span>
+      <div class="more" @click=${this.closeMenu}>
+        ${map(
+          more,
+          ({ page, title, path, spared }) => html`<a class=${spared ? "spared" : ""} href=${path} aria-current=${page === this.page ? "page" : nothing}>${title}</a>`,
+        )}
+      </div>
+    </t-menu>`;
+  }
+
+  private readonly closeMenu = (): void => {
+    this.menu?.close();
+  };
 
   private visiblePlaces(): readonly NavigationPlace[] {
     const { person } = this;

@@ -166,19 +166,25 @@ export class Shell extends LitElement {
     const archived = this.hasArchive();
     const observing = this.detail.value?.devices.some(({ kind }) => kind === "telescope") ?? false;
     return html`
-      <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
-      <div class="top">
-        <t-header role="banner" .site=${site}>
+      <div class="top" role="banner">
+        <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
+        <t-header .site=${site}>
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
         </t-header>
         ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
-        ${inside ? html`<t-alarm-bar></t-alarm-bar><t-interlocks></t-interlocks>` : nothing}
+        ${inside ? html`<t-alarm-bar></t-alarm-bar>${this.renderInterlocks()}` : nothing}
         ${inside && person.codes_locked_us > 0 ? html`<t-code-alert></t-code-alert>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
       <main id="main" tabindex="-1">${this.renderContent()}</main>
-      ${inside ? html`<t-nav class="bottom" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
+      ${inside ? html`<t-nav class="bottom" below .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
     `;
+  }
+
+  private renderInterlocks(): TemplateResult {
+    const route = this.router.store?.route;
+    const steady = route?.page === "drive" || route?.page === "device";
+    return html`<t-interlocks .site=${route?.site ?? ""} ?steady=${steady}></t-interlocks>`;
   }
 
   private renderContent(): unknown {
@@ -196,7 +202,7 @@ export class Shell extends LitElement {
     const admins = ADMIN_PAGES.includes(place);
     // An empty list would say that all is well.
     if (person !== null && (admins || place === "alarms" || place === "logbook") && !mayOpen(place, person)) {
-      return html`<t-empty heading=${admins ? "Only admins may open this" : "This is not open to you"} icon="lock">
+      return html`<t-empty heading=${admins ? "Only admins may open this" : "This is not open to you"} icon="lock" page>
         <p>You are signed in as ${person.name}, with the role ${person.role}. An admin of this hub can give you another.</p>
         <p><a href="/">Go to your first page</a></p>
       </t-empty>`;

@@ -2,7 +2,7 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
@@ -18,7 +18,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
 import { formTexts } from "../../format/filter-query.js";
 import { formText } from "../../format/form-values.js";
-import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
+import { clockOf, momentProblem, type ZoneClock } from "../../series/zone-clock.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import type { LabelShape, RecordingShape, SeenShape, SiteShape } from "../../generated/api.js";
@@ -60,6 +60,8 @@ export class PageSightings extends LitElement {
   ];
 
   @property() site = "";
+  /** What is written as a time and is none, by field: nothing is filtered by it. */
+  @state() private wrongTimes: Readonly<Record<string, string>> = {};
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new ContextStoreController(this, routerContext);
@@ -79,6 +81,7 @@ export class PageSightings extends LitElement {
     this,
     (said) => this.readFilter(said),
     (filter) => {
+      if (filter === NO_FILTER) this.wrongTimes = {};
       this.router.store?.replace(withQuery(sitePath(this.site, "sightings"), writeSightingFilter(filter)));
     },
     NO_FILTER,
@@ -141,8 +144,8 @@ export class PageSightings extends LitElement {
             ${renderOptions([["", "all"], ...this.cameras()], filter.camera)}
           </select>
         </t-field>
-        <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>
-        <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="datetime-local" step="1" .value=${settled(shown(filter.toUs))} /></t-field>
+        <t-field class="time" label=${`From (${clock.zone})`} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}><input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["from"] ?? shown(filter.fromUs))} /></t-field>
+        <t-field class="time" label=${`To (${clock.zone})`} .error=${momentProblem(this.wrongTimes["to"] ?? "", Number.NaN)}><input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["to"] ?? shown(filter.toUs))} /></t-field>
         <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is visible now</label>
         <t-button kind="quiet" ?disabled=${writeSightingFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </form>
@@ -217,8 +220,11 @@ export class PageSightings extends LitElement {
   }
 
   private readFilter(said: FormData): SightingFilter {
-    const time = (name: string): number | null => {
-      const us = this.clock().fromInput(formText(said, name));
+    const time = (name: "from" | "to"): number | null => {
+      const text = formText(said, name);
+      const us = this.clock().fromInput(text);
+      const others = Object.entries(this.wrongTimes).filter(([other]) => other !== name);
+      this.wrongTimes = Object.fromEntries(momentProblem(text, us) === "" ? others : [...others, [name, text]]);
       return Number.isNaN(us) ? null : us;
     };
     return { ...formTexts(said, FILTER_KEYS), fromUs: time("from"), toUs: time("to"), open: said.has("open") };

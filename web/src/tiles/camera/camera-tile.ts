@@ -72,6 +72,8 @@ export class CameraTile extends LitElement {
   @property({ type: Boolean }) paged = false;
   /** What is looked for on its pictures; null where nothing is. */
   @property({ attribute: false }) detect: DetectShape | null | undefined = null;
+  /** It shows single exposures (see `showsExposures`): none is live, and one without contrast is a picture, too. */
+  @property({ type: Boolean }) still = false;
   /** This person drives by this picture: it is never held back for what is seen on it. */
   @property({ type: Boolean }) driving = false;
 
@@ -160,6 +162,7 @@ export class CameraTile extends LitElement {
       .time=${this.last?.time_us ?? 0}
       .small=${this.last?.small ?? false}
       .full=${this.full}
+      ?still=${this.still}
       .things=${this.objects.framedThings(things)}
       ?earlier=${this.seen?.standing === "earlier"}
       @t-fullscreen=${this.onFullScreenRequest}
@@ -284,7 +287,7 @@ export class CameraTile extends LitElement {
 
   private drawPicture(picture: DecodedPicture, shot: CameraPicture): void {
     const now = performance.now();
-    if (!this.contrast.showsPicture(picture, now)) {
+    if (!this.still && !this.contrast.showsPicture(picture, now)) {
       // The last good one stays and grows old: it turns grey, and the vehicle slows down.
       picture.close();
       this.media = "bad";

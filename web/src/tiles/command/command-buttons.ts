@@ -87,9 +87,11 @@ export class CommandButtons extends LitElement {
         ${repeat(this.deeds, ({ label }) => label, (deed) => this.renderButton(deed))}
       </div>
       ${this.online ? nothing : html`<t-status kind="offline" word="not connected: nothing can be asked"></t-status>`}
-      <ul role="status">
-        ${repeat(this.recentRequests(), ({ id }) => id, (asked) => this.renderOutcome(asked))}
-      </ul>
+      <div role="status">
+        <ul>
+          ${repeat(this.recentRequests(), ({ id }) => id, (asked) => this.renderOutcome(asked))}
+        </ul>
+      </div>
       ${map(
         this.lockReasons(),
         ([why, names]) => html`<div class="locked"><t-icon name="lock"></t-icon><span>${names.join(", ")}: ${why}</span></div>`,

@@ -20,7 +20,7 @@ export class CommandList extends LitElement {
       }
       .list {
         display: grid;
-        grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr));
+        grid-template-columns: repeat(auto-fill, minmax(min(100%, 20rem), 1fr));
         gap: var(--t-space-3);
       }
       .without {
@@ -77,7 +77,7 @@ export class CommandList extends LitElement {
 
   private renderCard(device: DeviceShape, command: CommandShape): TemplateResult {
     return html`<t-card>
-      <span class="device">${device.name}</span>
+      ${this.heading === device.name ? nothing : html`<span class="device">${device.name}</span>`}
       <t-command-card
         .site=${this.site}
         .device=${device}

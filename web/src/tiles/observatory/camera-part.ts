@@ -203,6 +203,7 @@ export class CameraPart extends DevicePart {
           .name=${name}
           .detect=${detect}
           .online=${this.online}
+          still
         ></t-camera>`,
       )}`;
   }

@@ -86,6 +86,7 @@ export class DomePart extends DevicePart {
             </p>`}
       </div>
       <div class="card">
+        <h2 class="visually-hidden">Shutter and rotation</h2>
         <div class="head">
           <t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? "Says closed" : SAID[roof].word}></t-status>
           ${!turns

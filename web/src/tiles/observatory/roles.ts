@@ -208,6 +208,11 @@ export function cameraCommands(device: DeviceShape): CameraCommands {
   };
 }
 
+/** Whether what a device streams is its exposures, one by one, and no film. */
+export function showsExposures(device: DeviceShape): boolean {
+  return cameraCommands(device).expose.length > 0;
+}
+
 // ── power ──
 
 export interface Outlet {

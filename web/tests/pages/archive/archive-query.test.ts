@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { formatFileSize, frameQuery, NO_FILTER, placeProblem, readArchiveFilter, skyPlace, writeArchiveFilter } from "../../../src/pages/archive/archive-query.js";
+import { formatFileSize, frameQuery, NO_FILTER, placeInDegrees, placeProblem, readArchiveFilter, shownRa, skyPlace, writeArchiveFilter } from "../../../src/pages/archive/archive-query.js";
 
 describe("the archive's question", () => {
   test("is the same after a turn through the address bar", () => {
@@ -31,4 +31,23 @@ describe("a place on the sky", () => {
 
 test("sizes are said in the unit that fits", () => {
   expect([formatFileSize(900), formatFileSize(2_630_000), formatFileSize(3.2e9)]).toEqual(["1 kB", "2.6 MB", "3.20 GB"]);
+});
+
+describe("a place to search at", () => {
+  test("is written in hours or with its unit, and stands in the address in degrees", () => {
+    const degreesOf = (ra: string, dec: string): [string, string] => {
+      const found = placeInDegrees({ ...NO_FILTER, ra, dec });
+      return [found.ra, found.dec];
+    };
+    expect(degreesOf("05:34:32", "−05:23:28")).toEqual(["83.633333", "-5.391111"]);
+    expect(degreesOf("83.63°", "-5.39")).toEqual(["83.63", "-5.39"]);
+    expect(degreesOf("5.5", "")).toEqual(["82.5", ""]);
+    expect(shownRa({ ...NO_FILTER, ra: "83.633333" })).toBe("05:34:32.00");
+  });
+
+  test("is not guessed where a number can be no hours", () => {
+    const found = placeInDegrees({ ...NO_FILTER, ra: "83.6", dec: "1" });
+    expect(placeProblem(found)?.field).toBe("ra");
+    expect(shownRa(found)).toBe("83.6h");
+  });
 });

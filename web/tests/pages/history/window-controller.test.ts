@@ -26,6 +26,16 @@ describe("the window of the history page", () => {
     vi.unstubAllGlobals();
   });
 
+  it("stays where it is when it is asked for a window without moments", () => {
+    const { window, went } = page("?last=60");
+    window.applySpanChange({ span: { fromUs: Number.NaN, toUs: Number.NaN }, settled: true });
+    window.applySpanChange({ span: { fromUs: Number.NaN, toUs: US }, settled: false });
+    vi.advanceTimersByTime(1000);
+    expect(went).toEqual([]);
+    window.applySpanChange({ span: { fromUs: US - 100e6, toUs: US - 50e6 }, settled: true });
+    expect(went).toEqual([`?from=${String(US - 100e6)}&to=${String(US - 50e6)}`]);
+  });
+
   it("goes with the time while it follows, and stands while hands are at it", () => {
     const { window } = page("?last=60");
     window.hostConnected();

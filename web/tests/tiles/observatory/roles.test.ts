@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { ArgumentShape, CommandRole, CommandShape, SignalRole, SignalShape } from "../../../src/generated/api.js";
 import {
-  angleText, cameraCommands, domeCommands, domeSignals, meaningOf, outletsOf, shutterOf, slewOf, telescopeCommands, telescopeSignals,
+  angleText, cameraCommands, domeCommands, domeSignals, meaningOf, outletsOf, showsExposures, shutterOf, slewOf, telescopeCommands, telescopeSignals,
 } from "../../../src/tiles/observatory/roles.js";
 import { argument, command, device, signal, state } from "./described.js";
 
@@ -77,6 +77,8 @@ test("a camera may have several ways to expose, and a cooler of one switch or of
   const seconds = [argument("segons", { unit: "s" })];
   const camera = device("camera", [], [does("foto", "camera.expose", seconds), does("fosca", "camera.expose", seconds), does("fred", "camera.cooler", active)]);
   expect(cameraCommands(camera).expose.map(({ id }) => id)).toEqual(["foto", "fosca"]);
+  // What it streams are its exposures; a camera that only films streams a film.
+  expect([showsExposures(camera), showsExposures(device("camera", [], []))]).toEqual([true, false]);
   expect(cameraCommands(camera).cooler.map(({ args }) => args)).toEqual([{ active: true }, { active: false }]);
   const two = device("camera", [], [does("a", "camera.cooler_on"), does("b", "camera.cooler_off")]);
   expect(cameraCommands(two).cooler.map(({ command: { id } }) => id)).toEqual(["a", "b"]);

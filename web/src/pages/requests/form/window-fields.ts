@@ -26,7 +26,7 @@ export function renderWindows(view: FormView, { addWindow, removeWindow }: Windo
     ${map(windows, (window, i) => {
       const read = view.readRequest.windows[i];
       const field = (name: "start" | "end", label: string, us: number | undefined): TemplateResult =>
-        renderRequestField(view, rowField(name, i), `${label} (${zone})`, html`<input name=${`${name}-${String(i)}`} type="datetime-local" step="1" .value=${settled(window[name])} />`, utc(us));
+        renderRequestField(view, rowField(name, i), `${label} (${zone})`, html`<input name=${`${name}-${String(i)}`} type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(window[name])} />`, utc(us));
       const remove = (): void => {
         removeWindow(i);
       };
@@ -49,7 +49,7 @@ export function renderCadence(view: FormView, draft: CadenceDraft, read: ReadCad
   return html`<details class="wide">
     <summary>Again and again (cadence)</summary>
     <div class="inner">
-      ${field("first", `First visit about (${zone})`, html`<input name="cadence.first" type="datetime-local" .value=${settled(draft.first)} />`, "The middle of its window")}
+      ${field("first", `First visit about (${zone})`, html`<input name="cadence.first" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(draft.first)} />`, "The middle of its window")}
       ${field("every", "Hours between visits", numberInput("cadence.every", draft.every), "24: each night")}
       ${field("within", "Hours earlier or later", numberInput("cadence.within", draft.within), "How far each visit may be off")}
       ${field("visits", "Visits", numberInput("cadence.visits", draft.visits), "Each is charged")}

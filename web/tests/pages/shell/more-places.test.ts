@@ -1,0 +1,29 @@
+import { expect, test } from "vitest";
+import type { Me } from "../../../src/generated/api.js";
+import { morePlaces } from "../../../src/pages/shell/more-places.js";
+
+const person: Me = {
+  name: "ada", role: "operator", admin: false, factor: false, idle_ends_us: 0, ends_us: 0,
+  permissions: [{ right: "view", site: "agv", device: "base" }],
+};
+const OBSERVATORY = { observing: true, archived: true };
+
+test("what of a site has no place of its own in the navigation is behind the last one", () => {
+  const more = morePlaces("agv", person, { observing: false, archived: false });
+  expect(more.map(({ path }) => path)).toEqual(
+    ["logbook", "sightings", "recordings", "cameras", "topics"].map((page) => `/sites/agv/${page}`),
+  );
+  expect(more.some(({ spared }) => spared)).toBe(false);
+});
+
+test("an observatory's devices and pictures give way to its night where the window is narrow", () => {
+  const spared = (archived: boolean): string[] =>
+    morePlaces("obs", person, { ...OBSERVATORY, archived }).filter((place) => place.spared).map(({ path }) => path);
+  expect(spared(true)).toEqual(["/devices", "/sites/obs/archive"]);
+  expect(spared(false)).toEqual(["/devices"]);
+});
+
+test("guests have all of theirs on one page, and without a site there is nothing more", () => {
+  expect(morePlaces("obs", { ...person, role: "guest", permissions: [] }, OBSERVATORY)).toEqual([]);
+  expect(morePlaces("", person, OBSERVATORY)).toEqual([]);
+});
