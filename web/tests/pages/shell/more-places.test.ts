@@ -3,7 +3,8 @@ import type { Me } from "../../../src/generated/api.js";
 import { morePlaces } from "../../../src/pages/shell/more-places.js";
 
 const person: Me = {
-  name: "ada", role: "operator", admin: false, factor: false, idle_ends_us: 0, ends_us: 0,
+  name: "ada", role: "operator", admin: false, factor: false, factor_missing: false, codes_locked_us: 0,
+  password: true, idle_ends_us: 0, ends_us: 0,
   permissions: [{ right: "view", site: "agv", device: "base" }],
 };
 const OBSERVATORY = { observing: true, archived: true };
