@@ -235,7 +235,7 @@ def sign_in(page: Page, address: str, password: str, who: str = "operator") -> N
     page.goto(f"{address}/login")
     page.get_by_label("Name").fill(who)
     page.get_by_label("Password").fill(password)
-    page.get_by_role("button", name="Sign in").click()
+    page.get_by_role("button", name="Sign in", exact=True).click()
     page.wait_for_url(re.compile("/(home|public)$"))
 
 

@@ -26,7 +26,7 @@ def sign_in(page: Page, hub: Served, name: str, password: str = PASSWORD) -> Non
     page.goto(f"{hub.address}/login")
     page.get_by_label("Name").fill(name)
     page.get_by_label("Password").fill(password)
-    page.get_by_role("button", name="Sign in").click()
+    page.get_by_role("button", name="Sign in", exact=True).click()
     page.wait_for_url(re.compile("/(home|public)$"))
 
 

@@ -92,7 +92,7 @@ def test_a_wrong_password_is_told_and_lets_nobody_in(context: BrowserContext, de
     page.goto(f"{demo.address}/home")
     page.get_by_label("Name").fill("operator")
     page.get_by_label("Password").fill("not the password")
-    page.get_by_role("button", name="Sign in").click()
+    page.get_by_role("button", name="Sign in", exact=True).click()
     expect(page.get_by_role("alert").first).to_be_visible()
     page.goto(f"{demo.address}/home")
     expect(page.get_by_label("Password")).to_be_visible()

@@ -174,7 +174,7 @@ async def walk(site: Observatory, ada: httpx.AsyncClient, mailbox: Mailbox, prog
         await page.goto(f"{address}/login")
         await page.get_by_label("Name").fill("ada")
         await page.get_by_label("Password").fill(PASSWORD)
-        await page.get_by_role("button", name="Sign in").click()
+        await page.get_by_role("button", name="Sign in", exact=True).click()
         await page.wait_for_url("**/home")
         await page.goto(f"{address}/sites/{SITE}/night")
         state = page.locator("t-night-state")

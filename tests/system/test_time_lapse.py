@@ -67,7 +67,7 @@ async def run_night(address: str, program: str) -> None:
         await page.goto(f"{address}/login")
         await page.get_by_label("Name").fill("ada")
         await page.get_by_label("Password").fill(PASSWORD)
-        await page.get_by_role("button", name="Sign in").click()
+        await page.get_by_role("button", name="Sign in", exact=True).click()
         await page.wait_for_url("**/home")
         await page.goto(f"{address}/sites/{TIME_LAPSE}/night")
         # It is said plainly that the time is not everybody's.

@@ -234,7 +234,7 @@ async def test_people_see_to_an_alarm_and_others_only_look(hub, chromium):
     await guest.goto(f"{hub.origin}/login?return=/alarms")
     await guest.get_by_label("Name").fill("guest")
     await guest.get_by_label("Password").fill(PASSWORD)
-    await guest.get_by_role("button", name="Sign in").click()
+    await guest.get_by_role("button", name="Sign in", exact=True).click()
     await expect(guest.get_by_role("heading", name="This is not open to you")).to_be_visible()
 
 

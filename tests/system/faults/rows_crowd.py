@@ -215,7 +215,7 @@ async def _hidden(world: World, run: Run, findings: Findings) -> None:
             await tab.goto(f"{world.address}/login")
             await tab.get_by_label("Name").fill("driver")
             await tab.get_by_label("Password").fill(PASSWORD)
-            await tab.get_by_role("button", name="Sign in").click()
+            await tab.get_by_role("button", name="Sign in", exact=True).click()
             await tab.wait_for_url("**/home")
             await tab.goto(f"{world.address}/sites/{SITE}/drive")
             await tab.get_by_role("button", name="Take control").first.click()

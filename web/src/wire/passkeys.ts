@@ -4,9 +4,9 @@ import { Refused } from "./hub-api.js";
 
 type CredentialJson = Readonly<Record<string, unknown>>;
 
-/** Whether this browser can have passkeys here: only in a secure context. */
+/** Whether this browser can have passkeys here: only in a secure context, and for a name. */
 export function hasPasskeys(): boolean {
-  return typeof PublicKeyCredential !== "undefined" && window.isSecureContext;
+  return typeof PublicKeyCredential !== "undefined" && window.isSecureContext && !/^(\[.*\]|[\d.]+)$/.test(location.hostname);
 }
 
 /** Lets the browser make a passkey. @throws Refused when the person, or the browser, did not want to */
