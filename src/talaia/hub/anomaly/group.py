@@ -21,12 +21,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from talaia.hub.anomaly.base import Floats, format_number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
 __all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector", "SignalShare"]
 
@@ -34,28 +35,31 @@ __all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector", "S
 MOST_SIGNALS = 64
 FEWEST_LEARNED, MOST_LEARNED = 60, 10_000
 # Spans of the fast and the slow mean (steps); a mean of span n follows by 2/(n+1) a step.
-_FAST, _SLOW = 2.0 / (30 + 1), 2.0 / (200 + 1)
+_FAST, _SLOW = 2.0 / (30 + 1), 2.0 / (180 + 1)
 # The slow mean begins as the mean of so many steps, which are not judged by.
 _BEGINNING = 50
 # A single value counts as no farther than so many spreads, however wild it is.
-_FARTHEST = 50.0
+_FARTHEST = 100.0
 # By so much of itself the diagonal of the covariance is raised.
 _SHRINKAGE = 0.3
 # A smoothed signal moves at least by so much of its spread squared; white noise would by 0.03.
 _LEAST_VARIANCE = 0.01
 # So many times the greatest distance of the learning stretch is an anomaly...
-_BAR = 3.0
+_BAR = 2.3
 # ...which is over below so much of that.
-_LEAVE = 0.7
-# Below such a part of the greatest distance of late nothing is told: a machine that was far away
-# does not come back to where it was, and its aftermath is no second fault. Halves in so many steps.
-_AFTERMATH, _HALVING = 0.03, 0.5 ** (1 / 300)
+_LEAVE = 0.6
+# Below such a part of the greatest squared distance of late nothing is told: a machine that was
+# far away does not come back to where it was, and its aftermath is no second fault. The part is
+# never more than so many limits, and halves in so many steps.
+_AFTERMATH, _MOST_BAR, _HALVING = 0.05, 100.0, 0.5 ** (1 / 200)
 # While an anomaly is on, the slow mean goes on following signals that are within so many spreads.
-_WITHIN = 4.0
+_WITHIN = 3.5
 # A value is held for so many of its signal's usual intervals, between these bounds (steps).
 _HELD, _LEAST_HELD, _MOST_HELD = 5.0, 10.0, 600.0
 # After a silence of so many steps the fast mean begins anew.
 _SILENCE = 600
+# Before all times.
+_NEVER = -(2**62)
 # Squares of such values, and sums of them, still fit into a float.
 _LARGEST = 1e150
 
@@ -99,9 +103,9 @@ class GroupDetector(msgspec.Struct, kw_only=True):
     rows: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     times: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     counted: int = 0
-    # Time of the newest row (µs), and of the step that samples are gathered for; -1: none.
-    newest_us: int = -1
-    gathering: int = -1
+    # Time of the newest row (µs), and the number of the step that samples are gathered for.
+    newest_us: int = _NEVER
+    gathering: int = _NEVER
     # Values that came for that step; NaN where none did.
     gathered: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     # For each signal its newest value, how old it is and how long it may be held (steps).
@@ -167,7 +171,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         if step < self.gathering:
             return self.score
         if step > self.gathering:
-            if self.gathering >= 0:
+            if self.gathering != _NEVER:
                 self.see_row(self.gathering * self.step_us, self.gathered)
             self.gathered[:] = np.nan
             self.gathering = step
@@ -198,7 +202,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
     def _hold_values(self, time_us: int, values: Floats) -> Floats:
         """Give the row with values that are missing held from before, if they are not too old."""
         steps = 1
-        if self.newest_us >= 0 and self.step_us:
+        if self.newest_us != _NEVER and self.step_us:
             steps = max(1, round((time_us - self.newest_us) / self.step_us))
         self.newest_us = time_us
         if steps > _SILENCE:
@@ -298,7 +302,9 @@ class GroupDetector(msgspec.Struct, kw_only=True):
             self.peak_apart = self.apart.copy()
         # Fades, so that a word of a person means what was just shown.
         self.peak = max(self.distance, self.peak * 0.98)
-        bar = max(_BAR, _AFTERMATH * self.aftermath) * (_LEAVE if self.anomalous else 1.0)
+        bar = min(max(_BAR, _AFTERMATH * self.aftermath), _MOST_BAR) * (
+            _LEAVE if self.anomalous else 1.0
+        )
         self.score = self.distance / (self.distance + bar)
         self.anomalous = self.distance > bar
         if self.anomalous:
