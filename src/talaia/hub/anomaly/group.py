@@ -7,8 +7,7 @@ usually go together and now go apart are far away though each of them is where i
 - ``d`` is the difference of two exponential means (Roberts 1959), a fast and a slow one, as in
   the multivariate control chart of Lowry et al. (1992): noise is averaged out, a slow drift is
   followed.
-- ``S`` is shrunk towards its diagonal, as Ledoit and Wolf (2004) give reasons for: from a short
-  stretch, correlations are known badly, and its inverse would make much of that.
+- ``S`` is shrunk towards its diagonal (Ledoit and Wolf 2004).
 - The shares are ``(S^(-½) d)²/T²``: of all ways to whiten, this one keeps each new variable
   nearest to its signal (Kessy, Lewin and Strimmer 2018), and the shares add up to one (the
   complete decomposition of Alcala and Qin 2009).
@@ -16,20 +15,25 @@ usually go together and now go apart are far away though each of them is where i
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 
 from talaia.hub.anomaly.base import Floats, format_number
+from talaia.hub.anomaly.held_values import NEVER, HeldValues
+from talaia.hub.anomaly.whitening import (
+    SignalShare,
+    inverse_root,
+    learn_scales,
+    share_distance,
+    shrink_covariance,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-__all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector", "SignalShare"]
+__all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector"]
 
 # What it keeps while it learns is a number for each signal and step: 5 MB at the most.
 MOST_SIGNALS = 64
@@ -40,10 +44,6 @@ _FAST, _SLOW = 2.0 / (30 + 1), 2.0 / (180 + 1)
 _BEGINNING = 50
 # A single value counts as no farther than so many spreads, however wild it is.
 _FARTHEST = 100.0
-# By so much of itself the diagonal of the covariance is raised.
-_SHRINKAGE = 0.3
-# A smoothed signal moves at least by so much of its spread squared; white noise would by 0.03.
-_LEAST_VARIANCE = 0.01
 # So many times the greatest distance of the learning stretch is an anomaly...
 _BAR = 2.3
 # ...which is over below so much of that.
@@ -54,29 +54,8 @@ _LEAVE = 0.6
 _AFTERMATH, _MOST_BAR, _HALVING = 0.05, 100.0, 0.5 ** (1 / 200)
 # While an anomaly is on, the slow mean goes on following signals that are within so many spreads.
 _WITHIN = 3.5
-# A value is held for so many of its signal's usual intervals, between these bounds (steps).
-_HELD, _LEAST_HELD, _MOST_HELD = 5.0, 10.0, 600.0
 # After a silence of so many steps the fast mean begins anew.
 _SILENCE = 600
-# Before all times.
-_NEVER = -(2**62)
-# Squares of such values, and sums of them, still fit into a float.
-_LARGEST = 1e150
-
-
-class SignalShare(NamedTuple):
-    """What one signal has to do with the distance.
-
-    Attributes:
-        name: of the signal.
-        share: of the squared distance, 0 to 1.
-        spreads: by so many usual spreads it is above (or below, negative) its usual level.
-
-    """
-
-    name: str
-    share: float
-    spreads: float
 
 
 class GroupDetector(msgspec.Struct, kw_only=True):
@@ -103,15 +82,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
     rows: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     times: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     counted: int = 0
-    # Time of the newest row (µs), and the number of the step that samples are gathered for.
-    newest_us: int = _NEVER
-    gathering: int = _NEVER
-    # Values that came for that step; NaN where none did.
-    gathered: Floats = msgspec.field(default_factory=lambda: np.empty(0))
-    # For each signal its newest value, how old it is and how long it may be held (steps).
-    held: Floats = msgspec.field(default_factory=lambda: np.empty(0))
-    ages: Floats = msgspec.field(default_factory=lambda: np.empty(0))
-    holds: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    held: HeldValues = msgspec.field(default_factory=lambda: HeldValues(count=0))
     # Learned: what each signal is scaled by, the covariance (row after row), the distance's limit.
     center: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     scale: Floats = msgspec.field(default_factory=lambda: np.empty(0))
@@ -141,11 +112,9 @@ class GroupDetector(msgspec.Struct, kw_only=True):
                 f"expected {FEWEST_LEARNED} to {MOST_LEARNED} rows to learn from, "
                 f"found {self.learn_rows}"
             )
-        # What was kept over a restart has its room already.
-        if len(self.held) == count:
+        if self.held.count == count:
             return
-        self.held, self.gathered = np.full(count, np.nan), np.full(count, np.nan)
-        self.ages, self.holds = np.full(count, np.inf), np.full(count, _MOST_HELD)
+        self.held = HeldValues(count=count)
         self.rows, self.times = np.empty(self.learn_rows * count), np.empty(self.learn_rows)
         self.fast, self.slow, self.apart = np.zeros(count), np.zeros(count), np.zeros(count)
         self.known, self.peak_apart = np.zeros(count), np.zeros(count)
@@ -167,15 +136,14 @@ class GroupDetector(msgspec.Struct, kw_only=True):
             The newest step's score, 0 to 1.
 
         """
-        step = time_us // self.step_us
-        if step < self.gathering:
+        held, step = self.held, time_us // self.step_us
+        if step < held.gathering:
             return self.score
-        if step > self.gathering:
-            if self.gathering != _NEVER:
-                self.see_row(self.gathering * self.step_us, self.gathered)
-            self.gathered[:] = np.nan
-            self.gathering = step
-        self.gathered[signal] = value
+        if step > held.gathering:
+            if held.gathering != NEVER:
+                self.see_row(held.gathering * self.step_us, held.gathered)
+            held.begin_step(step)
+        held.gathered[signal] = value
         return self.score
 
     def see_row(self, time_us: int, values: Sequence[float] | Floats) -> float:
@@ -189,9 +157,16 @@ class GroupDetector(msgspec.Struct, kw_only=True):
             The score, 0 to 1.
 
         """
-        if time_us <= self.newest_us:
+        newest_us = self.held.newest_us
+        if time_us <= newest_us:
             return self.score
-        row = self._hold_values(time_us, np.array(values, dtype=np.float64))
+        steps = 1
+        if newest_us != NEVER and self.step_us:
+            steps = max(1, round((time_us - newest_us) / self.step_us))
+        if steps > _SILENCE:
+            # What was before says nothing of now; one noisy row must not be all there is either.
+            self.fast[:] = self.slow
+        row = self.held.hold_row(time_us, steps, np.array(values, dtype=np.float64))
         if not self.limit:
             self._learn_row(time_us, row)
             return 0.0
@@ -199,27 +174,10 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         self._judge_distance()
         return self.score
 
-    def _hold_values(self, time_us: int, values: Floats) -> Floats:
-        """Give the row with values that are missing held from before, if they are not too old."""
-        steps = 1
-        if self.newest_us != _NEVER and self.step_us:
-            steps = max(1, round((time_us - self.newest_us) / self.step_us))
-        self.newest_us = time_us
-        if steps > _SILENCE:
-            # What was before says nothing of now; one noisy row must not be all there is either.
-            self.fast[:] = self.slow
-        came = np.isfinite(values)
-        self.held[came] = np.clip(values[came], -_LARGEST, _LARGEST)
-        self.ages += steps
-        self.ages[came] = 0.0
-        return np.where(self.ages <= self.holds, self.held, np.nan)
-
     def _learn_row(self, time_us: int, row: Floats) -> None:
         count = len(self.signals)
         self.rows[self.counted * count : (self.counted + 1) * count] = row
         self.times[self.counted] = time_us
-        # How often a signal's own values come is counted in the room for how long one is held.
-        self.apart += self.ages == 0.0
         self.counted += 1
         if self.counted == self.learn_rows:
             self._fit_normal()
@@ -230,18 +188,11 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         rows = self.rows.reshape(self.learn_rows, len(self.signals))
         if not self.step_us:
             self.step_us = max(1, int(np.median(np.diff(self.times))))
-        self.holds = np.clip(_HELD * len(rows) / np.maximum(self.apart, 1), _LEAST_HELD, _MOST_HELD)
-        there = np.isfinite(rows)
         # Of a signal that was hardly there nothing is known: it is never judged by.
-        self.holds[there.sum(axis=0) < FEWEST_LEARNED // 2] = -1.0
-        counts = np.maximum(there.sum(axis=0), 1)
-        self.center = np.where(there, rows, 0.0).sum(axis=0) / counts
-        spread = np.sqrt((np.where(there, rows - self.center, 0.0) ** 2).sum(axis=0) / counts)
-        size = np.where(self.center == 0.0, 1.0, np.abs(self.center))
-        # A constant signal has no spread: a thousandth of its value is taken for it.
-        self.scale = np.where(spread > 1e-6 * size, spread, 1e-3 * size)
+        self.held.learn_holds(len(rows), np.isfinite(rows).sum(axis=0) < FEWEST_LEARNED // 2)
+        self.center, self.scale = learn_scales(rows)
         apart = self._replay_learning(rows)
-        self.covariance = self._shrink_covariance(apart.T @ apart / len(apart)).ravel()
+        self.covariance = shrink_covariance(apart).ravel()
         self._whiten_known(np.ones(len(self.signals)))
         whitened = apart @ self.whitening.reshape(len(self.signals), -1)
         # Of a stretch in which nothing moved, the distance that one spread each would be.
@@ -275,25 +226,10 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         if self.limit and not np.array_equal(there, self.known):
             self._whiten_known(there.astype(np.float64))
 
-    @staticmethod
-    def _shrink_covariance(found: Floats) -> Floats:
-        variances = np.maximum(np.diag(found), _LEAST_VARIANCE)
-        shrunk = found.copy()
-        np.fill_diagonal(shrunk, variances * (1.0 + _SHRINKAGE))
-        return shrunk
-
     def _whiten_known(self, known: Floats) -> None:
         """Take the inverse root of the covariance of the signals that are known (1; 0: not)."""
-        count = len(self.signals)
-        places: NDArray[np.intp] = np.flatnonzero(known)
-        root = np.zeros((count, count))
-        if len(places):
-            inside = np.ix_(places, places)
-            values, vectors = np.linalg.eigh(self.covariance.reshape(count, count)[inside])
-            # It is positive by its raised diagonal; rounding must not make a root of less.
-            values = np.maximum(values, 1e-3 * _LEAST_VARIANCE)
-            root[inside] = (vectors / np.sqrt(values)) @ vectors.T
-        self.whitening, self.known = root.ravel(), known
+        covariance = self.covariance.reshape(len(self.signals), -1)
+        self.whitening, self.known = inverse_root(covariance, known).ravel(), known
 
     def _judge_distance(self) -> None:
         whitened = self.whitening.reshape(len(self.signals), -1) @ self.apart
@@ -326,11 +262,8 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         """
         if not self.limit or self.distance == 0.0:
             return []
-        whitened = (self.whitening.reshape(len(self.signals), -1) @ self.apart) ** 2
-        spreads = self.apart / self._usual_spreads()
-        shares = (whitened / whitened.sum()).tolist()
-        found = map(SignalShare, self.signals, shares, spreads.tolist())
-        return sorted(found, key=lambda signal: -signal.share)
+        whitened = self.whitening.reshape(len(self.signals), -1) @ self.apart
+        return share_distance(self.signals, whitened, self.apart / self._usual_spreads())
 
     def why(self) -> str:
         """Say in words what the newest score stands on, and which signals made it so."""
@@ -343,7 +276,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
             if signal.share >= 0.1
         ]
         # The distance itself is squared; people think of one that is not.
-        times = format_number(math.sqrt(self.distance))
+        times = format_number(self.distance**0.5)
         return (
             f"together {len(self.signals)} signals are {times} times as far from their usual "
             "state as ever while it learned" + (": " if named else "") + ", ".join(named)
