@@ -80,16 +80,21 @@ def test_detectors_of_one_signal_judge_each_column(tmp_path, capsys, name):
         assert rows[150]["signals"].startswith("flow 0.")
 
 
-def test_missing_values_and_rows_that_are_not_newer_are_borne_and_counted(tmp_path, capsys):
+@pytest.mark.parametrize("name", ["group", "iqr", "rate"])
+def test_missing_values_and_rows_that_are_not_newer_are_borne_and_counted(tmp_path, capsys, name):
     lines = pump_lines()
     lines[20] = lines[20].replace(lines[20].split(";")[1], "")
     lines[21] = lines[21].replace(lines[21].split(";")[2], "nan")
     lines[22] = lines[22].replace(lines[22].split(";")[2], "inf")
+    lines[101] = lines[101].replace(lines[101].split(";")[2], "-inf")
     lines.insert(120, lines[119])
     lines.insert(50, "")
-    assert backtest(write_table(tmp_path, lines), "--rows") == 0
+    assert backtest(write_table(tmp_path, lines), "--detector", name, "--rows") == 0
     printed = capsys.readouterr()
-    assert len(printed.out.splitlines()) == 202
+    rows = list(csv.DictReader(io.StringIO(printed.out)))
+    assert len(rows) == 201
+    assert all(0.0 <= float(row["score"]) <= 1.0 for row in rows)
+    assert rows[100]["anomalous"] == rows[99]["anomalous"] == "0"
     assert "1 rows are not newer than the row before them and were not looked at" in printed.err
 
 
