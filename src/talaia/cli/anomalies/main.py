@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from talaia.cli.anomalies.judges import RowJudge
-    from talaia.cli.anomalies.signal_rows import SignalRow
+    from talaia.cli.anomalies.signal_rows import MeasuredRow
 
 __all__ = ["main"]
 
@@ -56,7 +56,7 @@ class _Judging:
         self._file, self._judge, self._learn_rows = file, judge, learn_rows
         self._count = self._not_newer = 0
 
-    def judge_rows(self, rows: Iterator[SignalRow]) -> Iterator[tuple[SignalRow, RowVerdict]]:
+    def judge_rows(self, rows: Iterator[MeasuredRow]) -> Iterator[tuple[MeasuredRow, RowVerdict]]:
         newest_us, verdict = None, RowVerdict(0.0, anomalous=False, signals=[])
         for row in rows:
             self._count += 1
@@ -88,7 +88,7 @@ class _Judging:
             )
 
 
-def _print_rows(said: Iterator[tuple[SignalRow, RowVerdict]], out: TextIO) -> None:
+def _print_rows(said: Iterator[tuple[MeasuredRow, RowVerdict]], out: TextIO) -> None:
     table = csv.writer(out, lineterminator="\n")
     table.writerow(("time", "score", "anomalous", "signals"))
     for row, verdict in said:
@@ -96,7 +96,7 @@ def _print_rows(said: Iterator[tuple[SignalRow, RowVerdict]], out: TextIO) -> No
         table.writerow((row.time, f"{verdict.score:.4f}", int(verdict.anomalous), signals))
 
 
-def _print_anomalies(said: Iterator[tuple[SignalRow, RowVerdict]], out: TextIO) -> None:
+def _print_anomalies(said: Iterator[tuple[MeasuredRow, RowVerdict]], out: TextIO) -> None:
     table = csv.writer(out, lineterminator="\n")
     table.writerow(("began", "ended", "rows", "score", "signals"))
     began, ended, count, worst = "", "", 0, RowVerdict(0.0, anomalous=False, signals=[])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
 
-__all__ = ["LABEL_NAMES", "SignalRow", "SignalRows"]
+__all__ = ["LABEL_NAMES", "MeasuredRow", "SignalRows"]
 
 # Headings of what people say about rows: a detector must not see them.
 LABEL_NAMES = ("anomaly", "anomalies", "is_anomaly", "changepoint", "label")
@@ -23,7 +23,7 @@ LABEL_NAMES = ("anomaly", "anomalies", "is_anomaly", "changepoint", "label")
 _LONGEST_LINE = 1_000_000
 
 
-class SignalRow(NamedTuple):
+class MeasuredRow(NamedTuple):
     """One row: its line in the file, its time as written and in µs, and the signals' values."""
 
     line: int
@@ -100,7 +100,7 @@ class SignalRows:
         """Close the file."""
         self._text.close()
 
-    def read_rows(self) -> Iterator[SignalRow]:
+    def read_rows(self) -> Iterator[MeasuredRow]:
         """Read the rows; empty lines are passed over.
 
         Raises:
@@ -139,7 +139,7 @@ class SignalRows:
         problem = f"expected a row of a CSV table: {why}"
         return self._cell_error(line, problem, remedy="save it as CSV in UTF-8")
 
-    def _parse_row(self, row: list[str], line: int) -> SignalRow:
+    def _parse_row(self, row: list[str], line: int) -> MeasuredRow:
         # A decimal comma unquoted shifts all that follows by one column.
         if len(row) != len(self._headings):
             raise self._cell_error(
@@ -154,7 +154,7 @@ class SignalRows:
             raise self._cell_error(line, str(error), self._headings[self._time_at]) from error
         values = [self._parse_value(row[at], line, at) for at in self._places]
         labelled = self._label_at >= 0 and self._is_labelled(row[self._label_at], line)
-        return SignalRow(line, time, time_us, values, labelled)
+        return MeasuredRow(line, time, time_us, values, labelled)
 
     def _parse_value(self, cell: str, line: int, at: int) -> float:
         text = cell.strip()
