@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["BadFile", "CliError", "PartMissing", "PartStopped"]
+__all__ = ["BadFile", "BadRows", "CliError", "PartMissing", "PartStopped"]
 
 
 class CliError(TalaiaError):
@@ -52,3 +52,16 @@ class BadFile(CliError):
         where = f"{self.file}, {self.place}" if self.place else self.file
         remedy = f"; {self.remedy}" if self.remedy else ""
         return f"{where}: {self.problem}{remedy}; nothing was imported"
+
+
+class BadRows(CliError):
+    """A table cannot be judged row by row."""
+
+    def __init__(self, file: str, place: str, problem: str, remedy: str = "") -> None:
+        """Say where in the file what is wrong, and what can be done."""
+        super().__init__(file, place, problem, remedy)
+        self.file, self.place, self.problem, self.remedy = file, place, problem, remedy
+
+    def __str__(self) -> str:
+        where = f"{self.file}, {self.place}" if self.place else self.file
+        return f"{where}: {self.problem}" + (f"; {self.remedy}" if self.remedy else "")

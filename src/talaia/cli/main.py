@@ -62,6 +62,9 @@ COMMANDS = {
         "import recordings and tables into the history",
         "hub,recording",
     ),
+    "anomalies": Subcommand(
+        "talaia.cli.anomalies.main", "judge a table of signals with a detector", "hub"
+    ),
     "plan": Subcommand(
         "talaia.cli.planning.main", "plan a night of a telescope from a file", "planner"
     ),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.cli.errors import BadFile
 from talaia.cli.importing.source import Findings, Piece
-from talaia.cli.importing.times import CellError, TimeReader
+from talaia.cli.importing.times import TIME_NAMES, CellError, TimeReader
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.samples.field_paths import text_of
 
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Table"]
 
-# Headings that tables have most; the first is the one that Talaia itself exports.
-_TIME_NAMES = ("time (utc)", "time", "timestamp", "datetime", "date", "stamp", "t")
 # An address and a unit in parentheses, as exported files head their columns.
 _WITH_UNIT = re.compile(r"(?P<name>.*\S)\s+\((?P<unit>[^()]*)\)")
 # Rows between two pieces.
@@ -172,7 +170,7 @@ class Table:
                 return self._headings.index(asked)
             raise self._cell_error(1, f"there is no column {asked!r}", remedy=self._there_are())
         lower = [heading.lower() for heading in self._headings]
-        for name in _TIME_NAMES:
+        for name in TIME_NAMES:
             if name in lower:
                 return lower.index(name)
         raise self._cell_error(

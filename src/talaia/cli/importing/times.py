@@ -14,7 +14,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from zoneinfo import ZoneInfo
 
-__all__ = ["CellError", "TimeReader", "TimeUnit"]
+__all__ = ["TIME_NAMES", "CellError", "TimeReader", "TimeUnit"]
+
+# Headings of times that tables have most; the first is the one that Talaia itself exports.
+TIME_NAMES = ("time (utc)", "time", "timestamp", "datetime", "date", "stamp", "t")
 
 _EPOCH = dt.datetime(1970, 1, 1)  # noqa: DTZ001 - differences of times in UTC
 _US = dt.timedelta(microseconds=1)

@@ -57,7 +57,8 @@ class AnomalyDetector(msgspec.Struct, kw_only=True):
         return False
 
 
-D = TypeVar("D", bound=AnomalyDetector)
+# Also of several signals, which see rows and are no `AnomalyDetector`.
+D = TypeVar("D", bound=msgspec.Struct)
 
 
 def _encode_value(thing: object) -> object:
@@ -74,7 +75,7 @@ def _decode_value(kind: type, raw: object) -> object:
     raise TypeError(f"a detector holds a {kind}, which is not kept")
 
 
-def dump_detector(detector: AnomalyDetector) -> bytes:
+def dump_detector(detector: msgspec.Struct) -> bytes:
     """Make bytes of a detector and all it has learned."""
     return msgspec.msgpack.encode(detector, enc_hook=_encode_value)
 

@@ -1,0 +1,1 @@
+"""``talaia anomalies``: detectors tried on tables."""

@@ -1,0 +1,165 @@
+"""``talaia anomalies backtest``: what a detector would have said of a table's rows."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+from zoneinfo import ZoneInfo
+
+from talaia.cli.anomalies.judges import DETECTORS, RowVerdict, make_judge
+from talaia.cli.anomalies.signal_rows import SignalRows
+from talaia.cli.errors import BadRows, CliError
+from talaia.cli.scripting.hub_options import quiet_pipe
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from talaia.cli.anomalies.judges import RowJudge
+    from talaia.cli.anomalies.signal_rows import MeasuredRow
+
+__all__ = ["main"]
+
+_LEARN_ROWS = 400
+
+
+def main(argv: Sequence[str]) -> int:
+    """Judge a table and print what is said of it; 0: it was judged."""
+    options = _read_options(argv)
+    rows = SignalRows(
+        options.file,
+        time_column=options.time,
+        chosen=options.signals or (),
+        ignored=options.ignore,
+        zone=_find_zone(options.zone),
+    )
+    try:
+        judge = make_judge(options.detector, rows.signals, options.learn_rows)
+        if rows.left_out:
+            print(f"not looked at: {', '.join(rows.left_out)}", file=sys.stderr)
+        judging = _Judging(options.file, judge, options.learn_rows)
+        with quiet_pipe():
+            said = judging.judge_rows(rows.read_rows())
+            (_print_rows if options.rows else _print_anomalies)(said, sys.stdout)
+            judging.check_end()
+    finally:
+        rows.close()
+    return 0
+
+
+class _Judging:
+    """Passes rows to a judge, and counts what was odd about them."""
+
+    def __init__(self, file: Path, judge: RowJudge, learn_rows: int) -> None:
+        self._file, self._judge, self._learn_rows = file, judge, learn_rows
+        self._count = self._not_newer = 0
+
+    def judge_rows(self, rows: Iterator[MeasuredRow]) -> Iterator[tuple[MeasuredRow, RowVerdict]]:
+        newest_us, verdict = None, RowVerdict(0.0, anomalous=False, signals=[])
+        for row in rows:
+            self._count += 1
+            if newest_us is None or row.time_us > newest_us:
+                newest_us = row.time_us
+                verdict = self._judge.judge_row(row.time_us, row.values)
+            else:
+                # As at the hub: what comes late is not looked at. The row's line says the last.
+                self._not_newer += 1
+            yield row, verdict
+
+    def check_end(self) -> None:
+        """Tell what a person should know of the rows that were read."""
+        sys.stdout.flush()
+        if self._not_newer:
+            print(
+                f"{self._not_newer} rows are not newer than the row before them and were not looked"
+                " at; sort the file by its times",
+                file=sys.stderr,
+            )
+        looked = self._count - self._not_newer
+        if looked <= self._learn_rows:
+            raise BadRows(
+                str(self._file),
+                "",
+                f"expected more than the {self._learn_rows} rows to learn from, found {looked}:"
+                " nothing was judged",
+                "learn from fewer with --learn-rows",
+            )
+
+
+def _print_rows(said: Iterator[tuple[MeasuredRow, RowVerdict]], out: TextIO) -> None:
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(("time", "score", "anomalous", "signals"))
+    for row, verdict in said:
+        signals = "; ".join(verdict.signals)
+        table.writerow((row.time, f"{verdict.score:.4f}", int(verdict.anomalous), signals))
+
+
+def _print_anomalies(said: Iterator[tuple[MeasuredRow, RowVerdict]], out: TextIO) -> None:
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(("began", "ended", "rows", "score", "signals"))
+    began, ended, count, worst = "", "", 0, RowVerdict(0.0, anomalous=False, signals=[])
+    for row, verdict in said:
+        if verdict.anomalous:
+            # The signals are those of its worst row: at its beginning little is to be seen yet.
+            worst = verdict if not count or verdict.score > worst.score else worst
+            began, ended, count = began if count else row.time, row.time, count + 1
+        elif count:
+            signals = "; ".join(worst.signals)
+            table.writerow((began, ended, count, f"{worst.score:.4f}", signals))
+            count = 0
+    if count:
+        table.writerow((began, ended, count, f"{worst.score:.4f}", "; ".join(worst.signals)))
+
+
+def _find_zone(name: str) -> ZoneInfo:
+    try:
+        return ZoneInfo(name)
+    except (KeyError, ValueError, OSError) as error:
+        raise CliError(
+            f"--zone: expected a zone like Europe/Madrid or UTC, found {name!r}"
+        ) from error
+
+
+def _read_options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "talaia anomalies", description="Try anomaly detectors on tables of signals."
+    )
+    what = parser.add_subparsers(dest="what", required=True)
+    backtest = what.add_parser(
+        "backtest",
+        help="print what a detector would have said of a CSV file",
+        description="Judge a CSV file with a heading, a column of times and one for each signal,"
+        " row by row as if it came live, and print the anomalies as CSV. Columns called anomaly,"
+        " changepoint or label are not looked at.",
+    )
+    backtest.add_argument("file", type=Path, metavar="FILE.csv", help="UTF-8; , ; or tabs between")
+    backtest.add_argument(
+        "--detector",
+        choices=DETECTORS,
+        default=DETECTORS[0],
+        metavar="NAME",
+        help="group: all signals together (default); on each signal: " + ", ".join(DETECTORS[1:]),
+    )
+    backtest.add_argument(
+        "--learn-rows",
+        type=int,
+        default=_LEARN_ROWS,
+        metavar="N",
+        help="first rows, of which nothing is told; nothing should be wrong in them (400)",
+    )
+    backtest.add_argument(
+        "--rows", action="store_true", help="print time,score,anomalous,signals of each row"
+    )
+    backtest.add_argument("--time", default="", metavar="HEADING", help="column of the times")
+    backtest.add_argument(
+        "--signals", nargs="+", metavar="HEADING", help="only these columns (default: all)"
+    )
+    backtest.add_argument(
+        "--ignore", nargs="+", default=[], metavar="HEADING", help="columns that are no signals"
+    )
+    backtest.add_argument(
+        "--zone", default="UTC", metavar="ZONE", help="of times that say none (UTC)"
+    )
+    return parser.parse_args(argv)
