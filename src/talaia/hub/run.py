@@ -31,6 +31,7 @@ from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.api.server.large_messages import HubSocketProtocol
 from talaia.hub.api.server.silent_connections import SilentConnections, defer_silent
 from talaia.hub.app import build_hub
+from talaia.hub.audit_options import add_audit_options
 from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
     certificate_fingerprint,
@@ -289,20 +290,7 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="names a command or webhook to which each new picture is handed over",
     )
-    parser.add_argument(
-        "--audit-heads",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="signed heads of the audit log are appended to it every hour: a file on another"
-        " machine or on a medium that is only appended to; may repeat",
-    )
-    parser.add_argument(
-        "--audit-syslog",
-        action="store_true",
-        help="they go to the machine's log, too, and with it to a log server",
-    )
+    add_audit_options(parser)
     parser.add_argument(
         "--simulated-site",
         action="append",
@@ -354,6 +342,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         archive_hook=options.archive_hook,
         audit_heads=tuple(options.audit_heads),
         audit_syslog=options.audit_syslog,
+        audit_mail=options.audit_mail or "",
+        audit_mail_s=options.audit_mail_hours * 3600.0,
         simulated_sites=tuple(options.simulated_site),
     )
 

@@ -46,6 +46,8 @@ class Settings:
         archive_hook: file that says to what each new picture is handed over; none: to nothing.
         audit_heads: files to which signed heads of the audit log are appended, besides its own.
         audit_syslog: heads go to the machine's log, too.
+        audit_mail: heads are mailed to this address, too; empty: to none.
+        audit_mail_s: at most one such mail in this time (s).
         simulated_sites: short names of sites that are simulators; they have nights in minutes.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
@@ -86,6 +88,8 @@ class Settings:
     archive_hook: Path | None = None
     audit_heads: tuple[Path, ...] = ()
     audit_syslog: bool = False
+    audit_mail: str = ""
+    audit_mail_s: float = 86_400.0
     simulated_sites: tuple[str, ...] = ()
     password_cost: int = 12
     idle_s: float = 12 * 3600.0

@@ -22,7 +22,7 @@ from talaia.hub.errors import CannotStart
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["KEY_FILE", "AuditHead", "HeadKey", "head_key", "read_head"]
+__all__ = ["KEY_FILE", "AuditHead", "HeadKey", "head_key", "key_name", "read_head"]
 
 # In the data folder; what it signs is to be kept elsewhere.
 KEY_FILE = "audit.key"

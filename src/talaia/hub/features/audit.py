@@ -8,6 +8,9 @@ from talaia.hub.api.records.audit import AuditPages
 from talaia.hub.auth.audit_heads import head_key
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.notify.audit_heads import HEADS_FILE, AuditHeads, read_heads
+from talaia.hub.notify.audit_mail import HeadMails
+from talaia.hub.notify.senders import Sender
+from talaia.hub.store.alarms.notification_channels import NotifyStore
 from talaia.hub.store.audit import Audit
 
 if TYPE_CHECKING:
@@ -22,6 +25,7 @@ class AuditFeature(Feature):
     Attributes:
         log: what other features write to.
         heads: sends signed heads out; None before it is open.
+        mails: mails them; None before it is open, and where no address is named.
 
     """
 
@@ -32,11 +36,14 @@ class AuditFeature(Feature):
         self._core = core
         self.log = Audit(core.database, core.clock)
         self.heads: AuditHeads | None = None
+        self.mails: HeadMails | None = None
         self.routers = [AuditPages(self.log, self._read_heads).make_router()]
         # Rows are chained, so one task writes them, one after the other.
         self.tasks = [
             BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing),
             BackgroundTask(name="heads", run=self._send_heads, stop=self._stop_sending),
+            # Cancelled at the end: a mail server that hangs must not hold the hub's end up.
+            BackgroundTask(name="mail heads", run=self._mail_heads),
         ]
 
     async def open(self) -> None:
@@ -47,13 +54,25 @@ class AuditFeature(Feature):
 
         """
         settings = self._core.settings
+        key = head_key(settings.data)
         self.heads = AuditHeads(
             audit=self.log,
-            key=head_key(settings.data),
+            key=key,
             files=[settings.data / HEADS_FILE, *settings.audit_heads],
             syslog=settings.audit_syslog,
             clock=self._core.clock,
         )
+        if settings.audit_mail:
+            self.mails = HeadMails(
+                folder=settings.data,
+                target=settings.audit_mail,
+                every_s=settings.audit_mail_s,
+                public=key.public,
+                store=NotifyStore(self._core.database, self._core.secret_box),
+                sender=Sender(settings.notify_networks),
+                audit=self.log,
+                clock=self._core.clock,
+            )
 
     async def _write_records(self) -> None:
         self.log.append_record("hub started")
@@ -68,6 +87,10 @@ class AuditFeature(Feature):
         if self.heads is not None:
             await self.log.wait_written()
             await self.heads.run()
+
+    async def _mail_heads(self) -> None:
+        if self.mails is not None:
+            await self.mails.run()
 
     def _stop_sending(self) -> None:
         if self.heads is not None:

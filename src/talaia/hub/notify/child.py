@@ -163,6 +163,10 @@ def _send_mail(job: Job, left: _Left) -> Outcome:
     # RFC 3834: no holiday notice answers it.
     message["Auto-Submitted"] = "auto-generated"
     message.set_content(job["body"])
+    if job.get("file"):
+        name, text = job["file"]
+        # As base64: no server on the way wraps its lines or changes their ends.
+        message.add_attachment(text, filename=name, cte="base64")
     # Until the text itself goes out, nothing of the message has left.
     accepted = False
     try:

@@ -87,6 +87,27 @@ class Sender:
         }
         return await _run_child(json.dumps(job).encode())
 
+    async def mail_file(
+        self,
+        way: Way,
+        secrets: Mapping[str, str],
+        *,
+        target: str,
+        message: AlarmMessage,
+        file: tuple[str, str],
+    ) -> DeliveryResult:
+        """Mail a message with a text attached; ``file`` is its name and what is in it."""
+        job = {
+            **way.settings,
+            **secrets,
+            **message._asdict(),
+            "kind": WayKind.MAIL.value,
+            "target": target,
+            "file": file,
+            "networks": self._networks,
+        }
+        return await _run_child(json.dumps(job).encode())
+
     async def post_document(
         self, url: str, *, token: str, key: str, document: Mapping[str, object]
     ) -> str:

@@ -1,0 +1,209 @@
+"""Mails signed heads of the audit log: what gathered since the last mail, as an attached file.
+
+The lines are taken from the file in the data folder, and how far they were mailed stands beside it:
+a restart loses none and sends no mail before its time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import datetime as dt
+import logging
+import os
+import socket
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.hub.auth.audit_heads import key_name
+from talaia.hub.errors import StoreDown
+from talaia.hub.notify.audit_heads import HEADS_FILE
+from talaia.hub.notify.message import AlarmMessage
+from talaia.hub.notify.senders import Outcome
+from talaia.hub.store.alarms.notification_channels import WayKind
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from talaia.clock import Clock
+    from talaia.hub.notify.senders import Sender
+    from talaia.hub.store.alarms.notification_channels import NotifyStore, Way
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["MAILED_FILE", "HeadMails"]
+
+_LOG = logging.getLogger(__name__)
+# In the data folder: how far the heads were mailed, to whom, and when.
+MAILED_FILE = "audit-mailed.json"
+# Between two looks whether a mail is due; so long until a mail that failed is tried again, too (s).
+_LOOK_S = 900.0
+# Of one mail (bytes): more than a year of heads, and less than mail servers refuse.
+_MOST_BYTES = 4 * 1024**2
+
+
+class _Mailed(msgspec.Struct, frozen=True):
+    """How far it came: bytes of the file, the address, and when the last mail went (UTC)."""
+
+    target: str = ""
+    at: int = 0
+    time_us: int = 0
+
+
+class _Piece(NamedTuple):
+    """Whole lines of the file, from byte ``start`` to byte ``end``."""
+
+    start: int
+    end: int
+    text: str
+
+
+class HeadMails:
+    """Mails heads to one address, at most once in a given time."""
+
+    def __init__(
+        self,
+        *,
+        folder: Path,
+        target: str,
+        every_s: float,
+        public: str,
+        store: NotifyStore,
+        sender: Sender,
+        audit: Audit,
+        clock: Clock,
+    ) -> None:
+        """Mail what lies in ``folder`` to ``target``; ``public`` is the key of the heads."""
+        self._folder = folder
+        self._target = target
+        self._every_us = round(every_s * 1e6)
+        self._public = public
+        # The ways of alarms' messages; the mail server is one of them.
+        self._store = store
+        self._sender = sender
+        # Where an admin reads that mails do not go out.
+        self._audit = audit
+        self._clock = clock
+        # It was told that mails do not go out, and not yet that they do again.
+        self._failing = False
+
+    async def run(self) -> None:
+        """Look now and then whether a mail is due, until cancelled."""
+        while True:
+            await self.mail_due()
+            await asyncio.sleep(_LOOK_S)
+
+    async def mail_due(self) -> bool:
+        """Mail what has gathered, where it is time; tell whether the server took a mail.
+
+        What goes wrong is told in the log and the audit log, once until it is mended.
+        """
+        try:
+            problem = await self._mail_gathered()
+        except (StoreDown, OSError) as error:
+            problem = str(error)
+        if problem is None:
+            return False
+        self._tell_problem(problem)
+        return not problem
+
+    async def _mail_gathered(self) -> str | None:
+        """Give why it was not mailed, an empty text if it was, None if nothing was due."""
+        mailed = await asyncio.to_thread(self._read_mailed)
+        now_us = self._clock.wall_ns() // 1000
+        # A clock that was set back must not hold mails up for as long as it was set.
+        if 0 <= now_us - mailed.time_us < self._every_us:
+            return None
+        piece = await asyncio.to_thread(_read_piece, self._folder / HEADS_FILE, mailed.at)
+        if piece is None:
+            return None
+        found = await self._find_way()
+        if found is None:
+            return "the hub has no way of the kind mail; an admin adds one under Notifications"
+        # Before a word leaves: whatever becomes of us now, no second mail goes before its time.
+        before = msgspec.structs.replace(mailed, time_us=now_us)
+        await asyncio.to_thread(self._write_mailed, before)
+        way, secrets = found
+        went = await self._sender.mail_file(
+            way,
+            secrets,
+            target=self._target,
+            message=self._compose_mail(piece),
+            file=(f"audit-heads-{_utc_time(now_us):%Y%m%dT%H%M%SZ}.txt", piece.text),
+        )
+        match went.outcome:
+            case Outcome.SENT:
+                after = msgspec.structs.replace(before, at=piece.end)
+                await asyncio.to_thread(self._write_mailed, after)
+                return ""
+            case Outcome.UNSURE:
+                # The next mail has these lines once more: a line that comes twice does no harm.
+                return f"it may have been delivered: {went.problem}"
+            case _:
+                await asyncio.to_thread(self._write_mailed, mailed)
+                return went.problem
+
+    async def _find_way(self) -> tuple[Way, dict[str, str]] | None:
+        """Give the mail server that was set up first, with its secrets."""
+        ways = [way.id for way in await self._store.list_ways() if way.kind is WayKind.MAIL]
+        return await self._store.find_way(min(ways)) if ways else None
+
+    def _compose_mail(self, piece: _Piece) -> AlarmMessage:
+        host = socket.gethostname()
+        body = (
+            f"Attached are signed heads of the audit log of the Talaia hub on {host}.\n"
+            "Keep them where nobody of the hub can delete them. Whether the log is as it was:\n\n"
+            "    talaia audit verify --data FOLDER --heads FILE\n\n"
+            f"Key of the heads: {self._public}\n"
+        )
+        # The same lines again are the same message, for a server that looks.
+        key = f"audit-heads-{key_name(self._public)}-{piece.start}-{piece.end}"
+        return AlarmMessage(key, f"Talaia: heads of the audit log of {host}", body, "info", ())
+
+    def _tell_problem(self, problem: str) -> None:
+        """Tell that mails do not go out, or do again; each once."""
+        if problem and not self._failing:
+            _LOG.error("heads of the audit log were not mailed: %s", problem)
+            self._audit.append_record("heads not mailed", message=problem, good=False)
+        elif not problem and self._failing:
+            _LOG.warning("heads of the audit log are mailed again")
+            self._audit.append_record("heads mailed again")
+        self._failing = bool(problem)
+
+    def _read_mailed(self) -> _Mailed:
+        fresh = _Mailed(self._target)
+        try:
+            found = msgspec.json.decode((self._folder / MAILED_FILE).read_bytes(), type=_Mailed)
+        except (FileNotFoundError, msgspec.DecodeError, UnicodeDecodeError):
+            return fresh
+        # Another address has none of them yet.
+        return found if found.target == self._target else fresh
+
+    def _write_mailed(self, mailed: _Mailed) -> None:
+        path = self._folder / MAILED_FILE
+        # Aside and renamed: after a power cut there is the old one or the new one, whole.
+        fresh = path.with_name(f"{path.name}.new")
+        with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
+            file.write(msgspec.json.encode(mailed))
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
+
+
+def _read_piece(path: Path, start: int) -> _Piece | None:
+    """Read whole lines from a byte on; None where there is none."""
+    with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
+        # Shorter than it was: of a restored backup, so all of it is new.
+        if file.seek(0, os.SEEK_END) < start:
+            start = 0
+        file.seek(start)
+        said = file.read(_MOST_BYTES)
+        # The last line may be just being written.
+        whole = said[: said.rfind(b"\n") + 1]
+        if whole:
+            return _Piece(start, start + len(whole), whole.decode("utf-8", "replace"))
+    return None
+
+
+def _utc_time(time_us: int) -> dt.datetime:
+    return dt.datetime.fromtimestamp(time_us / 1e6, dt.UTC)
