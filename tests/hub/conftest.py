@@ -70,8 +70,12 @@ from .kept_routes import _routes_are_read_once  # noqa: F401 - a fixture of ever
 from .mailbox import mailbox  # noqa: F401 - a fixture of tests of messages
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
-# Less what watches it: each test says for itself what is watched.
-DESCRIPTION = re.sub(r"\n +anomalies:(\n +- .*)+", "", EXAMPLE.partition("\nalarms:\n")[0])
+# Less what watches it, and what is shown of raw topics: each test says for itself what is.
+DESCRIPTION = re.sub(
+    r"\n +anomalies:(\n +- .*)+|\ntopics:(\n +- .*)+",
+    "",
+    EXAMPLE.partition("\nalarms:\n")[0],
+)
 
 
 # To read the certificates of all authorities takes longer than what most clients ask.

@@ -206,7 +206,8 @@ async def test_frames_that_waited_in_a_frozen_gateway_never_move_the_robot(
         finally:
             stack.gateway.popen.send_signal(signal.SIGCONT)
         since = len(driver.got)
-        await driver.sees(browser.DriveUpdate, lambda x: "too old" in x.why, since=since)
+        # Of several answers that wait for a busy hub only the newest is sent; it counts them all.
+        await driver.sees(browser.DriveUpdate, lambda x: x.refused > 0, since=since)
         await standstill(stack, at)
         assert moving(stack.heard("/cmd_vel", at + SILENCE_NS)) == []
         await driver.free()

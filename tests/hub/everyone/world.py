@@ -169,6 +169,9 @@ class World:
     async def connect(self, site: str, description: str = ""):
         """Connect a site's gateway, with the key it has or a new one."""
         described = description or DESCRIPTIONS[site]
+        if site in self.gateways:
+            # While it is there no other takes its place.
+            await self.gateways[site].close()
         if site not in self.hub.keys:
             self.hub.keys[site] = await self.hub.hub.gateways.registry.new_key(site)
         gateway = await self.hub.gateway(key=self.hub.keys[site])

@@ -42,9 +42,10 @@ class AuditFeature(Feature):
         self.tasks = [
             BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing),
             BackgroundTask(name="heads", run=self._send_heads, stop=self._stop_sending),
-            # Cancelled at the end: a mail server that hangs must not hold the hub's end up.
-            BackgroundTask(name="mail heads", run=self._mail_heads),
         ]
+        if core.settings.audit_mail:
+            # Cancelled at the end: a mail server that hangs must not hold the hub's end up.
+            self.tasks.append(BackgroundTask(name="mail heads", run=self._mail_heads))
 
     async def open(self) -> None:
         """Read the key that signs heads.

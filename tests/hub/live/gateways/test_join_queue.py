@@ -15,7 +15,7 @@ from talaia.clock import HandClock
 from talaia.hub.api.server.accept_queue import AcceptQueue
 from talaia.hub.certificate import own_certificate
 from talaia.hub.errors import HubBusy, StoreDown
-from talaia.hub.live.gateways import link_service as life
+from talaia.hub.live.gateways import hello_intake, link_service
 from talaia.hub.live.gateways.join_queue import JoinQueue
 from talaia.hub.live.gc_schedule import collect_at_rest, wants_collection
 from talaia.hub.settings import Settings
@@ -32,7 +32,7 @@ KEPT_AT_A_HUT = "talaia: 1\nsite: {site}\nname: {site}\ndevices: {{hut: {{name: 
 
 async def test_description_known_word_for_word_is_not_read_again(hub, gateway, monkeypatch) -> None:
     await gateway.close()
-    monkeypatch.setattr(life, "_read_site", lambda _text: pytest.fail("it was read"))
+    monkeypatch.setattr(hello_intake, "_read_site", lambda _text: pytest.fail("it was read"))
     again = await hub.gateway()
     await again.hello()
     await again.close()
@@ -88,7 +88,7 @@ async def test_gateway_too_many_is_told_to_come_again(hub, monkeypatch) -> None:
     monkeypatch.setattr(JoinQueue, "MOST_WAITING", 0)
     await gateway.say(Hello(site="agv", boot="b", description=DESCRIPTION, catalogue="c"))
     assert "try again" in (await gateway.hear(Bye)).reason
-    assert await gateway.closed() == life.TRY_LATER
+    assert await gateway.closed() == link_service.TRY_LATER
 
 
 async def test_turns_are_had_in_the_order_they_were_asked_for() -> None:
