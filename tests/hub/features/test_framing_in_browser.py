@@ -12,7 +12,7 @@ from talaia.imaging.tangent_plane import angular_distance
 from ..chromium import sign_in
 from .test_night_in_browser import keep
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 
 SITE = "observatory"
 EXAMPLES = Path(__file__).parents[3] / "examples"

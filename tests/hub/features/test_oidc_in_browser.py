@@ -13,7 +13,7 @@ from playwright.async_api import expect
 from ..conftest import RunningHub
 from ..glewlwyd import CLIENT, PASSWORD, SECRET, run_glewlwyd
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 
 
 async def give_password(page, provider) -> None:

@@ -13,7 +13,7 @@ from talaia.model.yaml_text.load import dump_site, read_site
 
 from ..chromium import PASSWORD, sign_in
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 ROOT = Path(__file__).parents[3]
 AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 EXAMPLE = read_site(ROOT / "examples" / "observatory" / "site.yaml")

@@ -13,7 +13,7 @@ from talaia.hub.store.tables import roles
 
 from ..chromium import PASSWORD, sign_in
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 
 
 async def add_authenticator(page, *, verifies: bool) -> None:
