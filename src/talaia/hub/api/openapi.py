@@ -58,6 +58,7 @@ _SAID: Mapping[int, str] = {
     421: "The hub is not known by that name.",
     422: "The request is not as described here, or what it says breaks a rule.",
     429: "Too much at once, or too many wrong tries; Retry-After says how long to wait.",
+    502: "The provider of sign-ins does not answer as one.",
     503: "The hub's database does not answer, so nothing is done.",
 }
 # What `RequestGuard` and the check of the parameters may answer anywhere.
@@ -65,6 +66,18 @@ _ANYONE = frozenset({400, 411, 413, 421, 422})
 # What these may answer besides what follows from their method and need.
 _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/login"): frozenset({401, 429, 503}),
+    ("POST", "/api/login/passkey"): frozenset({401, 429, 503}),
+    ("POST", "/api/login/passkey/options"): frozenset({401, 409, 429, 503}),
+    ("POST", "/api/login/oidc"): frozenset({404, 502}),
+    ("POST", "/api/login/oidc/finish"): frozenset({401, 403, 404, 503}),
+    ("POST", "/api/me/oidc/confirm"): frozenset({404, 502}),
+    ("POST", "/api/me/oidc/connect"): frozenset({404, 502}),
+    ("POST", "/api/me/password"): frozenset({409}),
+    ("POST", "/api/me/passkeys"): frozenset({409}),
+    ("POST", "/api/me/passkeys/options"): frozenset({409}),
+    ("POST", "/api/me/passkeys/challenge"): frozenset({409}),
+    ("DELETE", "/api/me/passkeys/{passkey}"): frozenset({404, 409}),
+    ("PUT", "/api/roles/{role}/factor"): frozenset({409}),
     ("POST", "/api/setup"): frozenset({429, 503}),
     ("POST", "/api/enrol"): frozenset({404, 410, 429, 503}),
     ("POST", "/clients/prometheus/read"): frozenset({400}),
