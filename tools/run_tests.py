@@ -83,6 +83,8 @@ class Run:
     Attributes:
         waiting: groups to start, in order; ``running``: those that run.
         failed: first failure's text of each test that failed.
+        ended_badly: files of processes that failed after all of their tests had passed, by the
+            first of them.
         spent: wall time and CPU time of each file (s); ``tests``: of each test.
         cpu: CPU time of all groups that have ended (s).
 
@@ -100,6 +102,7 @@ class Run:
         self.waiting = in_order(groups)
         self.running: list[Group] = []
         self.failed: dict[str, str] = {}
+        self.ended_badly: dict[str, list[str]] = {}
         self.spent: dict[str, Cost] = {}
         self.tests: dict[str, Cost] = {}
         self.passed = self.skipped = 0
@@ -141,9 +144,12 @@ class Run:
         return choose_next(self.waiting, self.running, line_is_long=self._line.is_long)
 
     def repeat(self, test: str) -> str:
-        """Run one test again, with nothing beside it; give its failure's text, or nothing."""
+        """Run one test again, with nothing beside it; give its failure's text, or nothing.
+
+        Of a process that ended badly after its tests had passed: all of its files.
+        """
         first = self.failed.pop(test)
-        self.waiting = [Group([test], *UNKNOWN)]
+        self.waiting = [Group(self.ended_badly.pop(test, [test]), *UNKNOWN)]
         self.work()
         again = self.failed.pop(test, "")
         self.failed[test] = first
@@ -288,6 +294,9 @@ class Run:
         """A process that ended otherwise than pytest does: the tests that are left run anew."""
         said = group.output.read_text(errors="replace")[-4000:]
         during = group.now
+        if not during and group.done:
+            # All passed, and what they left behind (a socket, say) is found at the end of them.
+            self.ended_badly[group.files[0]] = group.files
         self._fail(group, during or group.files[0], f"the process ended with {code}:\n{said}")
         if during and len(group.files) > 0:
             skip = [*group.skip, *group.done, during]
@@ -326,7 +335,7 @@ def finish(run: Run) -> int:
     unsteady: dict[str, str] = {}
     failed: dict[str, str] = dict(run.failed)
     # What is not one test (a file that cannot be read, the pages) is not repeated.
-    tests = [test for test in failed if "::" in test]
+    tests = [test for test in failed if "::" in test or test in run.ended_badly]
     if len(tests) <= MOST_REPEATED:
         for test in tests:
             print(f"again, alone: {test}", flush=True)

@@ -156,6 +156,22 @@ def test_a_process_that_crashes_fails_the_test_and_the_others_still_run(tmp_path
     assert "2 passed, 0 skipped, 1 failed" in said
 
 
+def test_a_process_that_fails_after_its_tests_have_passed_is_repeated_whole(tmp_path: Path) -> None:
+    seen = tmp_path / "seen"
+    leaves = (
+        "import atexit, os\nfrom pathlib import Path\n\n"
+        f"def test_a():\n    seen = Path({str(seen)!r})\n"
+        "    if seen.read_text().count('b') < {runs}: atexit.register(os._exit, 1)\n"
+    )
+    counts = f"from pathlib import Path\ndef test_b(): Path({str(seen)!r}).open('a').write('b')\n"
+    for runs, code in ((1, 0), (9, 1)):
+        seen.write_text("")
+        files = {"test_a.py": leaves.replace("{runs}", str(runs)), "test_b.py": counts}
+        ended, said = run_tests(tmp_path, files)
+        assert (ended, seen.read_text()) == (code, "bb"), said
+        assert ("!!! UNSTEADY" in said) == (code == 0)
+
+
 def test_a_file_that_cannot_be_read_fails_the_run(tmp_path: Path) -> None:
     code, said = run_tests(tmp_path, {"test_a.py": "import nothing_of_that_name\n"})
     assert code == 1
