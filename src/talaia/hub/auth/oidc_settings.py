@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 from urllib.parse import urlsplit
 
 import msgspec
-import yaml
 from msgspec import Meta
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.settings import is_loopback
+from talaia.hub.settings_file import read_settings_file
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -71,20 +71,14 @@ def read_oidc_settings(path: Path) -> OidcSettings:
         CannotStart: it cannot be read, or asks for what is not safe.
 
     """
-    try:
-        with path.open("rb") as file:
-            text = file.read(_MOST_FILE + 1)
-    except OSError as error:
-        raise CannotStart(
-            f"--oidc {path} cannot be read: {error.strerror or error}",
-            "name a file that says which provider; see docs/how-to/openid-connect.md",
-        ) from error
-    if len(text) > _MOST_FILE:
-        raise CannotStart(f"--oidc {path} is over {_MOST_FILE} bytes", "name the right file")
-    try:
-        read = msgspec.convert(yaml.safe_load(text), OidcSettings)
-    except (yaml.YAMLError, msgspec.ValidationError, RecursionError, ValueError) as error:
-        raise CannotStart(f"--oidc {path}: {error}", "see docs/how-to/openid-connect.md") from error
+    read = read_settings_file(
+        path,
+        OidcSettings,
+        option="--oidc",
+        about="which provider",
+        page="docs/how-to/openid-connect.md",
+        most=_MOST_FILE,
+    )
     found = urlsplit(read.issuer)
     # On this machine only: else who is in the network could sign people in.
     plain = found.scheme == "http" and is_loopback(found.hostname or "")

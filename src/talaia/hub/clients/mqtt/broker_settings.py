@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import msgspec
-import yaml
 from msgspec import Meta
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.settings import is_loopback
+from talaia.hub.settings_file import read_settings_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -133,20 +133,14 @@ def read_broker_settings(path: Path) -> BrokerSettings:
         CannotStart: it cannot be read, or asks for what is not safe.
 
     """
-    try:
-        with path.open("rb") as file:
-            text = file.read(_MOST_FILE + 1)
-    except OSError as error:
-        raise CannotStart(
-            f"--mqtt {path} cannot be read: {error.strerror or error}",
-            "name a file that says which broker; see docs/how-to/mqtt.md",
-        ) from error
-    if len(text) > _MOST_FILE:
-        raise CannotStart(f"--mqtt {path} is over {_MOST_FILE} bytes", "name the right file")
-    try:
-        read = msgspec.convert(yaml.safe_load(text), BrokerSettings)
-    except (yaml.YAMLError, msgspec.ValidationError, RecursionError, ValueError) as error:
-        raise CannotStart(f"--mqtt {path}: {error}", "see docs/how-to/mqtt.md") from error
+    read = read_settings_file(
+        path,
+        BrokerSettings,
+        option="--mqtt",
+        about="which broker",
+        page="docs/how-to/mqtt.md",
+        most=_MOST_FILE,
+    )
     _refuse_unsafe(path, read)
     return _resolve_files(read, path.parent)
 
