@@ -404,6 +404,7 @@ class RunningHub:
             compression=None,
             max_size=None,
             proxy=None,
+            open_timeout=PATIENCE_S,
             # The hub's own word counts: a test that computes, or reads late, is no dead connection.
             ping_interval=None,
         )

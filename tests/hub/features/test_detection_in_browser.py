@@ -26,7 +26,7 @@ from talaia.wire import frames
 from ..chromium import sign_in
 from ..seeing import seeing
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 
 FRONT = "camera/front"
 SEEING = seeing(Detect(classes=("person", "dog")))

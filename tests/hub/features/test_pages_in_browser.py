@@ -67,6 +67,8 @@ async def assert_axe_finds_nothing(hub, page) -> None:
             [path, "dark" if phone else "light"],
         )
         await expect(page.locator(f"main > * :is({whole})").first).to_be_visible()
+        # A moment later: words that still fade in are of no colour that anybody reads.
+        await expect(page.locator("t-loading")).to_have_count(0)
         if found := await page.evaluate(RUN):
             broken[path] = found
         assert await page.evaluate(WIDTH) <= (390 if phone else 1440), path
