@@ -24,10 +24,10 @@ MOST_AT_ONCE = 4 * CORES
 # Of those that start a whole site each: most of their time is waiting for a robot or a limit.
 MOST_WHOLE = 2 * CORES
 # Groups do not compute evenly: with no more than the cores asked for, these are often idle.
-MOST_LOAD = 1.25 * CORES
+MOST_LOAD = 1.5 * CORES
 # While a group runs that wants calm. It waits for half of the time itself: with what is beside it
 # held to half of the cores, a quarter of them stood idle for the first five minutes.
-MOST_CALM_LOAD = 0.9 * CORES
+MOST_CALM_LOAD = 1.1 * CORES
 # What files compute is known from one machine on one day; how many processes and threads stand in
 # line for a core is seen. With more than these for each core the next group waits: all is done no
 # sooner for it, and what has a limit in time meets it.
