@@ -1,4 +1,4 @@
-"""``talaia check``: check a site description, and where it is not.
+"""``talaia check``: say everything that is wrong with a site description, and where.
 
 Where cameras are to detect objects it says, too, whether this machine could: that is no mistake of
 the description, which may be for another one.
@@ -9,15 +9,18 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.cli.mistake_texts import json_text, mistakes_text
 from talaia.extensions.declarations import AdapterExtension, DetectorExtension
 from talaia.extensions.installed import installed_extensions
 from talaia.model.checks.site_checks import check_site
+from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.connection import ExtensionConnection
 from talaia.model.errors import DescriptionError
 from talaia.model.interlocks.unguarded import unguarded_notice
-from talaia.model.yaml_text.load import read_site
+from talaia.model.yaml_text.load import site_in, text_of
+from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.objects.availability import detection_availability
 
 if TYPE_CHECKING:
@@ -34,34 +37,73 @@ def main(argv: Sequence[str]) -> int:
         "talaia check", description="Check site descriptions and report what is wrong, and where."
     )
     parser.add_argument("file", type=Path, nargs="+", help="a site description (YAML)")
+    parser.add_argument(
+        "--json", action="store_true", help="print the mistakes as JSON, for editors"
+    )
     options = parser.parse_args(argv)
-    wrong = 0
-    for path in options.file:
-        try:
-            site = read_site(path)
-        except DescriptionError as error:
-            print(f"{path}: {error}", file=sys.stderr)
-            wrong += 1
-            continue
-        # With the extensions' own rules, for the keys that they add.
-        findings = check_site(site, installed_extensions().description_rules())
-        for finding in findings:
-            print(f"{path}: {finding}", file=sys.stderr)
-        if findings:
-            wrong += 1
-        else:
-            channels = len(site.channels())
-            print(f"{path}: valid; {len(site.devices)} devices, {channels} channels")
-            if notice := unguarded_notice(site):
-                print(f"{path}: note: {notice}")
-            for line in _not_judged(site):
-                print(f"{path}: note: {line}")
-            for sight in detection_availability(site, path.parent):
-                print(f"{path}: {sight.said}")
+    checked = {path: check_file(path) for path in options.file}
+    wrong = any(report.mistakes for report in checked.values())
+    if options.json:
+        print(json_text({str(path): report.mistakes for path, report in checked.items()}))
+        return int(wrong)
+    for path, report in checked.items():
+        if report.mistakes:
+            print(mistakes_text(str(path), report.text, report.mistakes), file=sys.stderr)
+        elif report.site is not None:
+            _print_valid(path, report.site)
     # Told, but no mistake of a description: it does not change the exit code.
     for broken in installed_extensions().list_broken():
         print(broken, file=sys.stderr)
-    return 1 if wrong else 0
+    return int(wrong)
+
+
+class CheckedFile(NamedTuple):
+    """A file that was checked.
+
+    Attributes:
+        text: what stands in it; nothing if it cannot be read.
+        mistakes: all that is wrong.
+        site: the description; None if something is wrong.
+
+    """
+
+    text: str
+    mistakes: list[Mistake]
+    site: Site | None
+
+
+def check_file(path: Path) -> CheckedFile:
+    """Find all mistakes of a description, and of the files that it takes in."""
+    # With the extensions' own rules, for the keys that they add.
+    rules = installed_extensions().description_rules()
+    text = ""
+    try:
+        text = text_of(path)
+        if path.suffix == ".json":
+            site = site_in(text, path)
+            findings = check_site(site, rules)
+            return CheckedFile(text, place_findings(findings, text), None if findings else site)
+        report = check_text(text)
+        if report.site is None:
+            return CheckedFile(text, report.mistakes, None)
+        site = site_in(text, path)
+    except DescriptionError as error:
+        place = SourcePositions(text).position_of(error.where)
+        mistake = Mistake(error.where, *place, error.problem, error.remedy)
+        return CheckedFile(text, [mistake], None)
+    findings = check_site(site, rules)
+    return CheckedFile(text, place_findings(findings, text), None if findings else site)
+
+
+def _print_valid(path: Path, site: Site) -> None:
+    channels = len(site.channels())
+    print(f"{path}: valid; {len(site.devices)} devices, {channels} channels")
+    if notice := unguarded_notice(site):
+        print(f"{path}: note: {notice}")
+    for line in _not_judged(site):
+        print(f"{path}: note: {line}")
+    for sight in detection_availability(site, path.parent):
+        print(f"{path}: {sight.said}")
 
 
 def _not_judged(site: Site) -> Iterator[str]:

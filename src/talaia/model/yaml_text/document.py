@@ -10,14 +10,15 @@ A description needs no more of YAML than values, lists, mappings and aliases: wh
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, cast
+import re
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, TypeVar, cast
 
 import yaml
 
 if TYPE_CHECKING:
     from datetime import date
 
-__all__ = ["document_of"]
+__all__ = ["document_of", "quoting_powers_of_ten"]
 
 Value: TypeAlias = "bool | int | float | str | bytes | date | list[Value] | dict[Key, Value] | None"
 Key: TypeAlias = "str | int | float | bool"
@@ -34,7 +35,12 @@ MAX_DIGITS = 200
 _TOO_LARGE = "the whole number is larger than 64 bits hold"
 _Loader = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
 _TAG = "tag:yaml.org,2002:"
-_STR, _INT = _TAG + "str", _TAG + "int"
+_STR, _INT, _FLOAT = _TAG + "str", _TAG + "int", _TAG + "float"
+# PyYAML reads YAML 1.1: there ``1:30`` is 90 and ``010`` is 8, and ``1e9`` is no number. Nobody
+# means that, least of all in a speed limit. As in YAML 1.2 the last one is a number; the others
+# are texts here, so that a number's place refuses them and a text's place has them as written.
+_NO_NUMBER = re.compile(r"[-+]?(0[0-9_]+|[0-9][0-9_]*(:[0-9_]+)+(\.[0-9_]*)?)\Z")
+_POWER_OF_TEN = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+\Z")
 _PLAIN = {_TAG + tag for tag in ("null", "bool", "int", "float", "str", "binary", "timestamp")}
 _MAPPING, _SEQUENCE = (None, "!", _TAG + "map"), (None, "!", _TAG + "seq")
 
@@ -161,7 +167,12 @@ class _Document:
             if text in self._known:
                 return self._known[text]
             tag = self._parser.resolve(yaml.ScalarNode, text, event.implicit)
-            value = text if tag == _STR else self._value_of_tag(tag, event)
+            if tag == _STR and _POWER_OF_TEN.match(text):
+                value: Value = float(text)
+            elif tag == _STR or (tag in (_INT, _FLOAT) and _NO_NUMBER.match(text)):
+                value = text
+            else:
+                value = self._value_of_tag(tag, event)
             self._known[text] = value
             return value
         return self._value_of_tag(tag, event)
@@ -181,6 +192,15 @@ class _Document:
         if isinstance(value, int) and not LEAST_INT <= value <= GREATEST_INT:
             raise _yaml_error(_TOO_LARGE, event)
         return value
+
+
+_Words = TypeVar("_Words", bound=type[yaml.resolver.Resolver])
+
+
+def quoting_powers_of_ten(words: _Words) -> _Words:
+    """Let a class that writes YAML know that a bare ``1e9`` is read as a number, see above."""
+    words.add_implicit_resolver(_FLOAT, _POWER_OF_TEN, list("-+.0123456789"))
+    return words
 
 
 def _yaml_error(problem: str, event: object) -> yaml.MarkedYAMLError:

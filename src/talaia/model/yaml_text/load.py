@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import msgspec
 import yaml
 
-from talaia.model.base import FOREIGN_KEYS
-from talaia.model.connection import Connection, ConnectionKind, ProcessConnection
+from talaia.model.connection import ProcessConnection
 from talaia.model.discovery.command_file import read_classic, site_of
-from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
+from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Site
-from talaia.model.yaml_text.document import document_of
+from talaia.model.yaml_text.document import document_of, quoting_powers_of_ten
+from talaia.model.yaml_text.shape_errors import shape_error
 from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
 
@@ -26,6 +26,7 @@ __all__ = [
     "beside_of",
     "dump_site",
     "load_site",
+    "plain_of_text",
     "read_site",
     "site_in",
     "site_of_plain",
@@ -143,6 +144,16 @@ def load_site(text: str) -> Site:
             what was expected and what was found.
 
     """
+    return site_of_plain(plain_of_text(text))
+
+
+def plain_of_text(text: str) -> dict[str, object]:
+    """Read the plain values of a description in the newest format; see `load_site`.
+
+    Raises:
+        DescriptionError: it is not YAML, no mapping, or of another format.
+
+    """
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
     try:
@@ -158,7 +169,7 @@ def load_site(text: str) -> Site:
             "$", "expected a mapping with the keys talaia, site, name and devices"
         )
     require_current(document.get("talaia"))
-    return site_of_plain(document)
+    return document
 
 
 def site_of_plain(document: dict[str, object]) -> Site:
@@ -172,7 +183,7 @@ def site_of_plain(document: dict[str, object]) -> Site:
     try:
         return msgspec.convert(document, Site)
     except (msgspec.ValidationError, RecursionError) as error:
-        raise _readable_error(str(error), document) from error
+        raise shape_error(str(error), document).error from error
 
 
 def dump_site(site: Site) -> str:
@@ -183,116 +194,8 @@ def dump_site(site: Site) -> str:
 
 
 # Each start of a gateway writes its description for the hub: libyaml takes a quarter of the time.
-_Dumper = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-
-# msgspec's sentence: what is wrong, and behind ``- at`` the path.
-_AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
-_UNKNOWN_FIELD = re.compile(r"unknown field `(.*)`")
-_UNKNOWN_ENUM = re.compile(r"Invalid enum value '(.*)'")
-_UNKNOWN_TAG = re.compile(r"Invalid value '(.*)'\Z")
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
+    """With the words of our own reader."""
 
 
-def _readable_error(message: str, document: object) -> DescriptionError:
-    """Turn msgspec's sentence into ours, with the names of the mapping's keys in the path."""
-    match = _AT.match(message)
-    problem, path = (match["problem"], match["path"] or "$") if match else (message, "$")
-    where, shape = _follow_path(path, document, problem)
-    unknown = _UNKNOWN_FIELD.search(problem)
-    if unknown:
-        return UnknownWord(f"{where}.{unknown[1]}", "key", unknown[1], _keys_of(shape))
-    enum = _UNKNOWN_ENUM.search(problem)
-    if enum:
-        return UnknownWord(where, "word", enum[1], _words_of(shape))
-    tag = _UNKNOWN_TAG.search(problem)
-    if tag and where.startswith("$.connections."):
-        return UnknownWord(where, "kind of connection", tag[1], ConnectionKind)
-    return DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
-
-
-def _keys_of(shape: object) -> list[str]:
-    if isinstance(shape, msgspec.inspect.StructType):
-        names = [field.encode_name for field in shape.fields]
-        return [name for name in names if name != FOREIGN_KEYS]
-    return []
-
-
-def _words_of(shape: object) -> list[str]:
-    if isinstance(shape, msgspec.inspect.EnumType):
-        return [str(member.value) for member in shape.cls]
-    return []
-
-
-# A field, an index, or ``[...]``, which is how msgspec writes any key of a mapping.
-_STEP = re.compile(r"\.([A-Za-z_]\w*)|\[(\d+|\.\.\.)\]")
-
-
-def _follow_path(path: str, document: object, problem: str) -> tuple[str, object]:
-    """Walk msgspec's path, naming the mapping key it writes as ``[...]``.
-
-    msgspec knows the path of types, not of keys: ``$.devices[...].signals[...].unit``. Of the
-    keys at each ``[...]`` the first whose own value does not convert is the one it stopped at.
-    """
-    shape: object = msgspec.inspect.type_info(Site)
-    value, said = document, "$"
-    for name, index in _STEP.findall(path):
-        shape = _inner_type(shape, msgspec.inspect.StructType, value)
-        if name:
-            shape = _field_type(shape, name)
-            value = value.get(name) if isinstance(value, dict) else None
-            said += f".{name}"
-        elif index == "...":
-            shape = _value_type(shape)
-            key = _first_wrong(value, shape, problem)
-            value = value.get(key) if isinstance(value, dict) else None
-            said += f".{key}"
-        else:
-            shape = _value_type(shape)
-            value = value[int(index)] if isinstance(value, list) else None
-            said += f"[{index}]"
-    return said, _inner_type(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType), value)
-
-
-def _inner_type(shape: object, wanted: type | tuple[type, ...], value: object) -> object:
-    """Look through ``X | None``, and ``X | Y`` by the tag that ``value`` has, to one member."""
-    if not isinstance(shape, msgspec.inspect.UnionType):
-        return shape
-    members = [member for member in shape.types if isinstance(member, wanted)]
-    said = value if isinstance(value, dict) else {}
-    tagged = [
-        member
-        for member in members
-        if isinstance(member, msgspec.inspect.StructType)
-        and member.tag is not None
-        and member.tag == said.get(member.tag_field)
-    ]
-    return next(iter(tagged or members), shape)
-
-
-def _field_type(shape: object, name: str) -> object:
-    if isinstance(shape, msgspec.inspect.StructType):
-        return next((f.type for f in shape.fields if f.encode_name == name), None)
-    return None
-
-
-def _value_type(shape: object) -> object:
-    if isinstance(shape, msgspec.inspect.DictType):
-        return shape.value_type
-    if isinstance(shape, msgspec.inspect.VarTupleType):
-        return shape.item_type
-    return None
-
-
-def _first_wrong(value: object, shape: object, problem: str) -> str:
-    if not isinstance(value, dict):
-        return "…"
-    # Only connections are one of several shapes.
-    union = isinstance(shape, msgspec.inspect.UnionType)
-    kind = shape.cls if isinstance(shape, msgspec.inspect.StructType) else None
-    if union or kind is not None:
-        for key, part in value.items():
-            try:
-                msgspec.convert(part, Connection if union else kind)
-            except msgspec.ValidationError as error:
-                if str(error).startswith(problem):
-                    return str(key)
-    return "…"
+quoting_powers_of_ten(_Dumper)

@@ -12,14 +12,21 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.representer import RoundTripRepresenter
 
 from talaia.model.errors import NotReadable
+from talaia.model.yaml_text.document import quoting_powers_of_ten
 
 if TYPE_CHECKING:
     from ruamel.yaml.comments import CommentedMap
 
 __all__ = ["RESOLVER", "WrittenFloat", "tree_of", "written_tree"]
 
+
 # What another reader of the text would take a plain word for.
-RESOLVER = yaml.resolver.Resolver()
+@quoting_powers_of_ten
+class _Words(yaml.resolver.Resolver):
+    """YAML's own words, and ours."""
+
+
+RESOLVER = _Words()
 _FLOAT = "tag:yaml.org,2002:float"
 
 

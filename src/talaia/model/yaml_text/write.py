@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import yaml
 
+from talaia.model.yaml_text.document import quoting_powers_of_ten
 from talaia.model.yaml_text.source_tags import plain_of
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ class _OneLine(dict[str, object]):
     """A mapping that is written as ``{a: 1, b: 2}``."""
 
 
+@quoting_powers_of_ten
 class _Dumper(yaml.SafeDumper):
     def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:  # noqa: FBT001, FBT002
         """Indent lists below their key, as people do."""

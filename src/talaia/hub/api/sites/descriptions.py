@@ -27,12 +27,12 @@ from talaia.hub.api.schemas.description_schemas import (
 )
 from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.site_checks import check_site
+from talaia.model.checks.text_checks import find_mistakes, place_findings
 from talaia.model.errors import DescriptionError
 from talaia.model.schema import site_schema
 from talaia.model.yaml_text.diff import list_differences, unified_diff
 from talaia.model.yaml_text.load import load_site, site_of_plain
 from talaia.model.yaml_text.save import save_into_text
-from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.model.yaml_text.source_tags import plain_of
 from talaia.wire.frames import ChangePhase
 from talaia.wire.sealing import MAX_TEXT, digest_of
@@ -226,21 +226,14 @@ class DescriptionPages:
 
 
 def _check_text(text: str) -> list[FindingShape]:
-    try:
-        findings = check_site(load_site(text))
-    except DescriptionError as error:
-        findings = [Finding(error.where, error.problem, error.remedy)]
+    findings, _ = find_mistakes(text)
     return _place_findings(findings, text)
 
 
 def _place_findings(findings: Iterable[Finding], text: str) -> list[FindingShape]:
-    places = SourcePositions(text)
-    shapes = []
-    for finding in list(findings)[:_MOST_FINDINGS]:
-        # Where in the text the key stands that the finding is about.
-        line, column = places.position_of(finding.where)
-        shapes.append(FindingShape(**finding._asdict(), line=line, column=column))
-    return shapes
+    # Where in the text the key stands that each finding is about.
+    placed = place_findings(list(findings)[:_MOST_FINDINGS], text)
+    return [FindingShape(**mistake._asdict()) for mistake in placed]
 
 
 def _problem_shapes(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:

@@ -1,0 +1,91 @@
+"""All mistakes of a description's text in one run, each with its line, as a compiler tells them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.model.checks.extension_rules import NO_RULES
+from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.site_checks import check_site
+from talaia.model.errors import DescriptionError
+from talaia.model.yaml_text.load import plain_of_text
+from talaia.model.yaml_text.shape_errors import list_shape_errors
+from talaia.model.yaml_text.source_lines import SourcePositions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.model.checks.extension_rules import ExtensionRules
+    from talaia.model.site import Site
+
+__all__ = ["Mistake", "TextReport", "check_text", "find_mistakes", "place_findings"]
+
+
+class Mistake(NamedTuple):
+    """One mistake and where it stands.
+
+    Attributes:
+        where: its path, ``$.devices.base.name``.
+        line, column: of the text, from 1; 0 where that is not known.
+        problem: what is wrong; ``remedy``: what to do, or nothing.
+
+    """
+
+    where: str
+    line: int
+    column: int
+    problem: str
+    remedy: str
+
+
+class TextReport(NamedTuple):
+    """What a check found.
+
+    Attributes:
+        mistakes: in the order of the text.
+        site: the description; None if it has mistakes.
+
+    """
+
+    mistakes: list[Mistake]
+    site: Site | None
+
+
+def check_text(text: str, rules: ExtensionRules = NO_RULES) -> TextReport:
+    """Check a description's text: its shape, and what does not fit together. See `load_site`."""
+    findings, site = find_mistakes(text, rules)
+    return TextReport(place_findings(findings, text), None if findings else site)
+
+
+def find_mistakes(text: str, rules: ExtensionRules = NO_RULES) -> tuple[list[Finding], Site | None]:
+    """List all mistakes of a text; what is left of the description without those of shape."""
+    try:
+        document = plain_of_text(text)
+    except DescriptionError as error:
+        return [Finding(error.where, error.problem, error.remedy)], None
+    errors, site = list_shape_errors(document)
+    findings = [Finding(error.where, error.problem, error.remedy) for error in errors]
+    if site is not None:
+        wrong = [error.where for error in errors]
+        findings += [finding for finding in check_site(site, rules) if not _follows(finding, wrong)]
+    return findings, site
+
+
+def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:
+    """Find each in the text, and sort them by where they stand."""
+    places = SourcePositions(text)
+    placed = []
+    for finding in findings:
+        line, column = places.position_of(finding.where)
+        placed.append(Mistake(finding.where, line, column, finding.problem, finding.remedy))
+    return sorted(placed, key=lambda mistake: (mistake.line, mistake.column))
+
+
+def _follows(finding: Finding, wrong: list[str]) -> bool:
+    """Tell whether a finding is only of what was taken out, or put there, for an earlier one."""
+    return any(
+        finding.where.startswith(where)
+        # It asks for something that is there, but is wrong.
+        or repr(where.rpartition(".")[2]) in finding.problem
+        for where in wrong
+    )
