@@ -82,6 +82,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     browser.TickUpdate: AccessNeed.SEE,
     browser.DriveUpdate: AccessNeed.VIEW,
     browser.StopUpdate: AccessNeed.VIEW,
+    browser.HeldStopUpdate: AccessNeed.VIEW,
     browser.ResetTokenUpdate: AccessNeed.USE,
     browser.CommandUpdate: AccessNeed.VIEW,
     # Whoever sees a site knows why nothing moves there; names only the devices they may see.
