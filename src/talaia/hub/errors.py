@@ -4,6 +4,7 @@ HubError
 ├── CannotStart       a setting, a file or the port keeps the hub from starting
 ├── StoreError        the database cannot be opened or refuses
 │   └── StoreDown     it did not answer just now
+├── HeadsRefused      signed heads of another hub that do not hold
 ├── HubBusy           so many ask at once that this one must come again
 ├── NameTaken         there is a person or a role of that name already
 ├── UnknownPerson     there is nobody of that name or number
@@ -22,6 +23,7 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "CannotStart",
+    "HeadsRefused",
     "HubBusy",
     "HubError",
     "LastAdmin",
@@ -99,6 +101,10 @@ class WeakPassword(HubError):
 
 class PasskeyRefused(HubError):
     """What a browser says of a passkey does not hold, or may not be."""
+
+
+class HeadsRefused(HubError):
+    """Signed heads of another hub's audit log that do not hold, or that it does not keep."""
 
 
 class ProviderRefused(HubError):

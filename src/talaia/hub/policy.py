@@ -210,6 +210,9 @@ CONFIRMED = frozenset(
     {
         ("POST", "/api/me/tokens"),
         ("POST", "/api/displays"),
+        ("POST", "/api/audit/hubs"),
+        # What it has left here is proof, and goes with it.
+        ("DELETE", "/api/audit/hubs/{hub}"),
         # Whoever finds a page open must not leave a key of their own behind.
         ("POST", "/api/me/passkeys"),
         ("POST", "/api/me/passkeys/options"),

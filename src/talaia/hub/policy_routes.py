@@ -47,6 +47,12 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/audit"): AccessNeed.ADMIN,
         ("GET", "/api/audit/export"): AccessNeed.ADMIN,
         ("GET", "/api/audit/verify"): AccessNeed.ADMIN,
+        ("GET", "/api/audit/hubs"): AccessNeed.ADMIN,
+        ("POST", "/api/audit/hubs"): AccessNeed.ADMIN,
+        ("DELETE", "/api/audit/hubs/{hub}"): AccessNeed.ADMIN,
+        ("GET", "/api/audit/hubs/{hub}/heads"): AccessNeed.ADMIN,
+        # Whoever has another hub's token; tries are counted by address, and its key must fit.
+        ("POST", "/api/audit/heads"): AccessNeed.OPEN,
     },
     "gateways": {
         ("GET", "/api/gateways"): AccessNeed.ADMIN,

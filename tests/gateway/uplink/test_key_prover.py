@@ -167,7 +167,7 @@ async def test_a_gateway_that_waits_acts_on_stop_alone_and_is_linked_when_its_tu
         await hub.next(BeatReply)
         # The press came twice and is answered once.
         assert (await hub.next(StopState)).confirmed
-        assert hub.tick == 0
+        assert hub.tick == -1
         assert (heard.messages, heard.linked.is_set()) == ([stop, stop], False)
         await hub.send(Welcome())
         async with asyncio.timeout(PATIENCE_S):

@@ -12,6 +12,7 @@ import pyotp
 from talaia.hub.auth.passkey_ceremony import RegisteredPasskey
 from talaia.hub.policy import AccessNeed
 from talaia.hub.store.accounts.passkeys import Passkeys
+from talaia.hub.store.witnessed_hubs import WitnessedHubs
 from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
@@ -149,6 +150,13 @@ async def _display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask
 async def _open_display(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
     _, token = await world.hub.hub.people.displays.add_display("Hall", ["agv"])
     return Ask(json={"token": token}, done=(204,))
+
+
+async def _other_hub(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    core = world.hub.hub.core
+    made = await WitnessedHubs(core.database, core.clock).add_hub("Other", 30)
+    assert made is not None
+    return Ask({"hub": str(made[0])}, done=(200, 204))
 
 
 async def _passkey(world: World, client: httpx.AsyncClient, about: str) -> Ask:
@@ -708,6 +716,14 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/audit"): Recipe(plain()),
     ("GET", "/api/audit/export"): Recipe(plain()),
     ("GET", "/api/audit/verify"): Recipe(plain()),
+    ("GET", "/api/audit/hubs"): Recipe(plain()),
+    ("POST", "/api/audit/hubs"): Recipe(plain(json={"name": "Other"})),
+    ("DELETE", "/api/audit/hubs/{hub}"): Recipe(_other_hub),
+    ("GET", "/api/audit/hubs/{hub}/heads"): Recipe(_other_hub),
+    # What a real token is good for is tried elsewhere; whoever has none is refused by it alone.
+    ("POST", "/api/audit/heads"): Recipe(
+        plain(json={"token": "-", "key": "A" * 43 + "=", "lines": []}, done=(401,))
+    ),
     # The pages themselves; 503 where they are not built.
     ("GET", "/{path:path}"): Recipe(plain(params={"path:path": "home"}, done=(200, 503))),
 }
