@@ -7,6 +7,7 @@ HubError
 ├── HeadsRefused      signed heads of another hub that do not hold
 ├── HubBusy           so many ask at once that this one must come again
 ├── NameTaken         there is a person or a role of that name already
+├── NoPassword        the account would be left without a way to sign in
 ├── UnknownPerson     there is nobody of that name or number
 ├── UnknownRole       there is no role of that name or number
 ├── LastAdmin         the last person who can manage the hub would be gone
@@ -28,6 +29,7 @@ __all__ = [
     "HubError",
     "LastAdmin",
     "NameTaken",
+    "NoPassword",
     "PasskeyRefused",
     "ProviderRefused",
     "RoleInUse",
@@ -97,6 +99,10 @@ class SeededRole(HubError):
 
 class WeakPassword(HubError):
     """The password does not meet the rules, or the name does not."""
+
+
+class NoPassword(HubError):
+    """An account without a password that would be left without a way to sign in."""
 
 
 class PasskeyRefused(HubError):

@@ -218,6 +218,7 @@ CONFIRMED = frozenset(
         ("POST", "/api/me/passkeys/options"),
         ("DELETE", "/api/me/passkeys/{passkey}"),
         ("POST", "/api/me/oidc/connect"),
+        ("DELETE", "/api/me/oidc"),
         ("POST", "/api/people"),
         ("PATCH", "/api/people/{person}"),
         ("DELETE", "/api/people/{person}/factor"),

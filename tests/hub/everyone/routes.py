@@ -173,6 +173,11 @@ async def _passkey(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     return Ask({"passkey": str(made)}, done=(204,))
 
 
+async def _no_passkey(_world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    # One that stays would be asked for at each sign-in that follows.
+    return Ask({"passkey": "0"}, json={"name": "another"}, done=(404,))
+
+
 async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
     begun = await client.post("/api/me/factor", json={"password": PASSWORD})
     secret = begun.json().get("secret")
@@ -648,7 +653,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ),
     ("POST", "/api/me/passkeys/options"): Recipe(plain(json={}, done=(409,))),
     ("POST", "/api/me/passkeys/challenge"): Recipe(plain(json={}, done=(409,))),
+    ("PATCH", "/api/me/passkeys/{passkey}"): Recipe(_no_passkey),
     ("DELETE", "/api/me/passkeys/{passkey}"): Recipe(_passkey, OWN_AND_FOREIGN, _own),
+    ("GET", "/api/me/oidc"): Recipe(plain()),
+    ("DELETE", "/api/me/oidc"): Recipe(plain(done=(409,))),
     ("GET", "/api/me/tokens"): Recipe(plain()),
     ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
     ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
@@ -663,6 +671,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/people/{person}/sessions"): _of_person(done=(204,)),
     # The person has none, which only those are told who may take it away.
     ("DELETE", "/api/people/{person}/factor"): _of_person(done=(409,)),
+    ("DELETE", "/api/people/{person}/oidc"): _of_person(done=(409,)),
     ("GET", "/api/roles"): Recipe(plain()),
     ("GET", "/api/extensions"): Recipe(plain()),
     ("GET", "/api/tiles"): Recipe(plain()),
@@ -721,7 +730,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/audit/hubs/{hub}"): Recipe(_other_hub),
     ("GET", "/api/audit/hubs/{hub}/heads"): Recipe(_other_hub),
     # What a real token is good for is tried elsewhere; whoever has none is refused by it alone.
-    ("POST", "/api/audit/heads"): Recipe(
+    ("POST", "/api/heads"): Recipe(
         plain(json={"token": "-", "key": "A" * 43 + "=", "lines": []}, done=(401,))
     ),
     # The pages themselves; 503 where they are not built.

@@ -39,7 +39,7 @@ async def added(client, name: str = "Mountain", **more: object) -> dict[str, str
 
 async def leave(client, token: str, *lines: str, key: HeadKey = KEY):
     said = {"token": token, "key": key.public, "lines": list(lines)}
-    return await client.post("/api/audit/heads", json=said)
+    return await client.post("/api/heads", json=said)
 
 
 async def shown(admin) -> dict:

@@ -353,6 +353,11 @@ export interface OidcAnswer {
   readonly error?: string;
 }
 
+/** Whether the provider signs you in. */
+export interface OidcConnection {
+  readonly connected: boolean;
+}
+
 /** What was done, ``sign_in``, ``confirm`` or ``connect``, and the page that was asked for. */
 export interface OidcDone {
   readonly purpose: string;
@@ -391,6 +396,11 @@ export interface PasskeyList {
   readonly passkeys: readonly PasskeyShape[];
   readonly codes: boolean;
   readonly possible: boolean;
+}
+
+/** Call a passkey of yours otherwise. */
+export interface PasskeyName {
+  readonly name: string;
 }
 
 /** What the browser's ``navigator.credentials`` takes (WebAuthn, level 3, as JSON). */
@@ -458,6 +468,7 @@ export interface PersonShape {
   readonly created_us: number;
   readonly used_us: number;
   readonly sessions: number;
+  readonly provider: boolean;
 }
 
 /** Each opens once in place of a code. They are shown this once. */
@@ -1970,6 +1981,49 @@ export interface TileSignalShape {
   readonly unit: string;
   readonly id: string;
   readonly role: SignalRole | "";
+}
+
+/** Leave heads here: the hub's token, its public key, and lines as they are in its file. */
+export interface HeadsAsk {
+  readonly token: string;
+  readonly key: string;
+  readonly lines: readonly string[];
+}
+
+/** They are kept, or were before. */
+export interface HeadsKept {
+  readonly kept: number;
+}
+
+/** The token, shown this once; it goes into the file that the other hub's token_file names. */
+export interface NewWitnessedHub {
+  readonly id: string;
+  readonly token: string;
+}
+
+/** Let another hub leave its heads here; each is kept for so many days. */
+export interface WitnessedHubAsk {
+  readonly name: string;
+  readonly keep_days?: number;
+}
+
+/** All of them, the newest first. */
+export interface WitnessedHubList {
+  readonly hubs: readonly WitnessedHubShape[];
+}
+
+/** Another hub that leaves signed heads of its audit log here. Times in µs (UTC), 0: never. */
+export interface WitnessedHubShape {
+  readonly id: string;
+  readonly name: string;
+  readonly key: string;
+  readonly keep_days: number;
+  readonly created_us: number;
+  readonly heard_us: number;
+  readonly heads: number;
+  readonly row: number;
+  readonly time_us: number;
+  readonly problem: string;
 }
 
 /** A broker that the hub connects to, as the file that it was started with says. */

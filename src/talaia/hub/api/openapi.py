@@ -89,7 +89,7 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/me/tokens"): frozenset({409}),
     ("POST", "/api/displays"): frozenset({409}),
     ("POST", "/api/audit/hubs"): frozenset({409}),
-    ("POST", "/api/audit/heads"): frozenset({401, 429, 503}),
+    ("POST", "/api/heads"): frozenset({401, 429, 503}),
     ("PATCH", "/api/me/passkeys/{passkey}"): frozenset({404}),
     ("DELETE", "/api/me/oidc"): frozenset({409}),
     ("DELETE", "/api/people/{person}/oidc"): frozenset({409}),

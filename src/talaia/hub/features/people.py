@@ -115,6 +115,8 @@ class PeopleFeature(Feature):
                 signing=self._build_oidc(core, roster, audit),
                 access=self.access,
                 sessions=sessions,
+                identities=Identities(core.database, clock),
+                roster=roster,
                 clock=clock,
                 audit=audit,
             ),

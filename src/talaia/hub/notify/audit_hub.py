@@ -124,7 +124,7 @@ class HeadForwarder:
         """
         import httpx
 
-        url = f"{self._settings.url}/api/audit/heads"
+        url = f"{self._settings.url}/api/heads"
         token = await asyncio.to_thread(self._read_token)
         verify = await asyncio.to_thread(self._make_context)
         trusts_surroundings = not is_loopback(urlsplit(url).hostname or "")

@@ -52,7 +52,7 @@ class WitnessedHubPages:
         router.post("/api/audit/hubs")(self.add)
         router.delete("/api/audit/hubs/{hub}", status_code=204)(self.remove)
         router.get("/api/audit/hubs/{hub}/heads", response_class=StreamingResponse)(self.export)
-        router.post("/api/audit/heads")(self.receive)
+        router.post("/api/heads")(self.receive)
         return router
 
     async def overview(self) -> WitnessedHubList:

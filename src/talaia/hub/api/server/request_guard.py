@@ -29,7 +29,7 @@ _CLIENTS = ("/clients/", "/socket.io/")
 # Where the token of such a client stands that was in its address; nothing can log it there.
 HIDDEN_TOKEN = "talaia.token"  # noqa: S105
 # Of programs that have no session: what they show stands in what they send.
-_OF_PROGRAMS = frozenset({"/api/enrol", "/api/audit/heads"})
+_OF_PROGRAMS = frozenset({"/api/enrol", "/api/heads"})
 _API = "/api/"
 # The routes whose body holds a whole description.
 _DESCRIPTION = re.compile(r"/api/sites/[^/]+/descriptions(/check|/edit)?")
