@@ -142,6 +142,18 @@ export interface GapShape {
   readonly reason: string;
 }
 
+/** Leave heads here: the hub's token, its public key, and lines as they are in its file. */
+export interface HeadsAsk {
+  readonly token: string;
+  readonly key: string;
+  readonly lines: readonly string[];
+}
+
+/** They are kept, or were before. */
+export interface HeadsKept {
+  readonly kept: number;
+}
+
 /** The hub answers. */
 export interface Health {
   readonly ok: boolean;
@@ -171,6 +183,12 @@ export interface Me {
   readonly idle_ends_us: number;
   readonly ends_us: number;
   readonly permissions: readonly PermissionShape[];
+}
+
+/** The token, shown this once; it goes into the file that the other hub's token_file names. */
+export interface NewWitnessedHub {
+  readonly id: string;
+  readonly token: string;
 }
 
 /** A right (view, use, tap or admin) on a site and a device; ``*`` stands for each of them. */
@@ -263,6 +281,31 @@ export interface StreamShape {
   readonly max_rate: number;
   readonly public: boolean;
   readonly detect?: DetectShape | null;
+}
+
+/** Let another hub leave its heads here; each is kept for so many days. */
+export interface WitnessedHubAsk {
+  readonly name: string;
+  readonly keep_days?: number;
+}
+
+/** All of them, the newest first. */
+export interface WitnessedHubList {
+  readonly hubs: readonly WitnessedHubShape[];
+}
+
+/** Another hub that leaves signed heads of its audit log here. Times in µs (UTC), 0: never. */
+export interface WitnessedHubShape {
+  readonly id: string;
+  readonly name: string;
+  readonly key: string;
+  readonly keep_days: number;
+  readonly created_us: number;
+  readonly heard_us: number;
+  readonly heads: number;
+  readonly row: number;
+  readonly time_us: number;
+  readonly problem: string;
 }
 
 /** A code from the authenticator. */
@@ -1981,49 +2024,6 @@ export interface TileSignalShape {
   readonly unit: string;
   readonly id: string;
   readonly role: SignalRole | "";
-}
-
-/** Leave heads here: the hub's token, its public key, and lines as they are in its file. */
-export interface HeadsAsk {
-  readonly token: string;
-  readonly key: string;
-  readonly lines: readonly string[];
-}
-
-/** They are kept, or were before. */
-export interface HeadsKept {
-  readonly kept: number;
-}
-
-/** The token, shown this once; it goes into the file that the other hub's token_file names. */
-export interface NewWitnessedHub {
-  readonly id: string;
-  readonly token: string;
-}
-
-/** Let another hub leave its heads here; each is kept for so many days. */
-export interface WitnessedHubAsk {
-  readonly name: string;
-  readonly keep_days?: number;
-}
-
-/** All of them, the newest first. */
-export interface WitnessedHubList {
-  readonly hubs: readonly WitnessedHubShape[];
-}
-
-/** Another hub that leaves signed heads of its audit log here. Times in µs (UTC), 0: never. */
-export interface WitnessedHubShape {
-  readonly id: string;
-  readonly name: string;
-  readonly key: string;
-  readonly keep_days: number;
-  readonly created_us: number;
-  readonly heard_us: number;
-  readonly heads: number;
-  readonly row: number;
-  readonly time_us: number;
-  readonly problem: string;
 }
 
 /** A broker that the hub connects to, as the file that it was started with says. */

@@ -177,7 +177,9 @@ class WitnessedHubs:
             await self._forget_old(connection, number, now_us - hub.keep_days * _DAY_US)
             problem = ""
             for head, line in zip(heads, lines, strict=True):
-                wrong = await self._keep_head(connection, number, head, line.strip(), now_us)
+                wrong = await self._keep_head(
+                    connection, number, head, line=line.strip(), now_us=now_us
+                )
                 problem = problem or wrong
             values: dict[str, object] = {"public_key": public, "heard_us": now_us}
             if problem and not hub.problem:
@@ -227,7 +229,13 @@ class WitnessedHubs:
         )
 
     async def _keep_head(
-        self, connection: AsyncConnection, number: int, head: AuditHead, line: str, now_us: int
+        self,
+        connection: AsyncConnection,
+        number: int,
+        head: AuditHead,
+        *,
+        line: str,
+        now_us: int,
     ) -> str:
         """Keep one; say what does not fit together by it."""
         mine = witnessed_heads.c.hub_id == number

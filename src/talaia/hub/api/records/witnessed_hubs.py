@@ -11,7 +11,7 @@ from talaia.clock import SECOND
 from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.witness_schemas import (
+from talaia.hub.api.schemas.common import (
     HeadsAsk,
     HeadsKept,
     NewWitnessedHub,
