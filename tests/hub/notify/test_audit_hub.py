@@ -126,6 +126,10 @@ async def test_what_does_not_fit_together_is_kept_and_told_once(hub) -> None:
     lines = (await admin.get(f"/api/audit/hubs/{made['id']}/heads")).text.splitlines()
     assert lines == [head(5), head(9), head(7, "b"), head(9, "b")]
     assert len(await kinds_of(hub, "other hub's log does not fit")) == 1
+    valley = await added(admin, "Valley")
+    await leave(nobody, valley["token"], head(5), head(5, "b"))
+    hubs = {each["name"]: each for each in (await admin.get("/api/audit/hubs")).json()["hubs"]}
+    assert "different things of row 5" in hubs["Valley"]["problem"]
 
 
 async def test_lines_of_another_key_and_forged_ones_are_refused_whole_and_told(hub) -> None:
