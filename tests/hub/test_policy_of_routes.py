@@ -147,6 +147,7 @@ async def test_route_without_a_line_is_found_and_denied_to_everyone(
 def test_only_the_doors_themselves_are_open() -> None:
     opened = {route for route, need in ROUTES.items() if need is AccessNeed.OPEN}
     assert {path for method, path in opened if method in UNSAFE} <= {
+        "/api/heads",
         "/api/login",
         # By a passkey, or by the provider that the start of the hub names.
         "/api/login/passkey",

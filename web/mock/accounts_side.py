@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
+from keys_side import keys_router
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -52,6 +53,7 @@ class Accounts:
         self.gateways = [{
             "id": "1", "site": site.site, "name": "", "created_us": now_us(), "revoked_us": 0,
             "seen_us": now_us(), "address": "127.0.0.1", "version": "mock", "online": True,
+            "held": [{"address": "192.0.2.7", "version": "", "since_us": now_us()}],
         }]  # fmt: skip
 
     def person(self, name: str, role: str) -> dict[str, Any]:
@@ -59,6 +61,7 @@ class Accounts:
         return {
             "id": str(next(self.numbers)), "name": name, "role": role, "disabled": False,
             "factor": False, "created_us": now_us(), "used_us": 0, "sessions": 0,
+            "provider": name == "operator",
         }  # fmt: skip
 
     def role_of(self, name: str) -> str:
@@ -120,6 +123,7 @@ def router(accounts: Accounts) -> APIRouter:
     routes = APIRouter()
     own(routes, accounts)
     admin(routes, accounts)
+    routes.include_router(keys_router(accounts))
     return routes
 
 
@@ -219,7 +223,9 @@ def admin(routes: APIRouter, accounts: Accounts) -> None:
     @routes.delete("/api/people/{person}/{part}")
     def take(person: str, part: str) -> Response:
         found = _found(accounts.people, person) or {}
-        found.update({"factor": False} if part == "factor" else {"sessions": 0})
+        found.update(
+            {"factor": {"factor": False}, "oidc": {"provider": False}}.get(part, {"sessions": 0})
+        )
         return Response(status_code=DONE)
 
     @routes.get("/api/roles")
@@ -276,6 +282,8 @@ def admin(routes: APIRouter, accounts: Accounts) -> None:
     @routes.post("/api/gateways/{gateway}/{deed}")
     def deed(gateway: str, deed: str) -> Response:
         found = _found(accounts.gateways, gateway)
+        if found is not None and deed == "second":
+            found["held"] = []
         if found is not None and deed == "revoke":
             found.update({"revoked_us": now_us(), "online": False})
         return Response(status_code=DONE if deed == "revoke" else 202)
@@ -287,4 +295,4 @@ def admin(routes: APIRouter, accounts: Accounts) -> None:
 
     @routes.get("/api/audit/verify")
     def verify() -> dict[str, Any]:
-        return {"ok": True, "rows": len(accounts.rows), "broken": 0}
+        return {"ok": True, "rows": len(accounts.rows), "broken": 0, "heads": 1, "problem": ""}

@@ -47,7 +47,7 @@ class DatabaseKind(StrEnum):
 
 
 def write_dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] = ()) -> str:
-    """Write an image's recipe: pinned and hashed packages, then Talaia itself, nobody's root.
+    """Write an image's recipe: Talaia with what pip finds for it, and nobody's root.
 
     ``wheels/`` may hold Talaia's own wheel; where it is empty, the version is fetched by pip.
     """

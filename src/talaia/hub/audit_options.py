@@ -16,7 +16,7 @@ _LEAST_H = 1.0
 
 
 def add_audit_options(parser: argparse.ArgumentParser) -> None:
-    """Let a parser read ``audit_heads``, ``audit_syslog``, ``audit_mail``, ``audit_mail_hours``."""
+    """Let a parser read what begins with ``audit_``: heads, syslog, mail, mail_hours, hub."""
     parser.add_argument(
         "--audit-heads",
         type=Path,
@@ -44,6 +44,12 @@ def add_audit_options(parser: argparse.ArgumentParser) -> None:
         default=24.0,
         metavar="HOURS",
         help="at most one such mail in this time, with all heads since the last (24; at least 1)",
+    )
+    parser.add_argument(
+        "--audit-hub",
+        type=Path,
+        metavar="FILE",
+        help="names another hub that keeps them, too, and the token that it gave for this one",
     )
 
 

@@ -4,8 +4,10 @@ HubError
 ├── CannotStart       a setting, a file or the port keeps the hub from starting
 ├── StoreError        the database cannot be opened or refuses
 │   └── StoreDown     it did not answer just now
+├── HeadsRefused      signed heads of another hub that do not hold
 ├── HubBusy           so many ask at once that this one must come again
 ├── NameTaken         there is a person or a role of that name already
+├── NoPassword        the account would be left without a way to sign in
 ├── UnknownPerson     there is nobody of that name or number
 ├── UnknownRole       there is no role of that name or number
 ├── LastAdmin         the last person who can manage the hub would be gone
@@ -22,10 +24,12 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "CannotStart",
+    "HeadsRefused",
     "HubBusy",
     "HubError",
     "LastAdmin",
     "NameTaken",
+    "NoPassword",
     "PasskeyRefused",
     "ProviderRefused",
     "RoleInUse",
@@ -97,8 +101,16 @@ class WeakPassword(HubError):
     """The password does not meet the rules, or the name does not."""
 
 
+class NoPassword(HubError):
+    """An account without a password that would be left without a way to sign in."""
+
+
 class PasskeyRefused(HubError):
     """What a browser says of a passkey does not hold, or may not be."""
+
+
+class HeadsRefused(HubError):
+    """Signed heads of another hub's audit log that do not hold, or that it does not keep."""
 
 
 class ProviderRefused(HubError):

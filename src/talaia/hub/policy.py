@@ -82,6 +82,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     browser.TickUpdate: AccessNeed.SEE,
     browser.DriveUpdate: AccessNeed.VIEW,
     browser.StopUpdate: AccessNeed.VIEW,
+    browser.HeldStopUpdate: AccessNeed.VIEW,
     browser.ResetTokenUpdate: AccessNeed.USE,
     browser.CommandUpdate: AccessNeed.VIEW,
     # Whoever sees a site knows why nothing moves there; names only the devices they may see.
@@ -209,11 +210,15 @@ CONFIRMED = frozenset(
     {
         ("POST", "/api/me/tokens"),
         ("POST", "/api/displays"),
+        ("POST", "/api/audit/hubs"),
+        # What it has left here is proof, and goes with it.
+        ("DELETE", "/api/audit/hubs/{hub}"),
         # Whoever finds a page open must not leave a key of their own behind.
         ("POST", "/api/me/passkeys"),
         ("POST", "/api/me/passkeys/options"),
         ("DELETE", "/api/me/passkeys/{passkey}"),
         ("POST", "/api/me/oidc/connect"),
+        ("DELETE", "/api/me/oidc"),
         ("POST", "/api/people"),
         ("PATCH", "/api/people/{person}"),
         ("DELETE", "/api/people/{person}/factor"),

@@ -47,6 +47,12 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/audit"): AccessNeed.ADMIN,
         ("GET", "/api/audit/export"): AccessNeed.ADMIN,
         ("GET", "/api/audit/verify"): AccessNeed.ADMIN,
+        ("GET", "/api/audit/hubs"): AccessNeed.ADMIN,
+        ("POST", "/api/audit/hubs"): AccessNeed.ADMIN,
+        ("DELETE", "/api/audit/hubs/{hub}"): AccessNeed.ADMIN,
+        ("GET", "/api/audit/hubs/{hub}/heads"): AccessNeed.ADMIN,
+        # Whoever has another hub's token; tries are counted by address, and its key must fit.
+        ("POST", "/api/heads"): AccessNeed.OPEN,
     },
     "gateways": {
         ("GET", "/api/gateways"): AccessNeed.ADMIN,
@@ -70,6 +76,8 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/login/oidc/finish"): AccessNeed.OPEN,
         ("POST", "/api/me/oidc/confirm"): AccessNeed.OWN,
         ("POST", "/api/me/oidc/connect"): AccessNeed.OWN,
+        ("GET", "/api/me/oidc"): AccessNeed.OWN,
+        ("DELETE", "/api/me/oidc"): AccessNeed.OWN,
         # Whoever has the token that the hub wrote at its start; it is used up by the first admin.
         ("POST", "/api/setup"): AccessNeed.OPEN,
         ("POST", "/api/logout"): AccessNeed.OWN,
@@ -90,6 +98,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/me/passkeys/options"): AccessNeed.OWN,
         # To confirm by one that is there already; it gives nothing away.
         ("POST", "/api/me/passkeys/challenge"): AccessNeed.OWN,
+        ("PATCH", "/api/me/passkeys/{passkey}"): AccessNeed.OWN,
         ("DELETE", "/api/me/passkeys/{passkey}"): AccessNeed.OWN,
         ("GET", "/api/me/tokens"): AccessNeed.OWN,
         # A token must not outlive itself by making another.
@@ -101,6 +110,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("DELETE", "/api/people/{person}"): AccessNeed.ADMIN,
         ("DELETE", "/api/people/{person}/sessions"): AccessNeed.ADMIN,
         ("DELETE", "/api/people/{person}/factor"): AccessNeed.ADMIN,
+        ("DELETE", "/api/people/{person}/oidc"): AccessNeed.ADMIN,
         ("GET", "/api/displays"): AccessNeed.ADMIN,
         ("POST", "/api/displays"): AccessNeed.ADMIN,
         ("DELETE", "/api/displays/{display}"): AccessNeed.ADMIN,

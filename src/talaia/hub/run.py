@@ -344,6 +344,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         audit_syslog=options.audit_syslog,
         audit_mail=options.audit_mail or "",
         audit_mail_s=options.audit_mail_hours * 3600.0,
+        audit_hub=options.audit_hub,
         simulated_sites=tuple(options.simulated_site),
     )
 

@@ -48,6 +48,7 @@ class Settings:
         audit_syslog: heads go to the machine's log, too.
         audit_mail: heads are mailed to this address, too; empty: to none.
         audit_mail_s: at most one such mail in this time (s).
+        audit_hub: file that names another hub that keeps heads, too; none: none does.
         simulated_sites: short names of sites that are simulators; they have nights in minutes.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
@@ -90,6 +91,7 @@ class Settings:
     audit_syslog: bool = False
     audit_mail: str = ""
     audit_mail_s: float = 86_400.0
+    audit_hub: Path | None = None
     simulated_sites: tuple[str, ...] = ()
     password_cost: int = 12
     idle_s: float = 12 * 3600.0

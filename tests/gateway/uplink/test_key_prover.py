@@ -18,7 +18,16 @@ from talaia.gateway.uplink.connection import HubLink
 from talaia.gateway.uplink.key_prover import RESUME_FILE, KeyProver
 from talaia.gateway.uplink.send_lanes import SendLanes
 from talaia.gateway.uplink.tls import HubTrust
-from talaia.wire.frames import Beat, BeatReply, Hello, ResumeSaved, StopRequest, Welcome
+from talaia.wire.frames import (
+    Beat,
+    BeatReply,
+    ControlTick,
+    Hello,
+    ResumeSaved,
+    StopRequest,
+    StopState,
+    Welcome,
+)
 from talaia.wire.gateway_proof import ResumeToken, read_proof, resume_answer
 
 if TYPE_CHECKING:
@@ -105,6 +114,7 @@ class Heard:
     def __init__(self) -> None:  # noqa: D107
         self.linked = asyncio.Event()
         self.messages: list[object] = []
+        self.lanes: SendLanes | None = None
 
     def link_up(self, _welcome: Welcome) -> None:
         self.linked.set()
@@ -114,12 +124,16 @@ class Heard:
 
     def handle(self, message: object) -> None:
         self.messages.append(message)
+        # As a device that is driven does, each time: the press is repeated.
+        if isinstance(message, StopRequest) and self.lanes is not None:
+            self.lanes.send(StopState(device=message.device, latched=True, id=message.id))
 
 
 async def test_a_gateway_that_waits_acts_on_stop_alone_and_is_linked_when_its_turn_comes(
     tmp_path: Path,
 ) -> None:
     wake, heard = asyncio.Event(), Heard()
+    heard.lanes = lanes = SendLanes(wake.set)
     async with fake_hub(addresses_of) as hub:
         hub.holds = True
         settings = GatewaySettings(
@@ -130,7 +144,7 @@ async def test_a_gateway_that_waits_acts_on_stop_alone_and_is_linked_when_its_tu
             trust=HubTrust(settings.hub),
             prover=prover_of(tmp_path, hub.key),
             clock=SystemClock(),
-            lanes=SendLanes(wake.set),
+            lanes=lanes,
             wake=wake,
             handler=heard,
         )
@@ -144,9 +158,17 @@ async def test_a_gateway_that_waits_acts_on_stop_alone_and_is_linked_when_its_tu
         await hub.next(BeatReply)
         stop = StopRequest(device="hut", id="s1", who="anna")
         await hub.send(stop)
+        await hub.send(stop)
+        assert (await hub.next(StopState)).latched
+        # That it stands still is told with the next beat, and nothing else is sent.
+        lanes.send(StopState(device="hut", latched=True, confirmed=True, id="s1"))
+        lanes.send(ControlTick(tick=1))
         await hub.send(Beat(n=2, mono_us=2))
         await hub.next(BeatReply)
-        assert (heard.messages, heard.linked.is_set()) == ([stop], False)
+        # The press came twice and is answered once.
+        assert (await hub.next(StopState)).confirmed
+        assert hub.tick == -1
+        assert (heard.messages, heard.linked.is_set()) == ([stop, stop], False)
         await hub.send(Welcome())
         async with asyncio.timeout(PATIENCE_S):
             await heard.linked.wait()

@@ -167,3 +167,38 @@ def test_command_line_says_whether_the_log_is_as_it_was(settings, tmp_path, caps
     asyncio.run(forge())
     assert verify_from_command_line(asked) == 1
     assert "not the one that was signed" in capsys.readouterr().out
+
+
+async def test_target_that_is_away_is_told_once_gone_and_once_back_and_keeps_heads_from_no_other(
+    database, tmp_path, caplog
+) -> None:
+    log = Audit(database, HandClock())
+    mounted = tmp_path / "mounted"
+    files = [mounted / "heads.log", tmp_path / "other.log"]
+    heads = AuditHeads(audit=log, key=KEY, files=files, syslog=False, clock=HandClock())
+    writing = asyncio.create_task(log.run())
+
+    async def send(kind: str) -> None:
+        log.append_record(kind)
+        await log.wait_written()
+        await heads.send_head()
+        await log.wait_written()
+
+    for hour in range(3):
+        await send(f"hour {hour}")
+    mounted.mkdir()
+    # Nothing new has happened: it goes where it has not gone yet, and nowhere twice.
+    await heads.send_head()
+    await heads.send_head()
+    await log.wait_written()
+    lines = files[1].read_text().splitlines()
+    assert len(lines) == len(set(lines)) >= 3
+    rows, _ = await log.find_records(AuditFilter(kind="heads "), 10)
+    assert [(row.entry.kind, row.entry.good) for row in rows] == [
+        ("heads sent again", True),
+        ("heads not sent", False),
+    ]
+    told = [each.levelname for each in caplog.records if "heads of the audit log" in each.message]
+    assert told == ["ERROR", "WARNING"]
+    log.stop()
+    await writing

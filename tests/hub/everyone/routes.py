@@ -12,6 +12,7 @@ import pyotp
 from talaia.hub.auth.passkey_ceremony import RegisteredPasskey
 from talaia.hub.policy import AccessNeed
 from talaia.hub.store.accounts.passkeys import Passkeys
+from talaia.hub.store.witnessed_hubs import WitnessedHubs
 from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
@@ -151,6 +152,13 @@ async def _open_display(world: World, _client: httpx.AsyncClient, _about: str) -
     return Ask(json={"token": token}, done=(204,))
 
 
+async def _other_hub(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    core = world.hub.hub.core
+    made = await WitnessedHubs(core.database, core.clock).add_hub("Other", 30)
+    assert made is not None
+    return Ask({"hub": str(made[0])}, done=(200, 204))
+
+
 async def _passkey(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     core = world.hub.hub.core
     person = int(await world.person())
@@ -163,6 +171,11 @@ async def _passkey(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     key = RegisteredPasskey(f"key {next(_NUMBERS)}", "", 0)
     made, _ = await Passkeys(core.database, core.clock).add_passkey(person, "key", "hub", key)
     return Ask({"passkey": str(made)}, done=(204,))
+
+
+async def _no_passkey(_world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    # One that stays would be asked for at each sign-in that follows.
+    return Ask({"passkey": "0"}, json={"name": "another"}, done=(404,))
 
 
 async def _confirm(_world: World, client: httpx.AsyncClient, _about: str) -> Ask:
@@ -640,7 +653,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ),
     ("POST", "/api/me/passkeys/options"): Recipe(plain(json={}, done=(409,))),
     ("POST", "/api/me/passkeys/challenge"): Recipe(plain(json={}, done=(409,))),
+    ("PATCH", "/api/me/passkeys/{passkey}"): Recipe(_no_passkey),
     ("DELETE", "/api/me/passkeys/{passkey}"): Recipe(_passkey, OWN_AND_FOREIGN, _own),
+    ("GET", "/api/me/oidc"): Recipe(plain()),
+    ("DELETE", "/api/me/oidc"): Recipe(plain(done=(409,))),
     ("GET", "/api/me/tokens"): Recipe(plain()),
     ("POST", "/api/me/tokens"): Recipe(plain(json={**TOKEN, "permissions": []})),
     ("DELETE", "/api/me/tokens/{token}"): Recipe(_token, OWN_AND_FOREIGN, _own),
@@ -655,6 +671,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/people/{person}/sessions"): _of_person(done=(204,)),
     # The person has none, which only those are told who may take it away.
     ("DELETE", "/api/people/{person}/factor"): _of_person(done=(409,)),
+    ("DELETE", "/api/people/{person}/oidc"): _of_person(done=(409,)),
     ("GET", "/api/roles"): Recipe(plain()),
     ("GET", "/api/extensions"): Recipe(plain()),
     ("GET", "/api/tiles"): Recipe(plain()),
@@ -708,6 +725,14 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/audit"): Recipe(plain()),
     ("GET", "/api/audit/export"): Recipe(plain()),
     ("GET", "/api/audit/verify"): Recipe(plain()),
+    ("GET", "/api/audit/hubs"): Recipe(plain()),
+    ("POST", "/api/audit/hubs"): Recipe(plain(json={"name": "Other"})),
+    ("DELETE", "/api/audit/hubs/{hub}"): Recipe(_other_hub),
+    ("GET", "/api/audit/hubs/{hub}/heads"): Recipe(_other_hub),
+    # What a real token is good for is tried elsewhere; whoever has none is refused by it alone.
+    ("POST", "/api/heads"): Recipe(
+        plain(json={"token": "-", "key": "A" * 43 + "=", "lines": []}, done=(401,))
+    ),
     # The pages themselves; 503 where they are not built.
     ("GET", "/{path:path}"): Recipe(plain(params={"path:path": "home"}, done=(200, 503))),
 }

@@ -79,8 +79,11 @@ async def test_passkey_that_a_role_requires_is_made_and_then_signs_in_without_a_
     await page.wait_for_url("**/home")
     await page.goto(f"{named_hub.origin}/account")
     await expect(page.get_by_text("My phone")).to_be_visible()
+    await page.get_by_role("button", name="Rename the passkey My phone").click()
+    await page.get_by_label("New name of the passkey").fill("Old phone")
+    await page.keyboard.press("Enter")
     # The last one stays while the role requires it.
-    await page.get_by_role("button", name="Remove the passkey My phone").click()
+    await page.get_by_role("button", name="Remove the passkey Old phone").click()
     await expect(page.get_by_text("Your role requires a second factor")).to_be_visible()
     assert page.errors == []
 

@@ -142,6 +142,18 @@ export interface GapShape {
   readonly reason: string;
 }
 
+/** Leave heads here: the hub's token, its public key, and lines as they are in its file. */
+export interface HeadsAsk {
+  readonly token: string;
+  readonly key: string;
+  readonly lines: readonly string[];
+}
+
+/** They are kept, or were before. */
+export interface HeadsKept {
+  readonly kept: number;
+}
+
 /** The hub answers. */
 export interface Health {
   readonly ok: boolean;
@@ -171,6 +183,12 @@ export interface Me {
   readonly idle_ends_us: number;
   readonly ends_us: number;
   readonly permissions: readonly PermissionShape[];
+}
+
+/** The token, shown this once; it goes into the file that the other hub's token_file names. */
+export interface NewWitnessedHub {
+  readonly id: string;
+  readonly token: string;
 }
 
 /** A right (view, use, tap or admin) on a site and a device; ``*`` stands for each of them. */
@@ -265,6 +283,31 @@ export interface StreamShape {
   readonly detect?: DetectShape | null;
 }
 
+/** Let another hub leave its heads here; each is kept for so many days. */
+export interface WitnessedHubAsk {
+  readonly name: string;
+  readonly keep_days?: number;
+}
+
+/** All of them, the newest first. */
+export interface WitnessedHubList {
+  readonly hubs: readonly WitnessedHubShape[];
+}
+
+/** Another hub that leaves signed heads of its audit log here. Times in µs (UTC), 0: never. */
+export interface WitnessedHubShape {
+  readonly id: string;
+  readonly name: string;
+  readonly key: string;
+  readonly keep_days: number;
+  readonly created_us: number;
+  readonly heard_us: number;
+  readonly heads: number;
+  readonly row: number;
+  readonly time_us: number;
+  readonly problem: string;
+}
+
 /** A code from the authenticator. */
 export interface CodeOnly {
   readonly code: string;
@@ -353,6 +396,11 @@ export interface OidcAnswer {
   readonly error?: string;
 }
 
+/** Whether the provider signs you in. */
+export interface OidcConnection {
+  readonly connected: boolean;
+}
+
 /** What was done, ``sign_in``, ``confirm`` or ``connect``, and the page that was asked for. */
 export interface OidcDone {
   readonly purpose: string;
@@ -391,6 +439,11 @@ export interface PasskeyList {
   readonly passkeys: readonly PasskeyShape[];
   readonly codes: boolean;
   readonly possible: boolean;
+}
+
+/** Call a passkey of yours otherwise. */
+export interface PasskeyName {
+  readonly name: string;
 }
 
 /** What the browser's ``navigator.credentials`` takes (WebAuthn, level 3, as JSON). */
@@ -458,6 +511,7 @@ export interface PersonShape {
   readonly created_us: number;
   readonly used_us: number;
   readonly sessions: number;
+  readonly provider: boolean;
 }
 
 /** Each opens once in place of a code. They are shown this once. */

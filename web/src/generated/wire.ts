@@ -213,6 +213,17 @@ export interface StopUpdate {
   readonly site: string;
 }
 
+/** How far a STOP got at other gateways with the key of the one that is linked, which wait. */
+export interface HeldStopUpdate {
+  readonly t: "held_stop_news";
+  readonly site: string;
+  readonly device: string;
+  readonly id: string;
+  readonly held: number;
+  readonly latched: number;
+  readonly confirmed: number;
+}
+
 /** The token for the second step of a reset, or why there is none. */
 export interface ResetTokenUpdate {
   readonly t: "reset_key";
@@ -495,6 +506,7 @@ export type ToBrowser =
   | TickUpdate
   | DriveUpdate
   | StopUpdate
+  | HeldStopUpdate
   | ResetTokenUpdate
   | CommandUpdate
   | InterlockUpdate
@@ -541,6 +553,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "tick",
   "drive_news",
   "stop_news",
+  "held_stop_news",
   "reset_key",
   "command_news",
   "interlock_news",
@@ -593,6 +606,7 @@ export const DEFAULTS = {
   tick: {},
   drive_news: { loop_ms: 0.0, accepted: 0, refused: 0, why: "", sent: "" },
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
+  held_stop_news: { id: "", held: 0, latched: 0, confirmed: 0 },
   reset_key: { token: "", refused: "" },
   command_news: { message: "", progress: 0.0, who: "", blocked_by: "", acting: "", acting_s: 0.0 },
   interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0, condition: "", no_override: "", unknown: [] },

@@ -3,7 +3,7 @@
  * and at each change; a page that is opened later must not begin without it.
  */
 
-import type { LeaseUpdate, StopUpdate } from "../generated/wire.js";
+import type { HeldStopUpdate, LeaseUpdate, StopUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 
 type RobotStateLine = Pick<Connection, "onMessage" | "onState">;
@@ -11,11 +11,13 @@ type RobotStateLine = Pick<Connection, "onMessage" | "onState">;
 export class RobotState {
   private readonly leases = new Map<string, LeaseUpdate>();
   private readonly stops = new Map<string, StopUpdate>();
+  private readonly heldStops = new Map<string, HeldStopUpdate>();
 
   /** Listens for as long as the connection lives. */
   constructor(line: RobotStateLine) {
     line.onMessage("lease_news", (news) => this.leases.set(deviceKey(news.site, news.device), news));
     line.onMessage("stop_news", (news) => this.stops.set(deviceKey(news.site, news.device), news));
+    line.onMessage("held_stop_news", (news) => this.heldStops.set(deviceKey(news.site, news.device), news));
     line.onMessage("site", (news) => {
       if (!news.online) this.removeSite(news.site);
     });
@@ -23,6 +25,7 @@ export class RobotState {
       if (state === "open") return;
       this.leases.clear();
       this.stops.clear();
+      this.heldStops.clear();
     });
   }
 
@@ -39,8 +42,13 @@ export class RobotState {
     return this.stops.get(deviceKey(site, device));
   }
 
+  /** At gateways that wait while another one with their key is linked. */
+  heldStopOf(site: string, device: string): HeldStopUpdate | undefined {
+    return this.heldStops.get(deviceKey(site, device));
+  }
+
   private removeSite(site: string): void {
-    for (const known of [this.leases, this.stops]) {
+    for (const known of [this.leases, this.stops, this.heldStops]) {
       for (const [id, news] of known) if (news.site === site) known.delete(id);
     }
   }

@@ -1,6 +1,6 @@
 /** What a person may ask of the hub about their own account. */
 
-import type { FactorOffer, NewToken, PasskeyAdded, PasskeyList, PasskeyOptions, PermissionShape, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
+import type { FactorOffer, NewToken, OidcConnection, PasskeyAdded, PasskeyList, PasskeyOptions, PermissionShape, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 import { createPasskey, usePasskey } from "./passkeys.js";
 
@@ -58,6 +58,20 @@ export class AccountApi {
     const { options } = await this.hub.request<PasskeyOptions>("POST", "/api/me/passkeys/options", {});
     const credential = await createPasskey(options);
     return (await this.hub.request<PasskeyAdded>("POST", "/api/me/passkeys", { name, credential })).recovery;
+  }
+
+  async renamePasskey(passkey: string, name: string): Promise<void> {
+    await this.hub.request("PATCH", `/api/me/passkeys/${encodeURIComponent(passkey)}`, { name });
+  }
+
+  /** Whether the provider signs this person in. */
+  async isConnected(): Promise<boolean> {
+    return (await this.hub.request<OidcConnection>("GET", "/api/me/oidc")).connected;
+  }
+
+  /** The provider signs this person in no more, and their other sessions end. */
+  async disconnect(): Promise<void> {
+    await this.hub.request("DELETE", "/api/me/oidc");
   }
 
   async removePasskey(passkey: string): Promise<void> {

@@ -1,6 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, NewDisplay, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape } from "../generated/api.js";
+import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, NewDisplay, NewWitnessedHub, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape, WitnessedHubList, WitnessedHubShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -43,6 +43,24 @@ export class AdminApi {
 
   async removeFactor(person: string): Promise<void> {
     await this.hub.request("DELETE", itemUrl("people", person, "/factor"));
+  }
+
+  /** The provider signs them in no more; they have a password. */
+  async disconnectPerson(person: string): Promise<void> {
+    await this.hub.request("DELETE", itemUrl("people", person, "/oidc"));
+  }
+
+  /** Other hubs that leave signed heads of their audit logs here. */
+  async witnessedHubs(): Promise<readonly WitnessedHubShape[]> {
+    return (await this.hub.request<WitnessedHubList>("GET", "/api/audit/hubs")).hubs;
+  }
+
+  addWitnessedHub(name: string, keepDays: number): Promise<NewWitnessedHub> {
+    return this.hub.request("POST", "/api/audit/hubs", { name, keep_days: keepDays });
+  }
+
+  async removeWitnessedHub(hub: string): Promise<void> {
+    await this.hub.request("DELETE", itemUrl("audit/hubs", hub));
   }
 
   async roles(): Promise<readonly RoleShape[]> {

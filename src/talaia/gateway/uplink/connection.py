@@ -33,6 +33,7 @@ from talaia.wire.frames import (
     Hello,
     LinkHeld,
     StopRequest,
+    StopState,
     Welcome,
 )
 from talaia.wire.message import PROTOCOL, is_compatible
@@ -277,20 +278,38 @@ class HubLink:
         """Wait while another gateway has our place; STOP is acted on, and nothing else."""
         # Of its own: what was asked before we waited counts no more.
         beats = HeartbeatMonitor(self._clock.monotonic_ns())
-        while True:
-            async with asyncio.timeout(beats.MISSED * beats.PERIOD_S):
-                message = LINK_FROM_HUB.decode(await socket.recv())
-            match message:
-                case Beat():
-                    reply = reply_to(message, self._clock.monotonic_ns())
-                    await socket.send(LINK_FROM_GATEWAY.encode(reply))
-                case StopRequest():
-                    self._handler.handle(message)
-                case LinkHeld():
-                    # Another one was quicker to the place.
-                    pass
-                case _:
+        # Said once each: a press is repeated, and who waits may say little.
+        sent: dict[str, StopState] = {}
+        self._lanes.held_stops = {}
+        try:
+            while True:
+                async with asyncio.timeout(beats.MISSED * beats.PERIOD_S):
+                    message = LINK_FROM_HUB.decode(await socket.recv())
+                if not await self._handle_held(socket, message):
                     return message
+                # Of a press at once, and that the robot stands still with the next beat.
+                for device, state in self._lanes.held_stops.items():
+                    if sent.get(device) != state:
+                        await socket.send(LINK_FROM_GATEWAY.encode(state))
+                sent |= self._lanes.held_stops
+                self._lanes.held_stops.clear()
+        finally:
+            self._lanes.held_stops = None
+
+    async def _handle_held(self, socket: ClientConnection, message: FromHub) -> bool:
+        """Act on a message that comes while we wait; False: the wait is over by it."""
+        match message:
+            case Beat():
+                reply = reply_to(message, self._clock.monotonic_ns())
+                await socket.send(LINK_FROM_GATEWAY.encode(reply))
+            case StopRequest():
+                self._handler.handle(message)
+            case LinkHeld():
+                # Another one was quicker to the place.
+                pass
+            case _:
+                return False
+        return True
 
     def _check(self, welcome: FromHub) -> None:
         # A hub that refuses says so in the first frame.

@@ -112,6 +112,8 @@ class SendLanes:
         self._live_bytes = 0
         # Without a link only COMMANDS is filled: state is told anew, samples are in the spool.
         self.linked = False
+        # While another gateway has our place: how STOP stands on each device, until it is sent.
+        self.held_stops: dict[str, StopState] | None = None
         # Facts that were lost to a link that stayed away for too long.
         self.dropped_events = 0
         # Samples that were dropped from LIVE (first, below), until `CatchUp` sends them.
@@ -130,6 +132,8 @@ class SendLanes:
                 lane.popleft()
                 self.dropped_events += 1
         elif not self.linked:
+            if self.held_stops is not None and isinstance(message, StopState):
+                self.held_stops[message.device] = message
             return
         elif isinstance(message, _CONTROL):
             lane = self._lanes[SendPriority.CONTROL]

@@ -5,13 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.audit import AuditPages
+from talaia.hub.api.records.witnessed_hubs import WitnessedHubPages
 from talaia.hub.auth.audit_heads import head_key
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.notify.audit_heads import HEADS_FILE, AuditHeads, read_heads
+from talaia.hub.notify.audit_hub import HeadForwarder
+from talaia.hub.notify.audit_hub_settings import read_audit_hub_settings
 from talaia.hub.notify.audit_mail import HeadMails
 from talaia.hub.notify.senders import Sender
 from talaia.hub.store.alarms.notification_channels import NotifyStore
 from talaia.hub.store.audit import Audit
+from talaia.hub.store.witnessed_hubs import WitnessedHubs
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -26,6 +30,7 @@ class AuditFeature(Feature):
         log: what other features write to.
         heads: sends signed heads out; None before it is open.
         mails: mails them; None before it is open, and where no address is named.
+        forwarder: sends them to another hub; None before it is open, and where none is named.
 
     """
 
@@ -37,7 +42,12 @@ class AuditFeature(Feature):
         self.log = Audit(core.database, core.clock)
         self.heads: AuditHeads | None = None
         self.mails: HeadMails | None = None
-        self.routers = [AuditPages(self.log, self._read_heads).make_router()]
+        witnessed = WitnessedHubs(core.database, core.clock)
+        self.routers = [
+            WitnessedHubPages(hubs=witnessed, audit=self.log, clock=core.clock).make_router(),
+            AuditPages(self.log, self._read_heads).make_router(),
+        ]
+        self.forwarder: HeadForwarder | None = None
         # Rows are chained, so one task writes them, one after the other.
         self.tasks = [
             BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing),
@@ -46,6 +56,8 @@ class AuditFeature(Feature):
         if core.settings.audit_mail:
             # Cancelled at the end: a mail server that hangs must not hold the hub's end up.
             self.tasks.append(BackgroundTask(name="mail heads", run=self._mail_heads))
+        if core.settings.audit_hub:
+            self.tasks.append(BackgroundTask(name="forward heads", run=self._forward_heads))
 
     async def open(self) -> None:
         """Read the key that signs heads.
@@ -75,6 +87,15 @@ class AuditFeature(Feature):
                 clock=self._core.clock,
             )
 
+        if settings.audit_hub:
+            self.forwarder = HeadForwarder(
+                folder=settings.data,
+                settings=read_audit_hub_settings(settings.audit_hub),
+                public=key.public,
+                audit=self.log,
+                clock=self._core.clock,
+            )
+
     async def _write_records(self) -> None:
         self.log.append_record("hub started")
         await self.log.run()
@@ -92,6 +113,10 @@ class AuditFeature(Feature):
     async def _mail_heads(self) -> None:
         if self.mails is not None:
             await self.mails.run()
+
+    async def _forward_heads(self) -> None:
+        if self.forwarder is not None:
+            await self.forwarder.run()
 
     def _stop_sending(self) -> None:
         if self.heads is not None:

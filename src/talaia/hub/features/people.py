@@ -111,13 +111,7 @@ class PeopleFeature(Feature):
         answers, passkey_pages = self._build_passkeys(core, sessions, factors, audit)
         roster = AccountList(database, self.sessions)
         others = (
-            OidcPages(
-                signing=self._build_oidc(core, roster, audit),
-                access=self.access,
-                sessions=sessions,
-                clock=clock,
-                audit=audit,
-            ),
+            self._build_oidc_pages(core, sessions, roster, audit),
             TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
             self._build_displays(core, audit),
             RolePages(roles=Roles(database), seats=self.seats, audit=audit),
@@ -187,6 +181,19 @@ class PeopleFeature(Feature):
             sites=core.sites,
             audit=audit,
             clock=core.clock,
+        )
+
+    def _build_oidc_pages(
+        self, core: Core, sessions: BrowserSessions, roster: AccountList, audit: Audit
+    ) -> OidcPages:
+        return OidcPages(
+            signing=self._build_oidc(core, roster, audit),
+            access=self.access,
+            sessions=sessions,
+            identities=Identities(core.database, core.clock),
+            roster=roster,
+            clock=core.clock,
+            audit=audit,
         )
 
     def _build_oidc(self, core: Core, roster: AccountList, audit: Audit) -> OidcSignIn | None:

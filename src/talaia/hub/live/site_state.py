@@ -148,6 +148,9 @@ class HeldGateway:
         since_us: when it began to wait (UTC).
         turn: set when it may ask for the place again.
         frames: how many it has sent since the last beat.
+        pressed: the newest STOP that was sent to it, by device.
+        stops: how it says that STOP stands, by device; only of devices in ``pressed``.
+        written: how far of that press the audit log says: 1 latched, 2 confirmed.
 
     """
 
@@ -158,6 +161,9 @@ class HeldGateway:
     since_us: int
     turn: asyncio.Event = field(default_factory=asyncio.Event)
     frames: int = 0
+    pressed: dict[str, str] = field(default_factory=dict)
+    stops: dict[str, StopState] = field(default_factory=dict)
+    written: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(slots=True)

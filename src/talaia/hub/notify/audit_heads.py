@@ -11,13 +11,14 @@ import logging
 import os
 import socket
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.hub.auth.audit_heads import AuditHead, read_head
 from talaia.hub.errors import StoreDown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from pathlib import Path
 
     from talaia.clock import Clock
@@ -57,7 +58,12 @@ class AuditHeads:
         self._syslog = syslog
         self._clock = clock
         self._every_s = every_s
-        self._last = (0, 0)
+        # By where it goes: row and lost notes of what is there already.
+        self._sent: dict[str, tuple[int, int]] = {}
+        # Where it does not go just now; told once, and once that it does again.
+        self._failing: set[str] = set()
+        # The database did not answer the last time.
+        self._away = False
         self._stopping = asyncio.Event()
 
     async def run(self) -> None:
@@ -78,30 +84,58 @@ class AuditHeads:
         self._stopping.set()
 
     async def send_head(self) -> AuditHead | None:
-        """Say what the newest row is; None where it was said already, or there is none.
+        """Say what the newest row is, wherever it was not said yet; None: it was, or there is none.
+
+        Where it cannot be said is told once, in the log and the audit log, and does not keep it
+        from the others.
 
         Raises:
             StoreDown: nobody knows it now.
-            OSError: it cannot be written.
 
         """
         row, said_hash = await self._audit.read_head()
-        if not row or (row, self._audit.lost) == self._last:
-            return None
-        head = AuditHead(row, said_hash, self._clock.wall_ns() // 1000, self._audit.lost)
-        line = self._key.sign_head(head)
-        for file in self._files:
-            await asyncio.to_thread(_append_line, file, line)
+        lost = self._audit.lost
+        targets: list[tuple[str, Callable[[str], None]]] = [
+            (str(file), partial(_append_line, file)) for file in self._files
+        ]
         if self._syslog:
-            await asyncio.to_thread(_send_syslog, line)
-        self._last = (row, self._audit.lost)
+            targets.append(("the machine's log", _send_syslog))
+        waiting = [target for target in targets if self._sent.get(target[0]) != (row, lost)]
+        if not row or not waiting:
+            return None
+        head = AuditHead(row, said_hash, self._clock.wall_ns() // 1000, lost)
+        line = self._key.sign_head(head)
+        for name, write in waiting:
+            try:
+                await asyncio.to_thread(write, line)
+            except OSError as error:
+                self._tell_problem(name, error.strerror or str(error))
+            else:
+                self._sent[name] = (row, lost)
+                self._tell_problem(name, "")
         return head
+
+    def _tell_problem(self, name: str, problem: str) -> None:
+        """Tell that heads do not go somewhere, or do again; each once."""
+        if problem and name not in self._failing:
+            self._failing.add(name)
+            _LOG.error("heads of the audit log do not go to %s: %s", name, problem)
+            self._audit.append_record("heads not sent", message=f"{name}: {problem}", good=False)
+        elif not problem and name in self._failing:
+            self._failing.discard(name)
+            _LOG.warning("heads of the audit log go to %s again", name)
+            self._audit.append_record("heads sent again", message=name)
 
     async def _try_sending(self) -> None:
         try:
             await self.send_head()
-        except (StoreDown, OSError) as error:
-            _LOG.error("the head of the audit log could not be sent out: %s", error)
+        except StoreDown as error:
+            # Told once: `Audit` itself says when the database is there again.
+            if not self._away:
+                _LOG.error("the head of the audit log is not known now: %s", error)
+            self._away = True
+        else:
+            self._away = False
 
 
 def read_heads(lines: Iterable[str], public: str) -> dict[int, str]:

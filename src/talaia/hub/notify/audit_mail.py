@@ -7,18 +7,17 @@ a restart loses none and sends no mail before its time.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import datetime as dt
 import logging
-import os
 import socket
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from talaia.hub.auth.audit_heads import key_name
 from talaia.hub.errors import StoreDown
 from talaia.hub.notify.audit_heads import HEADS_FILE
+from talaia.hub.notify.head_file import HeadPiece, read_head_piece, write_note
 from talaia.hub.notify.message import AlarmMessage
 from talaia.hub.notify.senders import Outcome
 from talaia.hub.store.alarms.notification_channels import WayKind
@@ -48,14 +47,6 @@ class _Mailed(msgspec.Struct, frozen=True):
     target: str = ""
     at: int = 0
     time_us: int = 0
-
-
-class _Piece(NamedTuple):
-    """Whole lines of the file, from byte ``start`` to byte ``end``."""
-
-    start: int
-    end: int
-    text: str
 
 
 class HeadMails:
@@ -114,7 +105,9 @@ class HeadMails:
         # A clock that was set back must not hold mails up for as long as it was set.
         if 0 <= now_us - mailed.time_us < self._every_us:
             return None
-        piece = await asyncio.to_thread(_read_piece, self._folder / HEADS_FILE, mailed.at)
+        piece = await asyncio.to_thread(
+            read_head_piece, self._folder / HEADS_FILE, mailed.at, _MOST_BYTES
+        )
         if piece is None:
             return None
         found = await self._find_way()
@@ -148,7 +141,7 @@ class HeadMails:
         ways = [way.id for way in await self._store.list_ways() if way.kind is WayKind.MAIL]
         return await self._store.find_way(min(ways)) if ways else None
 
-    def _compose_mail(self, piece: _Piece) -> AlarmMessage:
+    def _compose_mail(self, piece: HeadPiece) -> AlarmMessage:
         host = socket.gethostname()
         body = (
             f"Attached are signed heads of the audit log of the Talaia hub on {host}.\n"
@@ -180,29 +173,7 @@ class HeadMails:
         return found if found.target == self._target else fresh
 
     def _write_mailed(self, mailed: _Mailed) -> None:
-        path = self._folder / MAILED_FILE
-        # Aside and renamed: after a power cut there is the old one or the new one, whole.
-        fresh = path.with_name(f"{path.name}.new")
-        with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
-            file.write(msgspec.json.encode(mailed))
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
-
-
-def _read_piece(path: Path, start: int) -> _Piece | None:
-    """Read whole lines from a byte on; None where there is none."""
-    with contextlib.suppress(FileNotFoundError), path.open("rb") as file:
-        # Shorter than it was: of a restored backup, so all of it is new.
-        if file.seek(0, os.SEEK_END) < start:
-            start = 0
-        file.seek(start)
-        said = file.read(_MOST_BYTES)
-        # The last line may be just being written.
-        whole = said[: said.rfind(b"\n") + 1]
-        if whole:
-            return _Piece(start, start + len(whole), whole.decode("utf-8", "replace"))
-    return None
+        write_note(self._folder / MAILED_FILE, msgspec.json.encode(mailed))
 
 
 def _utc_time(time_us: int) -> dt.datetime:

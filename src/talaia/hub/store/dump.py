@@ -12,6 +12,7 @@ from talaia.hub.store import (
     alert_notice_tables as _alert_notice_tables,
     history_tables as _history_tables,
     observing_tables as _observing_tables,
+    witness_tables as _witness_tables,
 )
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
@@ -26,7 +27,7 @@ __all__ = ["VERSION_TABLE", "copy_tables", "open_plain"]
 
 # Rows at a time: those of blocks are large.
 _AT_ONCE = 200
-_ = (_alarm_tables, _alert_notice_tables, _history_tables, _observing_tables)
+_ = (_alarm_tables, _alert_notice_tables, _history_tables, _observing_tables, _witness_tables)
 VERSION_TABLE = Table(
     "alembic_version", MetaData(), Column("version_num", String(32), primary_key=True)
 )

@@ -35,6 +35,7 @@ from talaia.wire.browser_messages.updates import (
     DriveUpdate,
     EventUpdate,
     Greeting,
+    HeldStopUpdate,
     InterlockUpdate,
     LeaseUpdate,
     PagePong,
@@ -90,6 +91,7 @@ ToBrowser = (
     | TickUpdate
     | DriveUpdate
     | StopUpdate
+    | HeldStopUpdate
     | ResetTokenUpdate
     | CommandUpdate
     | InterlockUpdate

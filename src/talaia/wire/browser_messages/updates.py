@@ -38,6 +38,7 @@ __all__ = [
     "DriveUpdate",
     "EventUpdate",
     "Greeting",
+    "HeldStopUpdate",
     "InterlockUpdate",
     "LeaseUpdate",
     "PagePong",
@@ -154,6 +155,27 @@ class StopUpdate(StopFields, DeviceMessage, frozen=True, kw_only=True, tag="stop
     """STOP (software): see `frames.StopState`."""
 
     site: Word
+
+
+class HeldStopUpdate(DeviceMessage, frozen=True, kw_only=True, tag="held_stop_news"):
+    """How far a STOP got at other gateways with the key of the one that is linked, which wait.
+
+    What they say is their own word: one of them may be a thief.
+
+    Attributes:
+        id: of the newest press that was sent to them.
+        held: how many wait and were sent it; 0: none does any more.
+        latched: how many of them say that it is latched.
+        confirmed: how many say that the robot stands still.
+
+    """
+
+    site: Word
+    device: Word
+    id: Word = ""
+    held: Count = 0
+    latched: Count = 0
+    confirmed: Count = 0
 
 
 class ResetTokenUpdate(DeviceMessage, frozen=True, kw_only=True, tag="reset_key"):

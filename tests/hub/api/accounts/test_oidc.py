@@ -246,6 +246,62 @@ async def test_person_without_a_password_confirms_by_a_fresh_sign_in_of_their_ow
         assert await come_back() == (200, "done")
 
 
+async def test_a_sign_in_of_long_ago_there_or_of_no_time_confirms_nothing_but_a_new_account(
+    start, provider
+) -> None:
+    provider.claims["groups"] = ["chiefs"]
+    async with start() as hub:
+        await hub.populate()
+        person = {"name": "eve", "password": "three unrelated words", "role": "guest"}
+        provider.lies = {"auth_time": None}
+        # New: nobody can have left anything of it open.
+        client, _ = await sign_in(hub, provider)
+        assert (await client.post("/api/people", json=person)).status_code == 200
+        for lies in ({"auth_time": None}, {"auth_time": 1}):
+            provider.lies = lies
+            client, _ = await sign_in(hub, provider)
+            asked = await client.post("/api/people", json={**person, "name": "eva"})
+            assert await code_of(asked) == (403, "confirm"), lies
+        provider.lies = {}
+        client, _ = await sign_in(hub, provider)
+        asked = await client.post("/api/people", json={**person, "name": "eva"})
+        assert asked.status_code == 200
+
+
+async def test_an_account_is_disconnected_by_its_person_or_an_admin_and_never_left_without_a_way_in(
+    start, provider
+) -> None:
+    async with start() as hub:
+        await hub.populate()
+        admin = await hub.client("admin")
+        operator, elsewhere = await hub.client("operator"), await hub.client("operator")
+        assert await code_of(await operator.delete("/api/me/oidc")) == (409, "missing")
+        await finish(operator, provider.sign_in(await begin(operator, "/api/me/oidc/connect")))
+        assert (await operator.get("/api/me/oidc")).json() == {"connected": True}
+        # A page that was left open takes nothing away.
+        hub.hub.people.sessions._confirmations._given.clear()
+        assert await code_of(await operator.delete("/api/me/oidc")) == (403, "confirm")
+        await operator.post("/api/me/confirm", json={"password": PASSWORD})
+        assert (await operator.delete("/api/me/oidc")).status_code == 204
+        assert (await operator.get("/api/me/oidc")).json() == {"connected": False}
+        assert (await elsewhere.get("/api/me")).status_code == 401
+        # The same subject is somebody new now.
+        client, _ = await sign_in(hub, provider)
+        people = {each["name"]: each for each in (await admin.get("/api/people")).json()["people"]}
+        assert (people["ada"]["provider"], people["operator"]["provider"]) == (True, False)
+        assert await code_of(await client.delete("/api/me/oidc")) == (409, "no_password")
+        path = f"/api/people/{people['ada']['id']}"
+        assert await code_of(await admin.delete(f"{path}/oidc")) == (409, "no_password")
+        await admin.post("/api/me/confirm", json={"password": PASSWORD})
+        given = {"password": "quite another password"}
+        assert (await admin.patch(path, json=given)).status_code == 200
+        client, _ = await sign_in(hub, provider)
+        assert (await admin.delete(f"{path}/oidc")).status_code == 204
+        assert (await client.get("/api/me")).status_code == 401
+        assert await code_of(await admin.delete(f"{path}/oidc")) == (409, "missing")
+        assert await code_of(await admin.delete("/api/people/999/oidc")) == (404, "unknown")
+
+
 async def test_who_is_disabled_stays_out_and_the_role_asks_no_factor_of_who_the_provider_has_let_in(
     start, provider
 ) -> None:

@@ -139,7 +139,7 @@ async def test_copy_of_a_key_that_counts_is_found_by_its_count(at_name) -> None:
         assert answer.status_code == status, count
 
 
-async def test_passkeys_are_listed_and_removed_by_their_person_alone(at_name) -> None:
+async def test_passkeys_are_listed_renamed_and_removed_by_their_person_alone(at_name) -> None:
     operator, admin = await at_name("operator"), await at_name("admin")
     key, _ = await with_passkey(operator, "phone")
     _, more = await with_passkey(operator, "ring")
@@ -150,6 +150,11 @@ async def test_passkeys_are_listed_and_removed_by_their_person_alone(at_name) ->
     assert {each["host"] for each in listed["passkeys"]} == {"localhost"}
     assert (listed["codes"], listed["possible"]) == (False, True)
     mine = listed["passkeys"][0]["id"]
+    named = {"name": "old\nphone"}
+    assert (await admin.patch(f"/api/me/passkeys/{mine}", json=named)).status_code == 404
+    assert (await operator.patch(f"/api/me/passkeys/{mine}", json=named)).status_code == 204
+    listed = (await operator.get("/api/me/passkeys")).json()
+    assert [each["name"] for each in listed["passkeys"]] == ["old\\nphone", "ring"]
     assert (await admin.delete(f"/api/me/passkeys/{mine}")).status_code == 404
     assert (await operator.delete(f"/api/me/passkeys/{mine}")).status_code == 204
     elsewhere = await at_name()

@@ -1,6 +1,6 @@
 /** Seat, STOP and hands of one device, built and taken apart together. */
 
-import type { LeaseUpdate, StopUpdate } from "../../generated/wire.js";
+import type { HeldStopUpdate, LeaseUpdate, StopUpdate } from "../../generated/wire.js";
 import type { DeviceShape } from "../../generated/api.js";
 import { DriveInputs } from "./drive-inputs.js";
 import { DriveSession, type DriveConnection } from "./drive-session.js";
@@ -10,6 +10,7 @@ import { StopClient } from "./stop-client.js";
 export interface KnownState {
   readonly lease: LeaseUpdate | undefined;
   readonly stop: StopUpdate | undefined;
+  readonly heldStop: HeldStopUpdate | undefined;
 }
 
 export class DriveController {
@@ -35,7 +36,7 @@ export class DriveController {
       if (this.stop.desk.blocksDriving) this.seat.block("stop");
       else if (this.seat.machine.isBlocked("stop")) this.seat.unblock("stop");
     });
-    this.stop.open(known.stop);
+    this.stop.open(known.stop, known.heldStop);
     this.seat?.open(known.lease);
     this.hands.open();
   }

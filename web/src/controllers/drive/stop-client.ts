@@ -1,6 +1,6 @@
 /** STOP (software) of one device over the connection. */
 
-import type { StopUpdate } from "../../generated/wire.js";
+import type { HeldStopUpdate, StopUpdate } from "../../generated/wire.js";
 import { Store } from "../../state/store.js";
 import { freshId } from "./unique-id.js";
 import type { DriveConnection } from "./drive-session.js";
@@ -13,6 +13,7 @@ export class StopClient extends Store {
   private stops: (() => void)[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
   private siteOnline: boolean;
+  private held_: HeldStopUpdate | null = null;
 
   constructor(
     private readonly line: Pick<DriveConnection, "state" | "send" | "onMessage" | "onState">,
@@ -30,6 +31,11 @@ export class StopClient extends Store {
     return this.siteOnline && this.line.state === "open";
   }
 
+  /** How far it got at gateways with the same key that wait; null: none does. */
+  get held(): HeldStopUpdate | null {
+    return this.held_;
+  }
+
   get waitingMs(): number {
     return this.desk.waitingMs(this.now());
   }
@@ -40,14 +46,22 @@ export class StopClient extends Store {
     return reset.kind === "armed" ? Math.max(0, reset.until - this.now()) : 0;
   }
 
-  /** @param known - what was said of STOP before, if anything was */
-  open(known?: StopUpdate): void {
+  /**
+   * @param known - what was said of STOP before, if anything was
+   * @param held - the same of gateways that wait
+   */
+  open(known?: StopUpdate, held?: HeldStopUpdate): void {
     const isOurs = (news: { readonly site: string; readonly device: string }): boolean =>
       news.site === this.site && news.device === this.device;
     this.stops = [
       this.line.onMessage("stop_news", (news) => {
         if (!isOurs(news)) return;
         this.desk.applyUpdate(news, this.now());
+        this.updateAndSchedule();
+      }),
+      this.line.onMessage("held_stop_news", (news) => {
+        if (!isOurs(news)) return;
+        this.held_ = news.held > 0 ? news : null;
         this.updateAndSchedule();
       }),
       this.line.onMessage("reset_key", (news) => {
@@ -66,14 +80,15 @@ export class StopClient extends Store {
       this.line.onMessage("site", (news) => {
         if (news.site !== this.site) return;
         this.siteOnline = news.online;
-        if (!news.online) this.desk.onLinkLost();
+        if (!news.online) this.forgetRobot();
         this.updateAndSchedule();
       }),
       this.line.onState((state) => {
-        if (state !== "open") this.desk.onLinkLost();
+        if (state !== "open") this.forgetRobot();
         this.updateAndSchedule();
       }),
     ];
+    this.held_ = held !== undefined && held.held > 0 ? held : null;
     if (known) {
       this.desk.applyUpdate(known, this.now());
       this.updateAndSchedule();
@@ -109,6 +124,11 @@ export class StopClient extends Store {
   keepStopped(): void {
     this.desk.keepStopped();
     this.updateAndSchedule();
+  }
+
+  private forgetRobot(): void {
+    this.desk.onLinkLost();
+    this.held_ = null;
   }
 
   private sendReset(epoch: number, token: string): void {

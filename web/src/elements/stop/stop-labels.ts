@@ -27,6 +27,22 @@ export function stopLabel(stop: StopShown, online: boolean): string {
   }
 }
 
+/** How far STOP got at gateways with the key of the linked one, which wait. */
+export interface HeldStop {
+  readonly held: number;
+  readonly latched: number;
+  readonly confirmed: number;
+}
+
+/** What is said of them: either may be the one that moves the robot. */
+export function heldStopLabel({ held, latched, confirmed }: HeldStop): string {
+  const who = held === 1 ? "A second gateway with the same key waits." : `${String(held)} more gateways with the same key wait.`;
+  if (confirmed >= held) return `${who} STOP is latched there, too, and the robot there stands still.`;
+  if (latched >= held) return `${who} STOP is latched there, too; that the robot there stands still is not confirmed.`;
+  if (held === 1) return `${who} STOP was sent there, too, and is not answered.`;
+  return `${who} STOP was sent to them, too; ${String(held - latched)} of them ${held - latched === 1 ? "has" : "have"} not answered.`;
+}
+
 /** 0 not begun, 1 under way, 2 done; for sent, latched, confirmed. */
 export function stopSteps(phase: StopPhase): readonly [0 | 1 | 2, 0 | 1 | 2, 0 | 1 | 2] {
   switch (phase) {

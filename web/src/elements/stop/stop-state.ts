@@ -7,7 +7,7 @@ import type { Button } from "../forms/button.js";
 import "../forms/button.js";
 import "../base/icon.js";
 import "../values/time.js";
-import { stopSteps, type StopPhase } from "./stop-labels.js";
+import { heldStopLabel, stopSteps, type HeldStop, type StopPhase } from "./stop-labels.js";
 
 export type ReleaseStep = "none" | "asking" | "armed" | "releasing";
 
@@ -74,6 +74,18 @@ export class StopState extends LitElement {
         color: var(--t-bad);
         font-weight: var(--t-weight-strong);
       }
+      .second {
+        padding: var(--t-space-2) var(--t-space-3);
+        border: 2px solid var(--t-warn);
+        border-radius: var(--t-radius-s);
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
+      }
+      .second[data-sure] {
+        border-color: var(--t-line);
+        color: var(--t-text);
+        font-weight: inherit;
+      }
       .arm {
         display: grid;
         gap: var(--t-space-2);
@@ -109,6 +121,9 @@ export class StopState extends LitElement {
   /** Why this person cannot release it now; empty when they can. */
   @property() hindrance = "";
 
+  /** At other gateways with the same key, which wait; null: there are none. */
+  @property({ attribute: false }) held: HeldStop | null = null;
+
   @query("t-button") private readonly button!: Button | null;
   private hadFocus = false;
 
@@ -124,6 +139,7 @@ export class StopState extends LitElement {
   override render(): TemplateResult {
     return html`
       ${this.phase === "clear" || this.phase === "unknown" ? nothing : this.renderProgress()}
+      ${this.renderHeld()}
       ${this.trouble === "" ? nothing : html`<p class="trouble" role="alert">${this.trouble}</p>`}
       ${this.online
         ? nothing
@@ -153,6 +169,13 @@ export class StopState extends LitElement {
       </ol>
       ${this.phase === "sent" ? nothing : html`<p>${this.renderLatchedBy()}</p>`}
     `;
+  }
+
+  private renderHeld(): TemplateResult | typeof nothing {
+    const { held } = this;
+    if (held === null) return nothing;
+    const sure = held.confirmed === held.held;
+    return html`<p class="second" role="status" ?data-sure=${sure}>${heldStopLabel(held)}</p>`;
   }
 
   private renderMark(done: 0 | 1 | 2, word: string): TemplateResult {

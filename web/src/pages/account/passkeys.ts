@@ -31,8 +31,11 @@ export class AccountPasskeys extends LitElement {
   @property({ attribute: false }) list: PasskeyList | null = null;
   @state() private adding = false;
   @state() private missing = false;
+  /** The id of the one that is called otherwise now. */
+  @state() private renaming = "";
   @state() private recovery: readonly string[] = [];
   @query("#passkey-name") private readonly name!: HTMLInputElement | null;
+  @query("#new-name") private readonly newName!: HTMLInputElement | null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly session = new ContextStoreController(this, sessionContext);
@@ -58,6 +61,7 @@ export class AccountPasskeys extends LitElement {
   }
 
   private renderRow(row: PasskeyShape): TemplateResult {
+    if (row.id === this.renaming) return this.renderRename(row);
     const zone = this.sites.store?.zone ?? "UTC";
     return html`<li>
       <div>
@@ -68,7 +72,21 @@ export class AccountPasskeys extends LitElement {
           <span>${row.used_us === 0 ? "not used yet" : html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`}</span>
         </div>
       </div>
-      <t-button label=${`Remove the passkey ${row.name}`} ?busy=${this.action.runningKey === row.id} @click=${this.remover(row)}>Remove</t-button>
+      <div class="actions">
+        <t-button label=${`Rename the passkey ${row.name}`} @click=${this.renameOpener(row)}>Rename</t-button>
+        <t-button label=${`Remove the passkey ${row.name}`} ?busy=${this.action.runningKey === row.id} @click=${this.remover(row)}>Remove</t-button>
+      </div>
+    </li>`;
+  }
+
+  private renderRename(row: PasskeyShape): TemplateResult {
+    return html`<li>
+      <form class="fields" novalidate @submit=${this.onRename}>
+        <t-field label="New name of the passkey" error=${this.missing ? "Enter a name." : ""}>
+          <input id="new-name" autocomplete="off" maxlength="100" .value=${row.name} required />
+        </t-field>
+        ${renderFormActions({ submit: "Rename it", busy: this.action.runningKey === "rename", cancel: this.closeRename })}
+      </form>
     </li>`;
   }
 
@@ -123,6 +141,32 @@ export class AccountPasskeys extends LitElement {
     // Codes are looked at first: with the first factor another page may take the place of this one.
     if (this.recovery.length === 0) this.closeForm();
   }
+
+  private renameOpener(row: PasskeyShape): () => void {
+    return () => {
+      this.renaming = row.id;
+      this.missing = false;
+      this.action.clear();
+      void focusInside(this, "#new-name");
+    };
+  }
+
+  private readonly closeRename = (): void => {
+    this.renaming = "";
+    void focusInside(this, "li t-button");
+  };
+
+  private readonly onRename = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const [id, name] = [this.renaming, this.newName?.value.trim() ?? ""];
+    this.missing = name === "";
+    if (this.missing) return;
+    void this.action.run("rename this passkey", () => new AccountApi(this.api).renamePasskey(id, name), "", "rename").then((done) => {
+      if (!done) return;
+      this.closeRename();
+      this.dispatchEvent(new CustomEvent("t-changed"));
+    });
+  };
 
   private remover(row: PasskeyShape): () => void {
     return () => {

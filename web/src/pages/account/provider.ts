@@ -9,6 +9,7 @@ import { base } from "../../elements/base/base-style.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
+import { AccountApi } from "../../wire/account-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/forms/button.js";
 
@@ -21,10 +22,12 @@ export class AccountProvider extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly provider = new LoadController<string>(this);
+  private readonly connection = new LoadController<boolean>(this);
   private readonly action = new ActionController(this);
 
   override willUpdate(): void {
     this.provider.load("provider", () => this.api.provider());
+    this.connection.load("connection", () => new AccountApi(this.api).isConnected());
   }
 
   override updated(): void {
@@ -38,11 +41,23 @@ export class AccountProvider extends LitElement {
       return html`<h2>Sign-in with ${label}</h2>
         <p>You sign in with ${label} and have no password here. An admin can give you one.</p>`;
     }
+    if (this.connection.value === true) {
+      return html`<h2>Sign-in with ${label}</h2>
+        <p>${label} signs you in, beside your password.</p>
+        ${renderAdvice(this.action.problem)}
+        <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onDisconnect}>Disconnect it</t-button></div>`;
+    }
     return html`<h2>Sign-in with ${label}</h2>
       <p>Connect this account, and ${label} signs you in, too.</p>
       ${renderAdvice(this.action.problem)}
       <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onConnect}>Connect it</t-button></div>`;
   }
+
+  private readonly onDisconnect = (): void => {
+    void this.action
+      .run("disconnect it", () => new AccountApi(this.api).disconnect(), "Disconnected.")
+      .finally(this.connection.invalidate);
+  };
 
   private readonly onConnect = (): void => {
     void this.action.run("connect it", async () => {

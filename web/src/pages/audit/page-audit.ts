@@ -24,6 +24,7 @@ import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "../admin-tabs.js";
 import "./audit-filter.js";
+import "./witnessed-hubs.js";
 
 const ROWS = 50;
 
@@ -75,7 +76,8 @@ export class PageAudit extends LitElement {
         zone=${zone}
         @t-filter=${this.onChoose}
       ></t-audit-filter>
-      ${renderLoaded(this.page, "the audit log", (page) => this.renderRows(page, filter))}`;
+      ${renderLoaded(this.page, "the audit log", (page) => this.renderRows(page, filter))}
+      <t-witnessed-hubs class="sheet"></t-witnessed-hubs>`;
   }
 
   private renderChain(): unknown {

@@ -198,7 +198,11 @@ export class PageActuate extends LitElement {
     const online = this.sites.store?.siteRow(this.site)?.online ?? detail.online;
     this.cockpit = new DriveController(connection, this.site, device, online);
     const news = this.news.value;
-    this.cockpit.openAll({ lease: news?.leaseOf(this.site, device.id), stop: news?.stopOf(this.site, device.id) });
+    this.cockpit.openAll({
+      lease: news?.leaseOf(this.site, device.id),
+      stop: news?.stopOf(this.site, device.id),
+      heldStop: news?.heldStopOf(this.site, device.id),
+    });
     const redraw = (): void => {
       this.requestUpdate();
     };

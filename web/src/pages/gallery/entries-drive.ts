@@ -16,7 +16,7 @@ import "../../elements/map/track-map.js";
 import type { TrackPoint } from "../../elements/map/track.js";
 import "../../elements/stop/stop-button.js";
 import "../../elements/stop/stop-state.js";
-import type { StopPhase } from "../../elements/stop/stop-labels.js";
+import type { HeldStop, StopPhase } from "../../elements/stop/stop-labels.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import type { ArgumentShape, CommandShape } from "../../generated/api.js";
 import type { GalleryEntry, GalleryState } from "./entry.js";
@@ -137,6 +137,10 @@ function stopped(phase: StopPhase, name: string = phase): GalleryState {
   };
 }
 
+function heldStop(name: string, held: HeldStop): GalleryState {
+  return { name, show: () => html`<t-stop-state phase="confirmed" who="Ada" .time=${NOON_US} .held=${held}></t-stop-state>` };
+}
+
 export const entries: readonly GalleryEntry[] = [
   {
     tag: "t-camera-view",
@@ -181,6 +185,9 @@ export const entries: readonly GalleryEntry[] = [
       },
       { name: "second step", show: () => html`<t-stop-state phase="confirmed" who="Ada" .time=${NOON_US} step="armed" .armed=${6400}></t-stop-state>` },
       { name: "refused", show: () => html`<t-stop-state phase="latched" who="Ada" .time=${NOON_US} trouble="That key is not the newest."></t-stop-state>` },
+      heldStop("second gateway silent", { held: 1, latched: 0, confirmed: 0 }),
+      heldStop("second gateway latched", { held: 1, latched: 1, confirmed: 0 }),
+      heldStop("second gateway confirmed", { held: 1, latched: 1, confirmed: 1 }),
       { name: "offline", show: () => html`<t-stop-state phase="sent" .online=${false}></t-stop-state>` },
     ],
   },

@@ -21,7 +21,7 @@ import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
 /** What is asked about before it is done. */
-type PersonQuestion = "remove" | "factor" | "disable";
+type PersonQuestion = "remove" | "factor" | "disable" | "provider";
 
 /**
  * @fires t-toggle it is to be unfolded or folded
@@ -147,6 +147,7 @@ export class PersonSection extends LitElement {
         <t-button ?disabled=${row.sessions === 0} ?busy=${this.action.runningKey === "sessions"} @click=${this.endSessions}
           >End all sessions</t-button
         >
+        ${row.provider ? html`<t-button @click=${this.question.opener("provider")}>Disconnect from the provider…</t-button>` : nothing}
         ${row.factor ? html`<t-button @click=${this.question.opener("factor")}>Remove the second factor…</t-button>` : nothing}
         ${row.disabled
           ? html`<t-button ?busy=${this.action.runningKey === "enable"} @click=${this.enable}>Enable</t-button>`
@@ -171,6 +172,8 @@ export class PersonSection extends LitElement {
         return this.runAction(`remove ${name}`, () => api.removePerson(id), "");
       case "factor":
         return this.runAction("remove the second factor", () => api.removeFactor(id), "The second factor is removed.");
+      case "provider":
+        return this.runAction("disconnect from the provider", () => api.disconnectPerson(id), "Disconnected.");
       case "disable":
         return this.runAction(`disable ${name}`, () => api.changePerson(id, { disabled: true }), "Disabled.");
     }
@@ -224,6 +227,11 @@ const WORDS: Readonly<Record<PersonQuestion, { heading: string; text: string; ac
     heading: "Remove the second factor of {}?",
     text: "From then on the password alone lets them in. Do this only when you are sure who asked for it.",
     action: "Remove it",
+  },
+  provider: {
+    heading: "Disconnect {} from the provider of sign-ins?",
+    text: "Their sessions end, and they sign in with their password here. Whoever comes from the provider then is somebody new.",
+    action: "Disconnect",
   },
   disable: {
     heading: "Disable {}?",

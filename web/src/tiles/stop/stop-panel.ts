@@ -73,6 +73,7 @@ export class StopPanel extends StopElement {
       .online=${line.online}
       .step=${desk.reset.kind}
       .armed=${line.armedForMs}
+      .held=${line.held}
       .hindrance=${this.releaseObstacle()}
       @t-reset-ask=${this.askReset}
       @t-reset-go=${this.releaseStop}

@@ -51,6 +51,21 @@ describe("STOP", () => {
     expect(stop.desk.trouble).toBe("The site is not connected.");
   });
 
+  test("is followed at a second gateway that waits, until that one is gone or the link is", () => {
+    const held = { t: "held_stop_news", ...AT, id: "s1", held: 1, latched: 0, confirmed: 0 } as const;
+    line.say({ ...held, device: "other" });
+    expect(stop.held).toBeNull();
+    line.say(held);
+    expect(stop.held?.latched).toBe(0);
+    line.say({ ...held, latched: 1 });
+    expect(stop.held?.latched).toBe(1);
+    line.say({ ...held, held: 0 });
+    expect(stop.held).toBeNull();
+    line.say(held);
+    line.become("lost");
+    expect(stop.held).toBeNull();
+  });
+
   test("ends when the hub says that it is forbidden", () => {
     stop.pressStop();
     line.say({ t: "problem", code: "forbidden", message: "Not for you.", about: "stop" });

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, Response
 
-from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.accounts.passkey_answers import relying_party
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import (
     OidcAnswer,
+    OidcConnection,
     OidcDone,
     OidcProvider,
     OidcReturn,
@@ -19,7 +20,7 @@ from talaia.hub.api.schemas.account_schemas import (
 )
 from talaia.hub.auth.oidc_states import OidcPurpose, OidcStates
 from talaia.hub.auth.tokens import hash_token, new_token
-from talaia.hub.errors import ProviderRefused
+from talaia.hub.errors import NoPassword, ProviderRefused, UnknownPerson
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from talaia.hub.auth.id_tokens import IdToken
     from talaia.hub.auth.oidc_states import AwaitedSignIn
     from talaia.hub.auth.permissions import Who
+    from talaia.hub.store.accounts.account_list import AccountList
+    from talaia.hub.store.accounts.identities import Identities
     from talaia.hub.store.audit import Audit
 
 __all__ = ["OidcPages"]
@@ -48,6 +51,8 @@ class OidcPages:
         signing: OidcSignIn | None,
         access: Access,
         sessions: BrowserSessions,
+        identities: Identities,
+        roster: AccountList,
         clock: Clock,
         audit: Audit,
     ) -> None:
@@ -56,6 +61,9 @@ class OidcPages:
         # Makes and reads cookies.
         self._access = access
         self._sessions = sessions
+        # Also without a provider: who was connected with one of before.
+        self._identities = identities
+        self._roster = roster
         self._clock = clock
         self._audit = audit
         self._states = OidcStates()
@@ -68,6 +76,9 @@ class OidcPages:
         router.post("/api/login/oidc/finish")(self.finish)
         router.post("/api/me/oidc/confirm")(self.begin_confirm)
         router.post("/api/me/oidc/connect")(self.begin_connect)
+        router.get("/api/me/oidc")(self.connection)
+        router.delete("/api/me/oidc", status_code=204)(self.disconnect)
+        router.delete("/api/people/{person}/oidc", status_code=204)(self.disconnect_person)
         return router
 
     async def provider(self) -> OidcProvider:
@@ -95,6 +106,35 @@ class OidcPages:
         session = who_of(request).session
         return await self._begin(OidcPurpose.CONNECT, asked, request, response, session=session)
 
+    async def connection(self, request: Request) -> OidcConnection:
+        """Tell whether the provider signs you in."""
+        return OidcConnection(connected=await self._identities.is_connected(who_of(request).user))
+
+    async def disconnect(self, request: Request) -> None:
+        """Let the provider sign you in no more; where you have a password. Other sessions end."""
+        who = who_of(request)
+        await self._disconnect(who.user)
+        await self._sessions.end_all(who.user, keep=who.session)
+        self._append_record(request, "account disconnected", who.name, "from the provider")
+
+    async def disconnect_person(self, person: str, request: Request) -> None:
+        """Let the provider sign a person in no more; where they have a password. Sessions end."""
+        try:
+            found = await self._roster.find_account(number_of(person, "person"))
+        except UnknownPerson as error:
+            raise ApiProblem(404, "unknown", str(error)) from error
+        await self._disconnect(found.id)
+        await self._sessions.end_all(found.id)
+        message = f"{found.name}: disconnected from the provider"
+        self._append_record(request, "person changed", who_of(request).name, message)
+
+    async def _disconnect(self, user: int) -> None:
+        try:
+            if not await self._identities.disconnect(user):
+                raise ApiProblem(409, "missing", "this account is not connected with the provider")
+        except NoPassword as error:
+            raise ApiProblem(409, "no_password", str(error)) from error
+
     async def finish(self, asked: OidcAnswer, request: Request, response: Response) -> OidcDone:
         """Come back from the provider: sign in, confirm, or connect."""
         signing = self._provided()
@@ -110,8 +150,11 @@ class OidcPages:
         who = await self._check_session(request, awaited)
         token = await signing.read_answer(request, awaited, asked.code, asked.iss)
         if who is None:
-            user = await signing.find_person(request, token)
+            user, new = await signing.find_person(request, token)
             alive = await self._sessions.start_session(user, request, response, provider=True)
+            # Of an account that is new nothing can have been left open for somebody else.
+            if new or signing.is_fresh(token, awaited):
+                self._sessions.confirm_session(alive.who.session)
             self._append_record(request, "login", alive.who.name, "by the provider")
         elif awaited.purpose is OidcPurpose.CONFIRM:
             await self._confirm(request, signing, awaited, token)
@@ -168,6 +211,12 @@ class OidcPages:
         alive = await self._access.identify_caller(request)
         if alive is None or not await signing.is_of(token, alive.who.user):
             raise signing.refusal(request, "somebody else has signed in at the provider")
+        if not token.auth_time:
+            raise signing.refusal(
+                request,
+                "the provider does not say when you gave your password, so it confirms nothing;"
+                " use a passkey of yours, or ask an admin to give you a password here",
+            )
         if not signing.is_fresh(token, awaited):
             raise signing.refusal(request, "the provider did not ask for your password anew")
         self._sessions.confirm_session(awaited.session)

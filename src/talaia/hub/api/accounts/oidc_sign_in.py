@@ -87,8 +87,8 @@ class OidcSignIn:
         )
         return ApiProblem(403, "provider", why)
 
-    async def find_person(self, request: Request, token: IdToken) -> int:
-        """Give whom a token stands for, with the role that it gives; adds who is new.
+    async def find_person(self, request: Request, token: IdToken) -> tuple[int, bool]:
+        """Give whom a token stands for, with the role that it gives, and whether they are new.
 
         Raises:
             ApiProblem: 403 ``provider``, they are not let in.
@@ -102,7 +102,7 @@ class OidcSignIn:
         known = await self._identities.person_of(settings.issuer, token.subject)
         try:
             if known is None:
-                return await self._add_person(request, token, role)
+                return await self._add_person(request, token, role), True
             user, disabled = known
             if disabled:
                 raise self.refusal(request, "your account here is disabled")
@@ -110,7 +110,7 @@ class OidcSignIn:
                 await self._give_role(request, user, role)
         except HubError as error:
             raise self.refusal(request, str(error)) from error
-        return user
+        return user, False
 
     async def is_of(self, token: IdToken, user: int) -> bool:
         """Tell whether a token stands for a person."""

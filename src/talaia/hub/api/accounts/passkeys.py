@@ -15,6 +15,7 @@ from talaia.hub.api.schemas.account_schemas import (
     PasskeyAdded,
     PasskeyAsk,
     PasskeyList,
+    PasskeyName,
     PasskeyOptions,
     PasskeyOptionsAsk,
     PasskeyShape,
@@ -63,6 +64,7 @@ class PasskeyPages:
         router.post("/api/me/passkeys")(self.add)
         router.post("/api/me/passkeys/options")(self.creation_options)
         router.post("/api/me/passkeys/challenge")(self.confirm_options)
+        router.patch("/api/me/passkeys/{passkey}", status_code=204)(self.rename)
         router.delete("/api/me/passkeys/{passkey}", status_code=204)(self.remove)
         return router
 
@@ -122,6 +124,16 @@ class PasskeyPages:
     async def confirm_options(self, request: Request) -> PasskeyOptions:
         """Begin to confirm by a passkey that it is you; the answer goes to /api/me/confirm."""
         return PasskeyOptions(options=await self._answers.confirm_options(request, who_of(request)))
+
+    async def rename(self, passkey: str, asked: PasskeyName, request: Request) -> None:
+        """Call one of your passkeys otherwise."""
+        name = safe_text(asked.name, 200)
+        before = await self._passkeys.rename_passkey(
+            who_of(request).user, number_of(passkey, "passkey"), name
+        )
+        if before is None:
+            raise ApiProblem(404, "unknown", "you have no such passkey")
+        self._append_record(request, "passkey renamed", f"{before} -> {name}")
 
     async def remove(self, passkey: str, request: Request) -> None:
         """Remove one of your passkeys."""

@@ -29,6 +29,7 @@ __all__ = [
     "NewDisplay",
     "NewToken",
     "OidcAnswer",
+    "OidcConnection",
     "OidcDone",
     "OidcProvider",
     "OidcReturn",
@@ -36,6 +37,7 @@ __all__ = [
     "PasskeyAdded",
     "PasskeyAsk",
     "PasskeyList",
+    "PasskeyName",
     "PasskeyOptions",
     "PasskeyOptionsAsk",
     "PasskeyShape",
@@ -166,6 +168,12 @@ class PasskeyAsk(Schema):
     credential: dict[str, Any]
 
 
+class PasskeyName(Schema):
+    """Call a passkey of yours otherwise."""
+
+    name: str = _NAME
+
+
 class PasskeyAdded(Schema):
     """It is kept. Where it is your first second factor, recovery codes; shown this once."""
 
@@ -177,6 +185,12 @@ class OidcProvider(Schema):
     """The provider by which people can sign in; ``label`` is its name, empty: there is none."""
 
     label: str
+
+
+class OidcConnection(Schema):
+    """Whether the provider signs you in."""
+
+    connected: bool
 
 
 class OidcReturn(Schema):
@@ -293,7 +307,10 @@ class DisplayOpenAsk(Schema):
 
 
 class PersonShape(Schema):
-    """A person; ``sessions`` counts where they are signed in now."""
+    """A person; ``sessions`` counts where they are signed in now.
+
+    ``provider``: the provider of sign-ins signs them in.
+    """
 
     id: str
     name: str
@@ -303,6 +320,7 @@ class PersonShape(Schema):
     created_us: int
     used_us: int
     sessions: int
+    provider: bool
 
 
 class PersonList(Schema):

@@ -28,7 +28,8 @@ _GATEWAY = "/gateway/"
 _CLIENTS = ("/clients/", "/socket.io/")
 # Where the token of such a client stands that was in its address; nothing can log it there.
 HIDDEN_TOKEN = "talaia.token"  # noqa: S105
-_ENROL = "/api/enrol"
+# Of programs that have no session: what they show stands in what they send.
+_OF_PROGRAMS = frozenset({"/api/enrol", "/api/heads"})
 _API = "/api/"
 # The routes whose body holds a whole description.
 _DESCRIPTION = re.compile(r"/api/sites/[^/]+/descriptions(/check|/edit)?")
@@ -162,7 +163,8 @@ def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
     """Tell whether what may change something comes from a page of ours, or from no page at all.
 
     A browser names the origin of the page that asks. Programs have none; they are let in where no
-    cookie could speak for somebody who does not know: with a token of their own, and to enrol.
+    cookie could speak for somebody who does not know: with a token of their own, to enrol, and to
+    leave heads of another hub.
     """
     origin = headers.get("origin")
     if origin is not None:
@@ -172,7 +174,7 @@ def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
         # No Origin, but a browser all the same.
         return site == "same-origin"
     # No page at all: nothing here goes by a cookie.
-    return path == _ENROL or _has_bearer(headers)
+    return path in _OF_PROGRAMS or _has_bearer(headers)
 
 
 def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | None:

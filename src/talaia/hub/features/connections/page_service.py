@@ -49,7 +49,7 @@ class ConnectionsFeature(Feature):
             greeters=(reporting, sightings.journal, nights),
             messages=PageMessages(
                 fanout=core.fanout,
-                commanding=PageCommands(core.sites, audit),
+                commanding=PageCommands(core.sites, reporting.held_stops, audit),
                 clock=core.clock,
             ),
         )

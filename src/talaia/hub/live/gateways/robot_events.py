@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
 from talaia.hub.auth.permissions import sees_signal
+from talaia.hub.live.gateways.doubles.held_stops import HeldStops
 from talaia.hub.live.gateways.gateway_log import GatewayLog
 from talaia.hub.live.gateways.gateway_words import event_words, is_described, with_known_names
 from talaia.hub.live.pages.interlock_news import interlock_news
@@ -71,6 +72,8 @@ class RobotEvents:
         self._browsers = browsers
         # Takes records into memory and writes them by itself: nothing here waits for the database.
         self._gateway_log = GatewayLog(audit, clock)
+        # Of gateways that wait; what they say is no word of the site.
+        self.held_stops = HeldStops(browsers, audit)
         # Monotonic for what runs out, wall for moments that people read.
         self._clock = clock
 
@@ -83,6 +86,7 @@ class RobotEvents:
             # Kept over a lost link: a latched STOP is shown while the gateway is away too.
             for stop in live.retained.stops.values():
                 browser.send_message(relay_message(page.StopUpdate, stop, live.name))
+            self.held_stops.greet(live, browser)
             for drive in live.current.drives.values():
                 browser.send_message(relay_message(page.DriveUpdate, drive, live.name))
             self.greet_interlocks(live, browser)

@@ -16,6 +16,7 @@ from talaia.wire import browser as page, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
 if TYPE_CHECKING:
+    from talaia.hub.live.gateways.doubles.held_stops import HeldStops
     from talaia.hub.live.pages.page_connections import Browser
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.audit import Audit
@@ -41,9 +42,10 @@ Asked = (
 class PageCommands:
     """Passes on what people ask of a robot."""
 
-    def __init__(self, sites: Sites, audit: Audit) -> None:
-        """Write down in ``audit`` who asked what."""
+    def __init__(self, sites: Sites, held_stops: HeldStops, audit: Audit) -> None:
+        """Write down in ``audit`` who asked what; STOP goes by ``held_stops``, too."""
         self._sites = sites
+        self._held_stops = held_stops
         self._audit = audit
         # What each page (by its key) has asked the lease of: site and device.
         self._asked: dict[str, set[tuple[str, str]]] = {}
@@ -74,8 +76,7 @@ class PageCommands:
                 stop = frames.StopRequest(device=asked.device, id=asked.id, who=browser.signature)
                 live.link.send(stop)
                 # Of two gateways with one key either may be the one that moves the robot.
-                for held in live.rivals.held:
-                    held.link.send(stop)
+                self._held_stops.send_stop(live, stop)
                 self._append_record(live, "stop pressed", browser.signature, asked.device)
             case page.PageReset():
                 live.link.send(

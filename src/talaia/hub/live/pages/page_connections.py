@@ -20,6 +20,7 @@ from talaia.wire.browser import (
     CommandUpdate,
     DeviceUpdate,
     DriveUpdate,
+    HeldStopUpdate,
     InterlockUpdate,
     LeaseUpdate,
     PageCommand,
@@ -312,7 +313,7 @@ def _state_key(message: ToBrowser) -> Hashable | None:
     match message:
         case SiteUpdate() | TickUpdate():
             return type(message), message.site
-        case DeviceUpdate() | DriveUpdate() | LeaseUpdate(refused=""):
+        case DeviceUpdate() | DriveUpdate() | HeldStopUpdate() | LeaseUpdate(refused=""):
             return type(message), message.site, message.device
         case AlarmUpdate():
             return AlarmUpdate, message.site, message.alarm

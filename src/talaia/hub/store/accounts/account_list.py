@@ -10,7 +10,7 @@ from talaia.hub.errors import LastAdmin, UnknownPerson
 from talaia.hub.store.accounts.passkeys import has_factor
 from talaia.hub.store.accounts.people import role_number, set_hash, sign_out
 from talaia.hub.store.accounts.roles import ADMIN
-from talaia.hub.store.tables import api_tokens, roles, sessions, users
+from talaia.hub.store.tables import api_tokens, identities, roles, sessions, users
 
 if TYPE_CHECKING:
     from sqlalchemy.ext.asyncio import AsyncConnection
@@ -22,7 +22,10 @@ __all__ = ["AccountEntry", "AccountList"]
 
 
 class AccountEntry(NamedTuple):
-    """One person; ``sessions`` counts those that are alive. Times in µs (UTC), 0: never."""
+    """One person; ``sessions`` counts those that are alive. Times in µs (UTC), 0: never.
+
+    ``provider``: the provider of sign-ins signs them in.
+    """
 
     id: int
     name: str
@@ -32,6 +35,7 @@ class AccountEntry(NamedTuple):
     created_us: int
     used_us: int
     sessions: int
+    provider: bool = False
 
 
 class AccountList:
@@ -129,6 +133,7 @@ class AccountList:
                 users.c.created_us,
                 users.c.used_us,
                 func.coalesce(open_now.c.open, 0).label("open"),
+                users.c.id.in_(select(identities.c.user_id)).label("provider"),
             )
             .join(roles, roles.c.id == users.c.role_id)
             .join(open_now, open_now.c.user_id == users.c.id, isouter=True)
@@ -145,6 +150,7 @@ class AccountList:
                 row.created_us,
                 row.used_us,
                 row.open,
+                bool(row.provider),
             )
             for row in rows
         ]

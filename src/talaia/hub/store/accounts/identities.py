@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 from typing import TYPE_CHECKING
 
-from sqlalchemy import insert, select
+from sqlalchemy import delete, insert, select
 from sqlalchemy.exc import IntegrityError
 
-from talaia.hub.errors import NameTaken
+from talaia.hub.errors import NameTaken, NoPassword
 from talaia.hub.store.tables import identities, users
 
 if TYPE_CHECKING:
@@ -43,6 +43,24 @@ class Identities:
         async with self._database.read() as connection:
             asked = select(identities.c.key_hash).where(identities.c.user_id == user)
             return (await connection.execute(asked)).first() is not None
+
+    async def disconnect(self, user: int) -> bool:
+        """Let a person sign in by it no more; False: they are not connected.
+
+        Raises:
+            NoPassword: they would have no way to sign in.
+
+        """
+        async with self._database.write() as connection:
+            hashed = select(users.c.password_hash).where(users.c.id == user)
+            # Asked in the transaction: a passkey alone is no way in under another name of the hub.
+            if not (await connection.execute(hashed)).scalar():
+                raise NoPassword(
+                    "this account has no password, so nobody could sign in to it",
+                    "an admin gives it a password first, or disables it",
+                )
+            gone = await connection.execute(delete(identities).where(identities.c.user_id == user))
+        return bool(gone.rowcount)
 
     async def connect(self, user: int, issuer: str, subject: str) -> None:
         """Let a person sign in by it from now on.

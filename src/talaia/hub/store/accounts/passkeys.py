@@ -115,6 +115,15 @@ class Passkeys:
             )
         return bool(marked.rowcount)
 
+    async def rename_passkey(self, user: int, passkey: int, name: str) -> str | None:
+        """Call one of a person's otherwise; give the name it had, None when they have none such."""
+        async with self._database.write() as connection:
+            # With the person's number too: nobody renames another's.
+            mine = (passkeys.c.id == passkey, passkeys.c.user_id == user)
+            before = (await connection.execute(select(passkeys.c.name).where(*mine))).scalar()
+            await connection.execute(update(passkeys).where(*mine).values(name=name))
+        return before
+
     async def remove_passkey(self, user: int, passkey: int, *, keep_one: bool) -> str | None:
         """Remove one of a person's; give the name it had, None when they have none such.
 

@@ -73,7 +73,8 @@ class Sessions:
     ) -> tuple[str, LiveSession]:
         """Start a session; give the token for the cookie and whom it stands for.
 
-        ``provider``: the person was signed in by the provider, which sees to second factors.
+        ``provider``: the person was signed in by the provider, which sees to second factors. That
+        may have been long ago there, so it confirms nothing by itself.
         """
         token = new_token()
         hashed = hash_token(token)
@@ -94,8 +95,9 @@ class Sessions:
             )
             await connection.execute(update(users).where(users.c.id == user).values(used_us=now))
             found = await self._read_sessions(connection, [hashed])
-        # Whoever signs in has just given all that can be asked for.
-        self.confirm_session(hashed)
+        if not provider:
+            # Whoever signs in here has just given all that can be asked for.
+            self.confirm_session(hashed)
         return token, found[hashed]
 
     def confirm_session(self, hashed: str) -> None:

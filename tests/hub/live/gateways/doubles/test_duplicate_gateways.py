@@ -5,7 +5,14 @@ from __future__ import annotations
 import pytest
 import websockets
 
-from talaia.wire.browser import EventUpdate, PagePing, PagePong, PageStop, SiteUpdate
+from talaia.wire.browser import (
+    EventUpdate,
+    HeldStopUpdate,
+    PagePing,
+    PagePong,
+    PageStop,
+    SiteUpdate,
+)
 from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
     MEDIA_FROM_HUB,
@@ -16,6 +23,7 @@ from talaia.wire.frames import (
     LinkHeld,
     ResumeSaved,
     StopRequest,
+    StopState,
     Welcome,
 )
 from talaia.wire.gateway_proof import read_next_nonce
@@ -187,6 +195,29 @@ async def test_stop_reaches_both(hub) -> None:
     await page.say(PageStop(site="agv", device="base", id="s1"))
     for each in (gateway, second):
         assert (await each.hear(StopRequest)).id == "s1"
+    # The page is shown at once that there are two to stop, and how far each has come.
+    assert (await page.hear(HeldStopUpdate)).latched == 0
+    await second.say(StopState(device="base", latched=True, id="s1", who="somebody"))
+    news = await page.hear(HeldStopUpdate, lambda news: news.latched > 0)
+    assert (news.id, news.held, news.latched, news.confirmed) == ("s1", 1, 1, 0)
+    await second.say(StopState(device="base", latched=True, confirmed=True, id="s1"))
+    await page.hear(HeldStopUpdate, lambda news: news.confirmed == 1)
+    # What nobody pressed there is not its to say, nor how STOP stands at the one that is linked.
+    await second.say(StopState(device="arm", latched=True, id="s1"))
+    for _ in range(3):
+        await second.say(StopState(device="base", latched=False))
+        await second.say(StopState(device="base", latched=True, confirmed=True, id="s1"))
+    late = await hub.page("operator")
+    assert (await late.hear(HeldStopUpdate)).device == "base"
+    admin = await hub.client("admin")
+    rows = (await admin.get("/api/audit", params={"kind": "second gateway: "})).json()["rows"]
+    assert [(row["kind"], row["who"], row["source"]) for row in rows] == [
+        ("second gateway: stop confirmed by the robot", "", "gateway"),
+        ("second gateway: stop latched", "", "gateway"),
+    ]
+    assert not hub.hub.core.sites.find_site("agv").retained.stops
+    await second.close()
+    assert (await page.hear(HeldStopUpdate, lambda news: news.held == 0)).id == ""
 
 
 async def test_an_admin_lets_the_other_one_take_over_and_the_first_one_waits(hub) -> None:

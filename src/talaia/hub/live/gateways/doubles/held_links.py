@@ -52,7 +52,7 @@ class HeldLinks:
         link.send(frames.LinkHeld(reason=HELD))
         try:
             results = await until_first(
-                self._read_all(link, held),
+                self._read_all(link, live, held),
                 self._send_beats(link, held),
                 link.write_queued(),
                 link.wait_dismissed(),
@@ -60,6 +60,7 @@ class HeldLinks:
             )
         finally:
             live.rivals.held.remove(held)
+            self._reporting.held_stops.forget_gateway(live, held)
             self._reporting.publish_site(live)
         for result in results:
             if isinstance(result, str | PeerError):
@@ -71,7 +72,7 @@ class HeldLinks:
         # The last is the turn, unless something else has ended first.
         return results[-1] is True
 
-    async def _read_all(self, link: GatewayLink, held: HeldGateway) -> None:
+    async def _read_all(self, link: GatewayLink, live: LiveSite, held: HeldGateway) -> None:
         while (message := await link.receive_message()) is not None:
             held.frames += 1
             if held.frames > _MOST_FRAMES:
@@ -84,6 +85,8 @@ class HeldLinks:
                 case frames.BeatReply():
                     now_us = self._clock.monotonic_ns() // 1000
                     link.offset.add_beat(message.mono_us, now_us, message.peer_us)
+                case frames.StopState():
+                    self._reporting.held_stops.receive_state(live, held, message)
                 case frames.Bye():
                     return
                 case _:
