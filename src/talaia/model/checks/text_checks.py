@@ -66,6 +66,7 @@ def find_mistakes(text: str, rules: ExtensionRules = NO_RULES) -> tuple[list[Fin
     errors, site = list_shape_errors(document)
     findings = [Finding(error.where, error.problem, error.remedy) for error in errors]
     if site is not None:
+        # Of what is left, some is only there, or only missing, because of what was found before.
         wrong = [error.where for error in errors]
         findings += [finding for finding in check_site(site, rules) if not _follows(finding, wrong)]
     return findings, site

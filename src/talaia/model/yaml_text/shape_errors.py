@@ -2,6 +2,8 @@
 
 msgspec stops at the first mistake. `list_shape_errors` takes each one out of a copy, or puts
 something of the right shape in its place, and reads on, so that all are found in one run.
+
+Long, because what is mended goes by the same walk through msgspec's shapes as what is told.
 """
 
 from __future__ import annotations
@@ -98,6 +100,7 @@ def list_shape_errors(document: dict[str, object], most: int = MOST_ERRORS) -> S
 
 def _mend(document: dict[str, object], found: ShapeError) -> bool:
     """Take a wrong value out, or put one of the right shape there; false if neither is possible."""
+    # The tree is walked anew each time: what was mended before may have replaced a part of it.
     *way, last = found.steps
     holder: object = document
     for step in way:
@@ -107,6 +110,7 @@ def _mend(document: dict[str, object], found: ShapeError) -> bool:
             return False
     stand_in = _stand_in(found.shape)
     if isinstance(holder, dict):
+        # Without a needed key the next run would tell of its absence, which is nobody's mistake.
         if found.kind == "missing" or (stand_in is not None and _is_needed(found)):
             holder[last] = stand_in
             return stand_in is not None
@@ -136,7 +140,7 @@ def _stand_in(shape: object) -> object:
     if isinstance(shape, _Needed):
         shape = shape.type
     if isinstance(shape, msgspec.inspect.UnionType):
-        return next((made for each in shape.types if (made := _stand_in(each)) is not None), None)
+        return next((made for kind in shape.types if (made := _stand_in(kind)) is not None), None)
     if isinstance(shape, msgspec.inspect.EnumType):
         return next(iter(shape.cls)).value
     for kind, value in _STAND_INS:
@@ -194,12 +198,14 @@ def path_of(steps: tuple[Step, ...]) -> str:
 def _wrong_type(where: str, expected: str, found: str, value: object) -> DescriptionError:
     """Say what was expected and what stands there, in no language's words for it."""
     kinds = [kind.strip() for kind in expected.split("|")]
+    # Whole numbers are numbers; nothing is never what people forgot to write.
     if "float" in kinds and "int" in kinds:
         kinds.remove("int")
     if len(kinds) > 1 and "null" in kinds:
         kinds.remove("null")
     said = " or ".join(_WORDS.get(kind, kind) for kind in kinds)
     shown = _WORDS.get(found, found)
+    # Before numbers, for Python takes truth values for some.
     if isinstance(value, bool):
         shown = "true" if value else "false"
     elif isinstance(value, int | float):

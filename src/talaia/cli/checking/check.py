@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.cli.mistake_texts import json_text, mistakes_text
+from talaia.cli.checking.mistake_texts import json_text, mistakes_text
 from talaia.extensions.declarations import AdapterExtension, DetectorExtension
 from talaia.extensions.installed import installed_extensions
 from talaia.model.checks.site_checks import check_site
@@ -79,6 +79,7 @@ def check_file(path: Path) -> CheckedFile:
     text = ""
     try:
         text = text_of(path)
+        # A command file of the founding observatory has no lines that mean anything here.
         if path.suffix == ".json":
             site = site_in(text, path)
             findings = check_site(site, rules)
@@ -86,6 +87,7 @@ def check_file(path: Path) -> CheckedFile:
         report = check_text(text)
         if report.site is None:
             return CheckedFile(text, report.mistakes, None)
+        # Once more, with the files that it names beside it.
         site = site_in(text, path)
     except DescriptionError as error:
         place = SourcePositions(text).position_of(error.where)

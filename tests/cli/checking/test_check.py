@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.check import main
+from talaia.cli.checking.check import main
 from talaia.model.checks.text_checks import check_text
 
 pytestmark = pytest.mark.pure
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "agv" / "site.yaml"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "agv" / "site.yaml"
 HEAD = "talaia: 1\nsite: lab\nname: Lab\nzone: Europe/Madrid\nros2: {}\ndevices:\n  base:\n"
 NAMED = "    name: Base\n    signals:\n"
 SOURCE = "source: {topic: /odom, type: nav_msgs/msg/Odometry, field: a.b}"

@@ -39,6 +39,7 @@ def _mistake_text(name: str, lines: list[str], mistake: Mistake) -> str:
         start = max(0, mistake.column - 1 - _LONGEST_LINE // 2) if len(line) > _LONGEST_LINE else 0
         shown = line[start : start + _LONGEST_LINE]
         before, behind = "…" * bool(start), "…" * (start + _LONGEST_LINE < len(line))
+        # The dots before a cut line take their place.
         arrow = " " * (mistake.column - 1 - start + len(before))
         said += [
             f"{margin} |",
