@@ -67,11 +67,6 @@ export function firstFree(items: readonly GridItem[], w: number, h: number, colu
   }
 }
 
-/** Rows that the items take. */
-export function rowsOf(items: readonly GridItem[]): number {
-  return Math.max(0, ...items.map(({ y, h }) => y + h));
-}
-
 interface PlacedTile {
   readonly id: string;
   readonly desktop: BoardPlaceShape | null;

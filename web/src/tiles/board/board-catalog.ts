@@ -129,12 +129,9 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
   {
     type: "camera", title: "Camera", about: "One camera, live.", icon: "camera", desktop: [6, 6], phone: [4, 4], least: [2, 3],
     settings: [{ key: "stream", label: "Camera", kind: "stream", needed: true }],
-    load: () => import("../camera/camera-tile.js"),
+    load: () => import("./camera-wall-tile.js"),
     titleOf: (settings, subjects) => findStream(settingText(settings, "stream"), subjects)?.name ?? "Camera",
-    render: (settings, context) => {
-      const stream = findStream(settingText(settings, "stream"), context);
-      return html`<t-camera .site=${context.site} .stream=${stream?.address ?? ""} .name=${stream?.name ?? ""} .detect=${stream?.detect} .online=${context.online}></t-camera>`;
-    },
+    render: (settings, context) => html`<t-tile-cameras alone .context=${context} .streams=${findStreams([settingText(settings, "stream")], context)}></t-tile-cameras>`,
   },
   {
     type: "cameras", title: "Camera wall", about: "Several cameras side by side: all of the site, or those that you choose.", icon: "camera", desktop: [12, 6], phone: [4, 6], least: [2, 3],
@@ -153,6 +150,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     type: "drive", title: "Drive pad", about: "Lease, pad, speed and STOP of a device that is driven.", icon: "drive", desktop: [5, 8], phone: [4, 9], least: [3, 5],
     settings: [{ key: "device", label: "Device", kind: "device", standard: DEVICE }],
     load: () => import("./drive-board-tile.js"),
+    rests: true,
     titleOf: deviceTitle("Drive"),
     render: (settings, context) => html`<t-tile-drive .context=${context} .device=${findDevice(settingText(settings, "device", DEVICE), context)}></t-tile-drive>`,
   },

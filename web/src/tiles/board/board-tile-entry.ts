@@ -8,6 +8,7 @@ import type { IconName } from "../../elements/base/icons.js";
 import type { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import type { SignalShape, TileShape } from "../../generated/api.js";
 import type { ChartFeed } from "../chart/chart-feed.js";
+import type { PictureTimes } from "./picture-times.js";
 
 /** What every tile of a board is handed; the same object while nothing of it has changed. */
 export interface BoardTileContext extends BoardSubjects {
@@ -20,6 +21,7 @@ export interface BoardTileContext extends BoardSubjects {
   readonly painter: PaintScheduler;
   /** Sends commands; null for who may use nothing of the site. */
   readonly line: CommandClient | null;
+  readonly pictures: PictureTimes;
   /** Tiles of the hub's administrator. */
   readonly extensions: readonly TileShape[];
 }
@@ -49,5 +51,7 @@ export interface BoardTileEntry {
   readonly render: (settings: TileSettings, context: BoardTileContext) => TemplateResult;
   /** The title where the person gave none; without it the entry's own. */
   readonly titleOf?: (settings: TileSettings, context: BoardTileContext) => string;
+  /** It hears keys: while the board is arranged by keys, it is not there. */
+  readonly rests?: boolean;
   readonly feeds?: (settings: TileSettings, context: BoardSubjects) => TileFeed;
 }

@@ -74,6 +74,8 @@ export class BoardTile extends LitElement {
 
   @property({ attribute: false }) tile: BoardTileShape | null = null;
   @property({ attribute: false }) context: BoardTileContext | null = null;
+  /** The board is being arranged. */
+  @property({ type: Boolean }) arranged = false;
   @query(".inside") private readonly inside!: HTMLElement | null;
 
   private readonly element = new LoadController<unknown>(this);
@@ -121,6 +123,9 @@ export class BoardTile extends LitElement {
     const { result } = this.element;
     if (result.state === "failed") return html`<div data-state="error">${renderAdvice(adviceFor(result.error, "the tile"), this.element.invalidate)}</div>`;
     if (result.state !== "ready") return html`<t-loading what="Loading the tile"></t-loading>`;
+    if (this.arranged && entry.rests === true) {
+      return html`<div class="trouble"><t-icon name=${entry.icon}></t-icon><span>${entry.title}: at rest while the board is arranged.</span></div>`;
+    }
     return entry.render(tile.settings, context);
   }
 

@@ -1,8 +1,9 @@
-/** Several cameras side by side. */
+/** Cameras of a board: one, or several side by side. When their pictures were taken, who drives by them is told. */
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import type { StreamShape } from "../../generated/api.js";
 import "../camera/camera-tile.js";
@@ -20,11 +21,22 @@ export class CameraWallTile extends LitElement {
         align-content: start;
         gap: var(--t-space-2);
       }
+      :host([alone]) {
+        grid-template-columns: minmax(0, 1fr);
+      }
     `,
   ];
 
   @property({ attribute: false }) context: BoardTileContext | null = null;
   @property({ attribute: false }) streams: readonly StreamShape[] = [];
+  /** One camera that has the tile to itself. */
+  @property({ type: Boolean, reflect: true }) alone = false;
+
+  private readonly watched = new StoreController(this);
+
+  override willUpdate(): void {
+    this.watched.setStore(this.context?.pictures ?? null);
+  }
 
   override render(): unknown {
     const { context, streams } = this;
@@ -33,7 +45,15 @@ export class CameraWallTile extends LitElement {
       streams,
       ({ address }) => address,
       (stream): TemplateResult =>
-        html`<t-camera .site=${context?.site ?? ""} .stream=${stream.address} .name=${stream.name} .detect=${stream.detect} .online=${context?.online ?? false}></t-camera>`,
+        html`<t-camera
+          .site=${context?.site ?? ""}
+          .stream=${stream.address}
+          .name=${stream.name}
+          .detect=${stream.detect}
+          .online=${context?.online ?? false}
+          ?driving=${context?.pictures.isDriven(stream.address) ?? false}
+          @t-picture=${(event: CustomEvent<number | null>) => { context?.pictures.reportPicture(stream.address, event.detail); }}
+        ></t-camera>`,
     );
   }
 }
