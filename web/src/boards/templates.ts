@@ -91,12 +91,12 @@ function vehicleBoard(detail: SiteShape, device: DeviceShape): BoardShape {
   const battery = device.signals.find(({ role }) => role === "battery.level") ?? detail.devices.flatMap(({ signals }) => signals).find(({ role }) => role === "battery.level");
   const stream = device.drive?.picture ?? "";
   const camera = detail.devices.some(({ streams }) => streams.some(({ address }) => address === stream)) ? stream : (detail.devices.flatMap(({ streams }) => streams)[0]?.address ?? "");
-  if (camera !== "") made.add("camera", { stream: device.streams.some(({ address }) => address === camera) ? `${DEVICE}/${camera.split("/")[1] ?? ""}` : camera }, [7, 8, 4, 5]);
-  if (device.rights.includes("view")) made.add("drive", { device: DEVICE }, [5, 8, 4, 9]);
+  if (camera !== "") made.add("camera", { stream: device.streams.some(({ address }) => address === camera) ? `${DEVICE}/${camera.split("/")[1] ?? ""}` : camera }, [6, 8, 4, 5]);
+  if (device.rights.includes("view")) made.add("drive", { device: DEVICE }, [6, 8, 4, 9]);
   const position = detail.devices.flatMap(({ signals }) => signals).find(({ address }) => address === device.drive?.position);
   if (position !== undefined) made.add("trail", { signal: nameOf(position, device) }, [5, 5, 4, 5]);
   if (battery !== undefined) made.add("gauge", { signal: nameOf(battery, device), look: "level" }, [2, 5, 2, 4]);
-  for (const signal of numbers.filter((number) => number !== battery).slice(0, 2)) made.add("value", { signal: nameOf(signal, device) }, [2, 2, 2, 2]);
+  for (const signal of numbers.filter((number) => number !== battery).slice(0, 2)) made.add("value", { signal: nameOf(signal, device) }, [5, 2, 2, 2]);
   addCharts(made, numbers, device, 2);
   const states = primaryOf([device, ...detail.devices.filter((other) => other !== device)], "state");
   if (states.length > 0) made.add("timeline", { signals: states.slice(0, 6).map((signal) => nameOf(signal, device)), seconds: 300 }, [6, 4, 4, 4]);

@@ -45,7 +45,7 @@ export function settingFlag(settings: TileSettings, key: string, standard = fals
 export function settingList(settings: TileSettings, key: string): readonly string[] {
   const value = settings[key];
   if (typeof value === "string") return value === "" ? [] : [value];
-  return Array.isArray(value) ? value : [];
+  return typeof value === "object" ? value : [];
 }
 
 /** Whether a field says nothing. */

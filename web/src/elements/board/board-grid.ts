@@ -138,7 +138,7 @@ export class BoardGrid extends LitElement {
       ${this.editing ? this.renderTools(item) : nothing}
       <slot name=${item.id}></slot>
       ${this.editing
-        ? html`<button class="corner" type="button" tabindex="-1" aria-hidden="true" @pointerdown=${(event: PointerEvent) => { this.beginDrag(event, item, true); }}><t-icon name="down"></t-icon></button>`
+        ? html`<button class="corner" type="button" tabindex="-1" aria-hidden="true" @pointerdown=${this.dragStarter(item, true)}><t-icon name="down"></t-icon></button>`
         : nothing}
     </div>`;
   }
@@ -149,14 +149,32 @@ export class BoardGrid extends LitElement {
         class="grip"
         type="button"
         aria-label=${`Move ${item.name}: arrow keys move it, with Shift they change its size, Delete takes it away`}
-        @pointerdown=${(event: PointerEvent) => { this.beginDrag(event, item, false); }}
-        @keydown=${(event: KeyboardEvent) => { this.onKeyDown(event, item); }}
+        @pointerdown=${this.dragStarter(item, false)}
+        @keydown=${this.keyListener(item)}
       ><t-icon name="drive"></t-icon></button>
       <span>
-        <button type="button" aria-label=${`Settings of ${item.name}`} @click=${() => { this.fire("t-settings", item.id); }}><t-icon name="info"></t-icon></button>
-        <button type="button" aria-label=${`Take ${item.name} away`} @click=${() => { this.fire("t-remove", item.id); }}><t-icon name="close"></t-icon></button>
+        <button type="button" aria-label=${`Settings of ${item.name}`} @click=${this.firer("t-settings", item.id)}><t-icon name="info"></t-icon></button>
+        <button type="button" aria-label=${`Take ${item.name} away`} @click=${this.firer("t-remove", item.id)}><t-icon name="close"></t-icon></button>
       </span>
     </div>`;
+  }
+
+  private dragStarter(item: NamedItem, resizes: boolean): (event: PointerEvent) => void {
+    return (event) => {
+      this.beginDrag(event, item, resizes);
+    };
+  }
+
+  private keyListener(item: NamedItem): (event: KeyboardEvent) => void {
+    return (event) => {
+      this.onKeyDown(event, item);
+    };
+  }
+
+  private firer(kind: string, id: string): () => void {
+    return () => {
+      this.fire(kind, id);
+    };
   }
 
   private onKeyDown(event: KeyboardEvent, item: NamedItem): void {

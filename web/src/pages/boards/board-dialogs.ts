@@ -84,12 +84,18 @@ export class TilePicker extends LitElement {
       ${map(
         BOARD_TILES,
         ({ type, title, about, icon }) => html`<li>
-          <button type="button" @click=${() => { this.dispatchEvent(new CustomEvent("t-choose", { detail: type })); }}>
+          <button type="button" @click=${this.chooser(type)}>
             <t-icon name=${icon}></t-icon><strong>${title}</strong><span class="facts">${about}</span>
           </button>
         </li>`,
       )}
     </ul>`;
+  }
+
+  private chooser(type: string): () => void {
+    return () => {
+      this.dispatchEvent(new CustomEvent("t-choose", { detail: type }));
+    };
   }
 }
 
@@ -124,7 +130,7 @@ export class BoardVersions extends LitElement {
             ${number === row.number
               ? html`<span class="facts">as it is now</span>`
               : row.may_change
-                ? html`<t-button ?busy=${this.action.runningKey === String(number)} label=${`Restore version ${String(number)}`} @click=${() => { void this.restore(row, number); }}>Restore</t-button>`
+                ? html`<t-button ?busy=${this.action.runningKey === String(number)} label=${`Restore version ${String(number)}`} @click=${this.restorer(row, number)}>Restore</t-button>`
                 : nothing}
           </li>`,
         )}
@@ -132,9 +138,13 @@ export class BoardVersions extends LitElement {
       <p>A restored version becomes the newest one: nothing is lost.</p>`;
   }
 
-  private async restore(row: BoardRow, number: number): Promise<void> {
-    const done = await this.action.run("restore the version", () => new BoardsApi(this.api).restoreVersion(row.key, number, row.number), "", String(number));
-    if (done) this.dispatchEvent(new CustomEvent("t-changed"));
+  private restorer(row: BoardRow, number: number): () => void {
+    return () => {
+      const restore = (): Promise<unknown> => new BoardsApi(this.api).restoreVersion(row.key, number, row.number);
+      void this.action.run("restore the version", restore, "", String(number)).then((done) => {
+        if (done) this.dispatchEvent(new CustomEvent("t-changed"));
+      });
+    };
   }
 }
 
@@ -173,7 +183,7 @@ export class BoardShareForm extends LitElement {
 
   @property({ attribute: false }) row: BoardRow | null = null;
   /** The person's own. */
-  @property() ownRole = "";
+  @property({ attribute: "own-role" }) ownRole = "";
   @property({ type: Boolean }) admin = false;
   @state() private chosen: BoardRow["share"] = "own";
 
@@ -193,13 +203,13 @@ export class BoardShareForm extends LitElement {
         ${map(
           SHARES,
           ([share, title, about]) => html`<label>
-            <input type="radio" name="share" .value=${share} .checked=${share === this.chosen} ?disabled=${!this.mayChoose(row, share)} @change=${() => { this.chosen = share; }} />
+            <input type="radio" name="share" .value=${share} .checked=${share === this.chosen} ?disabled=${!this.mayChoose(row, share)} @change=${this.onChoose} />
             <strong>${title}</strong><span class="facts">${about}</span>
           </label>`,
         )}
       </fieldset>
       <p>It opens no data: on each tile everybody sees what their own role may see.${row.may_share ? "" : " To share takes the right use at the board's site."}</p>
-      <t-button kind="primary" ?busy=${this.action.busy} @click=${() => { void this.share(row); }}>Share it so</t-button>`;
+      <t-button kind="primary" ?busy=${this.action.busy} @click=${this.share}>Share it so</t-button>`;
   }
 
   private mayChoose(row: BoardRow, share: BoardRow["share"]): boolean {
@@ -207,7 +217,14 @@ export class BoardShareForm extends LitElement {
     return share === "own" || share === row.share || row.may_share;
   }
 
-  private async share(row: BoardRow): Promise<void> {
+  private readonly onChoose = (event: Event): void => {
+    const value = event.target instanceof HTMLInputElement ? event.target.value : "";
+    this.chosen = SHARES.find(([share]) => share === value)?.[0] ?? "own";
+  };
+
+  private readonly share = async (): Promise<void> => {
+    const { row } = this;
+    if (row === null) return;
     const api = new BoardsApi(this.api);
     const { chosen } = this;
     const role = row.share === "role" && row.role !== "" ? row.role : this.ownRole;
@@ -215,7 +232,7 @@ export class BoardShareForm extends LitElement {
       chosen === "public" ? api.publishBoard(row.key) : api.shareBoard(row.key, { share: chosen, role: chosen === "role" ? role : "" }),
     );
     if (done) this.dispatchEvent(new CustomEvent("t-changed"));
-  }
+  };
 }
 
 declare global {

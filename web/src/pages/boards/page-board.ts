@@ -1,7 +1,7 @@
 /** One board: looked at, arranged, saved with versions, shared, exported, and filling a screen. */
 
 import { consume } from "@lit/context";
-import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { nextInCycle, readBoardQuery, writeBoardQuery } from "../../boards/board-query.js";
 import type { GridItem, GridName } from "../../boards/grid.js";
@@ -86,7 +86,7 @@ export class PageBoard extends LitElement {
     clearTimeout(this.cycling);
   }
 
-  protected override willUpdate(_changed: PropertyValues<this>): void {
+  protected override willUpdate(): void {
     const { key, query } = this;
     const sites = this.sites.store;
     if (key !== this.shownKey) {
@@ -210,8 +210,8 @@ export class PageBoard extends LitElement {
               : html`<t-button ?busy=${this.action.busy} @click=${this.saveCopy}>Save a copy to arrange</t-button>`}
             <t-button @click=${this.fillScreen}>Fill the screen</t-button>
             <t-menu label="More of this board"><span slot="label">More</span>
-              ${row === null || row.described ? nothing : html`<t-button @click=${() => { this.open = "versions"; }}>Versions…</t-button>`}
-              ${row?.may_change === true ? html`<t-button @click=${() => { this.open = "share"; }}>Share…</t-button>` : nothing}
+              ${row === null || row.described ? nothing : html`<t-button @click=${this.onVersions}>Versions…</t-button>`}
+              ${row?.may_change === true ? html`<t-button @click=${this.onShare}>Share…</t-button>` : nothing}
               <t-button @click=${this.exportFile}>Export as YAML</t-button>
               ${row?.may_change === true ? html`<t-button @click=${this.saveCopy}>Save a copy</t-button><t-button kind="danger" @click=${this.removing.opener(row)}>Remove…</t-button>` : nothing}
             </t-menu>
@@ -246,7 +246,7 @@ export class PageBoard extends LitElement {
     return html`<section class="arrange" aria-label="Arrange the board" data-turn=${this.draftKey}>
       <t-field label="Name"><input name="name" type="text" maxlength="100" .value=${board.name} @input=${this.onName} /></t-field>
       <t-choice label="Layout for" .options=${GRIDS} .chosen=${this.grid} @t-choose=${this.onGrid}></t-choice>
-      <t-button @click=${() => { this.open = "add"; }}>Add a tile…</t-button>
+      <t-button @click=${this.onAddTile}>Add a tile…</t-button>
       <t-button kind="quiet" ?disabled=${draft?.canUndo !== true} @click=${this.undo}>Undo</t-button>
       <t-button kind="quiet" ?disabled=${draft?.canRedo !== true} @click=${this.redo}>Redo</t-button>
       <t-button kind="primary" ?busy=${this.action.busy} @click=${this.save}>Save</t-button>
@@ -339,6 +339,18 @@ export class PageBoard extends LitElement {
     // What it shows is asked at once, where it can be asked.
     this.settingsOf = (boardTileEntry(event.detail)?.settings.length ?? 0) > 0 ? added : "";
     this.redrawDraft();
+  };
+
+  private readonly onVersions = (): void => {
+    this.open = "versions";
+  };
+
+  private readonly onShare = (): void => {
+    this.open = "share";
+  };
+
+  private readonly onAddTile = (): void => {
+    this.open = "add";
   };
 
   private readonly onDialogClose = (): void => {

@@ -52,9 +52,15 @@ export class CameraWallTile extends LitElement {
           .detect=${stream.detect}
           .online=${context?.online ?? false}
           ?driving=${context?.pictures.isDriven(stream.address) ?? false}
-          @t-picture=${(event: CustomEvent<number | null>) => { context?.pictures.reportPicture(stream.address, event.detail); }}
+          @t-picture=${this.reporter(stream)}
         ></t-camera>`,
     );
+  }
+
+  private reporter({ address }: StreamShape): (event: CustomEvent<number | null>) => void {
+    return (event) => {
+      this.context?.pictures.reportPicture(address, event.detail);
+    };
   }
 }
 

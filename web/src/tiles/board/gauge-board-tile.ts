@@ -25,8 +25,8 @@ export class GaugeBoardTile extends LitElement {
   /** NaN: the signal's own. */
   @property({ type: Number }) least = Number.NaN;
   @property({ type: Number }) most = Number.NaN;
-  @property({ type: Number }) warnBelow = Number.NaN;
-  @property({ type: Number }) warnAbove = Number.NaN;
+  @property({ type: Number, attribute: "warn-below" }) warnBelow = Number.NaN;
+  @property({ type: Number, attribute: "warn-above" }) warnAbove = Number.NaN;
 
   private readonly live = new LiveValuesController(this);
 

@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
@@ -83,7 +84,7 @@ export class VerdictBoardTile extends DevicePart {
     return html`<div role="status"><t-status kind=${VERDICT_KINDS[word]} word=${VERDICT_WORDS[word]}></t-status></div>
       <p>${word === "none" ? "No interlock of this site reads this station: nothing here decides whether a roof may open." : why}</p>
       <ul aria-label="What closes the roof">
-        ${lines.map(({ name, now, limit, stands }) => html`<li class=${stands}><span>${name} ${now}</span><span>closes ${limit}</span></li>`)}
+        ${map(lines, ({ name, now, limit, stands }) => html`<li class=${stands}><span>${name} ${now}</span><span>closes ${limit}</span></li>`)}
       </ul>`;
   }
 }
