@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from fastapi import APIRouter, Request
 from fastapi.responses import JSONResponse
 
-from talaia.hub.api.sites.boards import _board_of, _shape_of
 from talaia.hub.api.schemas.tile_schemas import BoardShape
+from talaia.hub.api.sites.boards import _board_of, _shape_of
 from talaia.model.boards.board_file import dump_board, load_board
 from talaia.model.errors import DescriptionError
 
@@ -22,7 +22,7 @@ MISSING = JSONResponse({"code": "unknown", "message": "there is no such board"},
 
 def router(person_of: Callable[[Request], str]) -> APIRouter:
     """Give the routes; ``person_of`` names who asks."""
-    routes = APIRouter()
+    routes = APIRouter(default_response_class=JSONResponse)
     boards: dict[str, dict[str, Any]] = {}
 
     def row_of(key: str, who: str) -> dict[str, Any]:
@@ -74,16 +74,16 @@ def router(person_of: Callable[[Request], str]) -> APIRouter:
         shape = _shape_of(board).model_dump(mode="json")
         return {"board": shape, "where": "", "problem": "", "remedy": ""}
 
-    @routes.get("/api/boards/{key}")
-    async def detail(key: str, request: Request) -> Any:
+    @routes.get("/api/boards/{key}", response_model=None)
+    async def detail(key: str, request: Request) -> JSONResponse | dict[str, Any]:
         if key not in boards:
             return MISSING
         row = row_of(key, person_of(request))
         board = boards[key]["versions"][-1]["board"]
         return {"row": row, "number": row["number"], "board": board}
 
-    @routes.put("/api/boards/{key}")
-    async def change(key: str, request: Request) -> Any:
+    @routes.put("/api/boards/{key}", response_model=None)
+    async def change(key: str, request: Request) -> JSONResponse | dict[str, Any]:
         asked = await request.json()
         return save(key, asked["board"], person_of(request), asked.get("note", ""))
 

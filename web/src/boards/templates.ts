@@ -16,14 +16,14 @@ export interface TemplateBoard {
   readonly board: BoardShape;
 }
 
-type TileSize = readonly [desktopW: number, desktopH: number, phoneW: number, phoneH: number];
+type TemplateSize = readonly [desktopW: number, desktopH: number, phoneW: number, phoneH: number];
 
 class TemplateTiles {
   readonly tiles: BoardTileShape[] = [];
   private readonly desktop: GridItem[] = [];
   private readonly phone: GridItem[] = [];
 
-  add(type: string, settings: TileSettings, [dw, dh, pw, ph]: TileSize, title = ""): void {
+  add(type: string, settings: TileSettings, [dw, dh, pw, ph]: TemplateSize, title = ""): void {
     const id = `t${String(this.tiles.length + 1)}`;
     const desktop = firstFree(this.desktop, dw, dh, COLUMNS.desktop);
     const phone = firstFree(this.phone, pw, ph, COLUMNS.phone);

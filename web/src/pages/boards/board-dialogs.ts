@@ -11,7 +11,7 @@ import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.j
 import type { BoardRow, BoardVersionList } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import { BOARD_TILES } from "../../tiles/board/board-catalog.js";
-import { BoardsApi } from "../../wire/boards-api.js";
+import { BoardsApi } from "../../boards/boards-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/base/icon.js";
 import "../../elements/feedback/dialog.js";

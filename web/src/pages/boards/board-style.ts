@@ -52,13 +52,9 @@ export const boardStyle = css`
   }
   .leave {
     position: fixed;
-    inset-block-start: var(--t-space-2);
+    inset-block-end: var(--t-space-2);
     inset-inline-end: var(--t-space-2);
     z-index: 60;
-    opacity: 0.25;
-  }
-  .leave:is(:hover, :focus-within) {
-    opacity: 1;
   }
   @media (max-width: 45rem) {
     .arrange {

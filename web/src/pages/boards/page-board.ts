@@ -24,7 +24,7 @@ import type { BoardDetail, BoardRow, BoardShape, BoardTileShape, DeviceShape, Si
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { boardKeyOf, boardPath, withQuery } from "../../state/router.js";
 import { boardTileEntry } from "../../tiles/board/board-catalog.js";
-import { BoardsApi } from "../../wire/boards-api.js";
+import { BoardsApi } from "../../boards/boards-api.js";
 import { Refused, type HubApi } from "../../wire/hub-api.js";
 import { BoardDraft } from "./board-draft.js";
 import { boardStyle } from "./board-style.js";
@@ -236,7 +236,7 @@ export class PageBoard extends LitElement {
   private renderKioskBar(): TemplateResult {
     const lost = this.link.state !== "open";
     return html`${lost ? html`<t-banner kind="bad">No connection to the hub. What you see is old.</t-banner>` : nothing}
-      <div class="leave"><t-button @click=${this.leaveKiosk}>Leave full screen</t-button></div>`;
+      <div class="leave"><t-button kind="quiet" @click=${this.leaveKiosk}>Leave full screen</t-button></div>`;
   }
 
   // ── arranging ───────────────────────────────────────────────────────────────────────────

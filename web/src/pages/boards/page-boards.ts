@@ -15,7 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import type { BoardList, BoardReading, BoardRow, BoardShape, SiteShape } from "../../generated/api.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { boardPath } from "../../state/router.js";
-import { BoardsApi } from "../../wire/boards-api.js";
+import { BoardsApi } from "../../boards/boards-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/problem.js";

@@ -34,7 +34,7 @@ export class BoardTile extends LitElement {
         padding: var(--t-space-2) var(--t-space-3) 0;
         min-inline-size: 0;
       }
-      h3 {
+      h2 {
         overflow: hidden;
         color: var(--t-muted);
         font-size: var(--t-size-s);
@@ -103,7 +103,7 @@ export class BoardTile extends LitElement {
     if (tile === null || context === null) return nothing;
     const entry = boardTileEntry(tile.type);
     const title = tile.title || (entry === null ? tile.type : (entry.titleOf?.(tile.settings, context) ?? entry.title));
-    return html`<header><h3 id="title" title=${title}>${title}</h3></header>
+    return html`<header><h2 id="title" title=${title}>${title}</h2></header>
       <div class="inside" role="group" aria-labelledby="title">${this.renderInside(tile, entry, context)}</div>`;
   }
 

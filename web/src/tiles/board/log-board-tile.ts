@@ -10,7 +10,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderTopicStatus, renderTopicTrouble } from "../../elements/topic/topic-state.js";
 import { formatClock } from "../../format/time.js";
-import { levelWord, LOG_LEVELS, RobotLog } from "../../series/robot-log.js";
+import { levelWord, LOG_LEVELS, RobotLog } from "../../boards/robot-log.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import "../../elements/base/icon.js";
 import type { BoardTileContext } from "./board-tile-entry.js";

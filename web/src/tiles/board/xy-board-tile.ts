@@ -7,7 +7,7 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { formatAge } from "../../format/duration.js";
 import type { SignalShape } from "../../generated/api.js";
-import { roomFor, xyPairs } from "../../series/xy-pairs.js";
+import { roomFor, xyPairs } from "../../boards/xy-pairs.js";
 import { SECOND_US } from "../../series/zone-clock.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
 

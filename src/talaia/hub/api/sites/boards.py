@@ -1,4 +1,7 @@
-"""Boards: listed, read, saved with versions, shared, and as files."""
+"""Boards: listed, read, saved with versions, shared, and as files.
+
+Long, because every route of boards is here, with the look at the board that each takes.
+"""
 
 from __future__ import annotations
 

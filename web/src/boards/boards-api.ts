@@ -1,7 +1,7 @@
 /** What may be asked of the hub about boards. */
 
 import type { BoardDetail, BoardList, BoardReading, BoardSaved, BoardShape, BoardShareAsk, BoardText, BoardVersionList } from "../generated/api.js";
-import type { HubApi } from "./hub-api.js";
+import type { HubApi } from "../wire/hub-api.js";
 
 const boardUrl = (key: string, more = ""): string => `/api/boards/${encodeURIComponent(key)}${more}`;
 

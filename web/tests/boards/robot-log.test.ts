@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { RobotLog } from "../../src/series/robot-log.js";
-import { roomFor, xyPairs } from "../../src/series/xy-pairs.js";
+import { RobotLog } from "../../src/boards/robot-log.js";
+import { roomFor, xyPairs } from "../../src/boards/xy-pairs.js";
 
 const line = (level: number, name: string, msg: unknown): object => ({ level, name, msg, stamp: { sec: 5, nanosec: 500_000_000 } });
 const all = { level: 0, node: "", words: "" };
