@@ -385,6 +385,13 @@ def devices(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(500)
 
 
+def board(page: Page, address: str, _password: str) -> None:
+    """Show the board that is made of the vehicle's description."""
+    page.goto(f"{address}/boards/template:agv")
+    page.locator("t-board-tile").first.wait_for()
+    page.wait_for_timeout(4000)
+
+
 def device(page: Page, address: str, _password: str) -> None:
     """Show one device."""
     page.goto(f"{address}/sites/agv/devices/base")
@@ -527,7 +534,7 @@ def diagnostics(page: Page, address: str, _password: str) -> None:
 
 
 PAGES = {
-    "login": login, "home": home, "live": live, "history": history, "drive": drive,
+    "login": login, "home": home, "board": board, "live": live, "history": history, "drive": drive,
     "gallery": gallery, "devices": devices, "device": device, "objects": objects,
     "sightings": sightings, "films": films,
 }  # fmt: skip
@@ -552,7 +559,7 @@ STATUSES = [
     ["lidar: connection", 0, "Connected", {"port": "/dev/ttyUSB0"}],
 ]
 # Of these the vehicle should have driven about before.
-MOVING = {"home", "live", "history", "devices", "device", "films"}
+MOVING = {"home", "board", "live", "history", "devices", "device", "films"}
 SEEING = {"objects", "sightings"}
 GUEST_PAGES = {"public": public}
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import uvicorn
 from accounts_side import CODE, Accounts, router
+from boards_side import router as boards_router
 from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
@@ -185,6 +186,7 @@ def build(site: Site) -> FastAPI:
 
     app.include_router(router(accounts))
     app.include_router(seen_router())
+    app.include_router(boards_router(lambda request: request.state.who))
 
     @app.get("/api/sites/{name}/anomalies")
     async def watched() -> dict[str, Any]:

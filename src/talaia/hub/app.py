@@ -9,6 +9,7 @@ from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
+from talaia.hub.features.boards import BoardsFeature
 from talaia.hub.features.connections.client_features import build_client_features
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
@@ -19,7 +20,6 @@ from talaia.hub.features.extensions import ExtensionsFeature
 from talaia.hub.features.gateway_links import GatewayLinksFeature
 from talaia.hub.features.gateways import GatewaysFeature
 from talaia.hub.features.history import HistoryFeature
-from talaia.hub.features.imports import ImportsFeature
 from talaia.hub.features.media import MediaFeature
 from talaia.hub.features.nights.alert_notices import AlertNoticesFeature
 from talaia.hub.features.nights.observing import ObservingFeature
@@ -27,9 +27,10 @@ from talaia.hub.features.notifications import NotificationsFeature
 from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
+from talaia.hub.features.records.imports import ImportsFeature
+from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
-from talaia.hub.features.storage import StorageFeature
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -142,6 +143,7 @@ class Hub(AssembledHub):
         )
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=self.history.store)
+        self.boards = BoardsFeature(core, audit=log)
         self.connections = ConnectionsFeature(
             core,
             seats=self.people.seats,

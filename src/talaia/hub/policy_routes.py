@@ -276,6 +276,26 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("PUT", "/api/client-protocols/{protocol}"): AccessNeed.ADMIN,
         ("PUT", "/api/client-drivers"): AccessNeed.ADMIN,
     },
+    "boards": {
+        # Each board is looked at besides (`auth.board_access`); one that is not open to a person
+        # is as if it were not there. A board opens no data: each of its tiles asks for its own.
+        ("GET", "/api/boards"): AccessNeed.SESSION,
+        ("GET", "/api/boards/{board}"): AccessNeed.SESSION,
+        ("GET", "/api/boards/{board}/versions"): AccessNeed.SESSION,
+        ("GET", "/api/boards/{board}/versions/{number}"): AccessNeed.SESSION,
+        # Nothing is kept by these.
+        ("POST", "/api/boards/text"): AccessNeed.SESSION,
+        ("POST", "/api/boards/reading"): AccessNeed.SESSION,
+        # By a person; of a board that is there its owner, or an admin of the hub.
+        ("POST", "/api/boards"): AccessNeed.OWN,
+        ("PUT", "/api/boards/{board}"): AccessNeed.OWN,
+        ("DELETE", "/api/boards/{board}"): AccessNeed.OWN,
+        ("POST", "/api/boards/{board}/versions/{number}/restore"): AccessNeed.OWN,
+        # The right use at the board's site is asked for besides.
+        ("PUT", "/api/boards/{board}/share"): AccessNeed.OWN,
+        # What everybody sees, guests and screens too, an admin puts there.
+        ("PUT", "/api/boards/{board}/public"): AccessNeed.ADMIN,
+    },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,

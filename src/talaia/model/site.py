@@ -14,10 +14,9 @@ import msgspec
 
 from talaia.model.ai_services import AiServices  # noqa: TC001 - msgspec reads it
 from talaia.model.alarms.alarm import Alarm  # noqa: TC001 - msgspec reads it
-
-# These stand beside: what they need of a site is its addresses only.
 from talaia.model.alarms.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.base import Shape
+from talaia.model.boards.board import Board  # noqa: TC001 - msgspec reads it
 from talaia.model.closed_lists import (
     ArgumentType,
     CommandKind,
@@ -367,9 +366,9 @@ class Site(Shape, frozen=True, kw_only=True):
         services: what the hub works out from the site's data; see `AiServices`.
         alarms: by name; see `Alarm`.
         object_models: detectors of one's own, by name; see `ObjectModel`.
-        topics: who may have which raw topics of the robot, the first rule that fits counts; a
-            topic without a rule is for admins, and for those with the right ``tap``. See
-            `TopicRule`.
+        topics: who may have which raw topics of the robot; the first rule that fits counts.
+            Without one: admins, and those with the right ``tap``. See `TopicRule`.
+        boards: grids of tiles that the hub's pages offer, by name; see `Board`.
 
     """
 
@@ -389,6 +388,7 @@ class Site(Shape, frozen=True, kw_only=True):
     alarms: dict[str, Alarm] = {}
     object_models: dict[str, ObjectModel] = {}
     topics: tuple[TopicRule, ...] = ()
+    boards: dict[str, Board] = {}
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""

@@ -16,6 +16,7 @@ from talaia.hub.store.witnessed_hubs import WitnessedHubs
 from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
+from .boards import BOARD, changes_board, kept_board, reads_board, shares_board
 from .observing import (
     ALERT_RULE,
     ASKED,
@@ -352,6 +353,17 @@ def _of_way(**ask: object) -> Recipe:
     return Recipe(make)
 
 
+def _of_board(
+    meets: Callable[[str, str], bool], about: tuple[str, ...] = OWN_AND_FOREIGN, **ask: object
+) -> Recipe:
+    """Ask about a board that was just kept, in its first version."""
+
+    async def make(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+        return Ask({"board": await kept_board(world, client, about), "number": "1"}, **ask)
+
+    return Recipe(make, about, meets)
+
+
 async def _add_rule(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     return Ask(json={"site": "*", "way": await _way(world, client, about)}, done=(201,))
 
@@ -626,6 +638,24 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ),
     ("DELETE", "/api/sites/{site}/recordings/{recording}"): Recipe(_no_recording, SITES),
     ("GET", "/api/storage/outlook"): Recipe(plain()),
+    ("GET", "/api/boards"): Recipe(plain()),
+    ("POST", "/api/boards"): Recipe(plain(json={"board": BOARD})),
+    ("POST", "/api/boards/text"): Recipe(plain(json={"board": BOARD})),
+    ("POST", "/api/boards/reading"): Recipe(plain(json={"text": "board: 1"})),
+    ("GET", "/api/boards/{board}"): _of_board(reads_board),
+    ("PUT", "/api/boards/{board}"): _of_board(changes_board, json={"board": BOARD, "base": 1}),
+    ("DELETE", "/api/boards/{board}"): _of_board(changes_board, done=(204,)),
+    ("PUT", "/api/boards/{board}/share"): _of_board(
+        shares_board, json={"share": "view"}, done=(204,)
+    ),
+    ("PUT", "/api/boards/{board}/public"): _of_board(
+        lambda actor, _about: actor == "admin", ("own",), json={}, done=(204,)
+    ),
+    ("GET", "/api/boards/{board}/versions"): _of_board(reads_board),
+    ("GET", "/api/boards/{board}/versions/{number}"): _of_board(reads_board),
+    ("POST", "/api/boards/{board}/versions/{number}/restore"): _of_board(
+        changes_board, json={"base": 1}
+    ),
     ("POST", "/api/me/password"): Recipe(
         plain(json={"old": PASSWORD, "new": OTHER_PASSWORD}, done=(204,))
     ),

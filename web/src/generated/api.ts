@@ -2001,6 +2001,119 @@ export interface TopicTable {
   readonly topics: readonly TopicShape[];
 }
 
+/** Keep a board; ``note`` says in a few words what was done. */
+export interface BoardAsk {
+  readonly board: BoardShape;
+  readonly note?: string;
+}
+
+/** Keep another version; ``base`` is the newest one that you know. */
+export interface BoardChangeAsk {
+  readonly board: BoardShape;
+  readonly note?: string;
+  readonly base: number;
+}
+
+/** A board, and what the list says of it; ``number`` is that of the version. */
+export interface BoardDetail {
+  readonly row: BoardRow;
+  readonly number: number;
+  readonly board: BoardShape;
+}
+
+/** The boards that are open to you. */
+export interface BoardList {
+  readonly boards: readonly BoardRow[];
+}
+
+/** Where a tile stands on a grid, in whole columns and rows. */
+export interface BoardPlaceShape {
+  readonly x: number;
+  readonly y: number;
+  readonly w: number;
+  readonly h: number;
+}
+
+/** What a file says: a board, or what is wrong with it and where. */
+export interface BoardReading {
+  readonly board: BoardShape | null;
+  readonly where: string;
+  readonly problem: string;
+  readonly remedy: string;
+}
+
+/** Go back to a version; ``base`` is the newest one that you know. */
+export interface BoardRestoreAsk {
+  readonly base: number;
+}
+
+/** A board in the list. */
+export interface BoardRow {
+  readonly key: string;
+  readonly name: string;
+  readonly site: string;
+  readonly kind: string;
+  readonly described: boolean;
+  readonly owner: string;
+  readonly share: BoardShare;
+  readonly role: string;
+  readonly number: number;
+  readonly tiles: number;
+  readonly changed_us: number;
+  readonly may_change: boolean;
+  readonly may_share: boolean;
+}
+
+/** Where a board is kept, and the number of its newest version. */
+export interface BoardSaved {
+  readonly key: string;
+  readonly number: number;
+}
+
+/** A board: tiles on a grid of 12 columns, and of 4 on a phone. */
+export interface BoardShape {
+  readonly name: string;
+  readonly note: string;
+  readonly site: string;
+  readonly kind: DeviceKind | "";
+  readonly device: string;
+  readonly tiles: readonly BoardTileShape[];
+}
+
+/** Who is to see a board beside its owner; ``role`` names one, for ``role``. */
+export interface BoardShareAsk {
+  readonly share: "own" | "role" | "view";
+  readonly role?: string;
+}
+
+/** A board as the text of a file (YAML). */
+export interface BoardText {
+  readonly text: string;
+}
+
+/** A tile of a board. */
+export interface BoardTileShape {
+  readonly id: string;
+  readonly type: string;
+  readonly title: string;
+  readonly settings: Readonly<Record<string, boolean | number | string | readonly string[]>>;
+  readonly desktop: BoardPlaceShape | null;
+  readonly phone: BoardPlaceShape | null;
+}
+
+/** A board's versions, the newest first. */
+export interface BoardVersionList {
+  readonly versions: readonly BoardVersionShape[];
+}
+
+/** A version of a board. */
+export interface BoardVersionShape {
+  readonly number: number;
+  readonly time_us: number;
+  readonly who: string;
+  readonly note: string;
+}
+
 /** The tiles in the hub's folder of extensions. */
 export interface TileList {
   readonly api: number;
@@ -2132,6 +2245,13 @@ export type ArgumentType =
   | "booleans"
   | "texts"
   | "bytes";
+
+/** Who sees a board beside its owner and the hub's admins. */
+export type BoardShare =
+  | "own"
+  | "role"
+  | "view"
+  | "public";
 
 /** What became of a part. */
 export type ChangeKind =

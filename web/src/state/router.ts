@@ -11,6 +11,8 @@ export type PageName =
   | "home"
   | "devices"
   | "public"
+  | "boards"
+  | "board"
   | "account"
   | "live"
   | "topics"
@@ -58,6 +60,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/setup": "setup",
   "/devices": "devices",
   "/public": "public",
+  "/boards": "boards",
   "/account": "account",
   "/alarms": "alarms",
   "/admin/ways": "ways",
@@ -79,12 +82,24 @@ export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", 
 export function routeOf(path: string): Route {
   const plain = PLAIN[path.length > 1 ? path.replace(/\/$/, "") : path];
   if (plain !== undefined) return { page: plain, site: "", device: "" };
+  if (boardKeyOf(path) !== "") return { page: "board", site: "", device: "" };
   const match = /^\/sites\/([^/]+)\/([a-z]+)(?:\/([^/]+))?\/?$/.exec(path);
   const site = decodedPart(match?.[1] ?? "");
   const device = decodedPart(match?.[3] ?? "");
   if (site !== "" && device !== "" && match?.[2] === "devices") return { page: "device", site, device };
   const page = match?.[3] === undefined ? SITE_PAGES.find((name) => name === match?.[2]) : undefined;
   return page === undefined || site === "" ? { page: "missing", site: "", device: "" } : { page, site, device: "" };
+}
+
+/** The path of a board. */
+export function boardPath(key: string): string {
+  return `/boards/${encodeURIComponent(key)}`;
+}
+
+/** The key of the board that a path is of; empty where it is of none. */
+export function boardKeyOf(path: string): string {
+  const match = /^\/boards\/([^/?]+)\/?(?:\?|$)/.exec(path);
+  return decodedPart(match?.[1] ?? "");
 }
 
 /** The path of a site's page. */

@@ -10,6 +10,7 @@ from sqlalchemy import Column, MetaData, String, Table, create_engine, insert, s
 from talaia.hub.store import (
     alarm_tables as _alarm_tables,
     alert_notice_tables as _alert_notice_tables,
+    board_tables as _board_tables,
     history_tables as _history_tables,
     observing_tables as _observing_tables,
     witness_tables as _witness_tables,
@@ -27,7 +28,14 @@ __all__ = ["VERSION_TABLE", "copy_tables", "open_plain"]
 
 # Rows at a time: those of blocks are large.
 _AT_ONCE = 200
-_ = (_alarm_tables, _alert_notice_tables, _history_tables, _observing_tables, _witness_tables)
+_ = (
+    _alarm_tables,
+    _alert_notice_tables,
+    _board_tables,
+    _history_tables,
+    _observing_tables,
+    _witness_tables,
+)
 VERSION_TABLE = Table(
     "alembic_version", MetaData(), Column("version_num", String(32), primary_key=True)
 )

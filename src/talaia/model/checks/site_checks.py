@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from talaia.model.boards.board_checks import boards_findings
 from talaia.model.checks.alarm_checks import alarms_findings
 from talaia.model.checks.anomaly_checks import anomaly_findings
 from talaia.model.checks.connection_checks import (
@@ -127,6 +128,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from former_findings(whole)
     yield from alarms_findings(whole)
     yield from topics_findings(site)
+    yield from boards_findings(site)
     if site.recording is not None:
         yield from _check_recording(site, site.recording)
 

@@ -38,6 +38,7 @@ const DRAWN: readonly (keyof Chart)[] = [
   "series",
   "marks",
   "level",
+  "levels",
   "outliers",
   "span",
   "follow",
@@ -53,6 +54,7 @@ const NO_AXIS: ChartAxis = { limits: { minimum: null, maximum: null }, least: 0 
 const REACH = 14;
 const NO_INDENT: ChartIndent = indentOf(0, 0);
 const NO_OUTLIERS: ReadonlyMap<string, OutlierPoints> = new Map();
+const NO_LEVELS: readonly number[] = [];
 const NO_RANGE: AxisRange = { low: 0, high: 1 };
 
 /**
@@ -69,6 +71,8 @@ export class Chart extends LitElement implements Paintable {
   @property({ attribute: false }) marks: readonly ChartMark[] = [];
   /** A value with a dashed line across; NaN for none. */
   @property({ type: Number }) level = NaN;
+  /** More of these: the ends of a band. */
+  @property({ attribute: false }) levels: readonly number[] = NO_LEVELS;
   /** Samples to point out, by the address of their series. */
   @property({ attribute: false }) outliers: ReadonlyMap<string, OutlierPoints> = NO_OUTLIERS;
   /** The window of a chart that stands still. */
@@ -216,7 +220,7 @@ export class Chart extends LitElement implements Paintable {
     view.paintView(span, ranges, (plot) => {
       drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
       drawMarks(plot, this.marks, palette);
-      if (!Number.isNaN(this.level)) drawLevel({ ...plot, range: ranges[0] ?? NO_RANGE }, this.level, palette);
+      for (const level of [this.level, ...this.levels].filter((value) => !Number.isNaN(value))) drawLevel({ ...plot, range: ranges[0] ?? NO_RANGE }, level, palette);
       for (const series of this.series) {
         const points = this.outliers.get(series.address);
         if (points !== undefined) drawOutliers({ ...plot, range: rangeOf(series) }, points, palette);

@@ -21,7 +21,7 @@ import { sitePath } from "../../state/router.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { AlarmList, AlarmShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { historyAt, alarmStatus } from "./alarm-labels.js";
+import { historyAt, alarmStatus } from "../../elements/feedback/alarm-labels.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";

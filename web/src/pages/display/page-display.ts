@@ -11,6 +11,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
 import { apiContext, sessionContext } from "../../state/contexts.js";
+import { returnPath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/loading.js";
@@ -24,10 +25,13 @@ export class PageDisplay extends LitElement {
   private readonly session = new ContextStoreController(this, sessionContext);
   private readonly action = new ActionController(this);
   private token = "";
+  /** What it shows first: a board, for example. */
+  private next = "/home";
 
   override connectedCallback(): void {
     super.connectedCallback();
     this.token = location.hash.slice(1);
+    this.next = returnPath(location.search, location.origin);
     history.replaceState(null, "", "/display");
   }
 
@@ -66,7 +70,7 @@ export class PageDisplay extends LitElement {
       this.api.request("POST", "/api/displays/open", { token: this.token }),
     );
     // Anew, so that whatever was shown for somebody else before is gone.
-    if (done) location.replace("/home");
+    if (done) location.replace(this.next);
   };
 }
 

@@ -26,7 +26,7 @@ import { apiContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi } from "../../wire/observing-api.js";
-import { plannedBlocks } from "../night/night-blocks.js";
+import { plannedBlocks } from "../../series/night-blocks.js";
 import { chanceRows, expectedShares, skyFacts, type ChanceRow, type ExpectedShare } from "./forecast-rows.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";

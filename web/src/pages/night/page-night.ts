@@ -28,14 +28,14 @@ import { AlarmsApi } from "../../wire/alarms-api.js";
 import { ArchiveApi, previewPath } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi } from "../../wire/observing-api.js";
-import { nightBlocks, plannedBlocks, shareRows, takenBlocks, type ShareRow } from "./night-blocks.js";
+import { nightBlocks, plannedBlocks, shareRows, takenBlocks, type ShareRow } from "../../series/night-blocks.js";
 import "../../elements/feedback/banner.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/observatory/plan-timeline.js";
 import "../../elements/values/clock.js";
 import "../../elements/values/time.js";
-import "./night-sky-view.js";
+import "../../tiles/observatory/night-sky-view.js";
 import "./night-state.js";
 
 const EVERY_MS = 15_000;

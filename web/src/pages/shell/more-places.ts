@@ -22,5 +22,6 @@ export function morePlaces(site: string, person: Me, { observing, archived }: { 
   // An observatory has the most places: on a phone these two give way to its night.
   const devices = { page: "devices", title: PAGES.devices.title, path: "/devices", spared: true } as const;
   const archive = { page: "archive", title: PAGES.archive.title, path: sitePath(site, "archive"), spared: true } as const;
-  return [...(observing ? [devices] : []), ...(observing && archived ? [archive] : []), ...more];
+  const boards = { page: "boards", title: PAGES.boards.title, path: "/boards", spared: true } as const;
+  return [boards, ...(observing ? [devices] : []), ...(observing && archived ? [archive] : []), ...more];
 }

@@ -15,7 +15,7 @@ import type { Menu } from "../../elements/layout/menu.js";
 import "../../elements/layout/menu.js";
 
 interface NavigationPlace {
-  readonly page: "home" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "night" | "people";
+  readonly page: "home" | "boards" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "night" | "people";
   readonly icon: IconName;
   readonly title?: string;
 }
@@ -23,6 +23,7 @@ interface NavigationPlace {
 const PLACES: readonly NavigationPlace[] = [
   { page: "home", icon: "home" },
   { page: "public", icon: "open" },
+  { page: "boards", icon: "boards" },
   { page: "devices", icon: "devices" },
   { page: "live", icon: "live" },
   { page: "history", icon: "history" },
@@ -234,7 +235,7 @@ export class Navigation extends LitElement {
     return map(
         places,
         (place) => html`<a
-          class="${place.page} ${this.observing && SPARE.includes(place.page) ? "spare" : ""}"
+          class="${place.page} ${place.page === "boards" || (this.observing && SPARE.includes(place.page)) ? "spare" : ""}"
           href=${this.pathOf(place.page) ?? nothing}
           aria-current=${this.isCurrent(place.page) ? "page" : nothing}
           aria-disabled=${this.pathOf(place.page) === null ? "true" : nothing}
@@ -278,6 +279,7 @@ export class Navigation extends LitElement {
     if (page === "people") return ADMIN_PAGES.includes(this.page);
     return (
       page === this.page ||
+      (page === "boards" && this.page === "board") ||
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
       (page === "live" && this.page === "topics") ||
       (page === "history" && this.page === "recordings") ||
@@ -293,6 +295,7 @@ export class Navigation extends LitElement {
         return "/admin/people";
       case "home":
       case "public":
+      case "boards":
       case "devices":
       case "alarms":
         return `/${page}`;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, fieldLabel } from "../../../src/pages/alarms/alarm-definition.js";
-import { historyAt, alarmStatus } from "../../../src/pages/alarms/alarm-labels.js";
+import { historyAt, alarmStatus } from "../../../src/elements/feedback/alarm-labels.js";
 import type { AlarmUpdate } from "../../../src/generated/wire.js";
 
 test("a form says a definition, with only the keys of its kind", () => {

@@ -12,16 +12,17 @@ const OBSERVATORY = { observing: true, archived: true };
 test("what of a site has no place of its own in the navigation is behind the last one", () => {
   const more = morePlaces("agv", person, { observing: false, archived: false });
   expect(more.map(({ path }) => path)).toEqual(
-    ["logbook", "sightings", "recordings", "cameras", "topics"].map((page) => `/sites/agv/${page}`),
+    ["/boards", ...["logbook", "sightings", "recordings", "cameras", "topics"].map((page) => `/sites/agv/${page}`)],
   );
-  expect(more.some(({ spared }) => spared)).toBe(false);
+  // Boards have a place beside the others where the window is wide.
+  expect(more.filter(({ spared }) => spared).map(({ path }) => path)).toEqual(["/boards"]);
 });
 
 test("an observatory's devices and pictures give way to its night where the window is narrow", () => {
   const spared = (archived: boolean): string[] =>
     morePlaces("obs", person, { ...OBSERVATORY, archived }).filter((place) => place.spared).map(({ path }) => path);
-  expect(spared(true)).toEqual(["/devices", "/sites/obs/archive"]);
-  expect(spared(false)).toEqual(["/devices"]);
+  expect(spared(true)).toEqual(["/boards", "/devices", "/sites/obs/archive"]);
+  expect(spared(false)).toEqual(["/boards", "/devices"]);
 });
 
 test("guests have all of theirs on one page, and without a site there is nothing more", () => {

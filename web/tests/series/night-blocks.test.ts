@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import type { FrameShape, NightStateShape, PlanShape } from "../../../src/generated/api.js";
-import { nightBlocks, plannedBlocks, shareRows, takenBlocks } from "../../../src/pages/night/night-blocks.js";
+import type { FrameShape, NightStateShape, PlanShape } from "../../src/generated/api.js";
+import { nightBlocks, plannedBlocks, shareRows, takenBlocks } from "../../src/series/night-blocks.js";
 
 const MINUTE_US = 60e6;
 

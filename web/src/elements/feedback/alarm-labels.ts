@@ -1,6 +1,6 @@
 /** What people read of an alarm. Pure. */
 
-import type { StatusKind } from "../../elements/feedback/status.js";
+import type { StatusKind } from "./status.js";
 import type { AlarmUpdate } from "../../generated/wire.js";
 import { sitePath } from "../../state/router.js";
 

@@ -1,7 +1,7 @@
 /** The blocks of a night's line: what was taken, by the archive; what is observed; what is planned. Pure. */
 
-import type { FrameShape, NightStateShape, PlanShape } from "../../generated/api.js";
-import type { NightBlock } from "../../series/plan-layout.js";
+import type { FrameShape, NightStateShape, PlanShape } from "../generated/api.js";
+import type { NightBlock } from "./plan-layout.js";
 
 /** Frames of one target that lie further apart belong to two visits (ms). */
 const PAUSE_MS = 900_000;

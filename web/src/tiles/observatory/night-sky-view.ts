@@ -5,8 +5,8 @@ import { customElement, property } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import type { PlannedAim, TelescopeAim } from "../../elements/observatory/sky-chart.js";
 import { toHorizontal, type GeoPlace } from "../../sky/coordinates.js";
-import { DevicePart, partStyle } from "../../tiles/observatory/device-part.js";
-import { telescopeSignals } from "../../tiles/observatory/roles.js";
+import { DevicePart, partStyle } from "./device-part.js";
+import { telescopeSignals } from "./roles.js";
 import "../../elements/observatory/sky-chart.js";
 
 @customElement("t-night-sky")

@@ -1,0 +1,111 @@
+"""Boards in a real Chromium: made of the description, arranged, shared and restored by a person."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from playwright.async_api import expect
+
+from ..chromium import sign_in
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+AXE = Path(__file__).parents[3] / "web/node_modules/axe-core/axe.min.js"
+NOW = 1_700_000_000_000_000
+
+
+async def tile_places(page) -> dict[str, str]:
+    """Where each tile stands, as the grid has it."""
+    return await page.locator("t-board-grid .cell").evaluate_all(
+        "cells => Object.fromEntries(cells.map(cell => [cell.dataset.id, "
+        "['--x', '--y', '--w', '--h'].map(name => cell.style.getPropertyValue(name)).join()]))"
+    )
+
+
+async def test_a_person_makes_arranges_shares_and_restores_a_board(chromium, hub, gateway) -> None:
+    page = await sign_in(chromium, hub, "operator")
+    await gateway.samples(("base/turn_rate", NOW, 0.5))
+    # The first board is there without a click: it is made of the description.
+    await page.goto(f"{hub.origin}/boards")
+    await page.get_by_role("link", name="Cockpit of").click()
+    await expect(page.locator("t-board-tile").first).to_be_visible()
+    await page.get_by_role("button", name="Save a copy to arrange").click()
+    bar = page.get_by_role("region", name="Arrange the board")
+    await expect(bar).to_be_visible()
+    before = await tile_places(page)
+
+    # By keys, by the mouse, and one more tile whose form its schema makes.
+    await bar.get_by_label("Name").fill("My cockpit")
+    grip = page.get_by_role("button", name="Move").first
+    await grip.focus()
+    await page.keyboard.press("Shift+ArrowDown")
+    keyed = await tile_places(page)
+    assert keyed != before
+    corner = page.locator("t-board-grid .cell .corner").first
+    await corner.scroll_into_view_if_needed()
+    box = await corner.bounding_box()
+    await page.mouse.move(box["x"] + 10, box["y"] + 10)
+    await page.mouse.down()
+    await page.mouse.move(box["x"] - 190, box["y"] + 10, steps=4)
+    await page.mouse.up()
+    assert await tile_places(page) != keyed
+    await bar.get_by_role("button", name="Add a tile").click()
+    await page.get_by_role("button", name="Text and links").click()
+    settings = page.locator("t-tile-form")
+    await settings.get_by_label("Text", exact=True).fill("Mind the step")
+    await settings.get_by_label("Links").fill("Bad | javascript:alert(1)\nAlarms | /alarms")
+    await page.get_by_role("button", name="Done").click()
+    await bar.get_by_role("button", name="Save", exact=True).click()
+    await expect(page.get_by_text("version 2", exact=False)).to_be_visible()
+    await expect(page.get_by_text("Mind the step")).to_be_visible()
+    await expect(page.locator("t-tile-text a")).to_have_count(1)
+
+    # Shared with who may view the site; a guest, who may not, is told no more than that.
+    await page.get_by_role("button", name="More of this board").click()
+    await page.get_by_role("button", name="Share…").click()
+    await page.get_by_role("radio", name="Who may view").check()
+    await page.get_by_role("button", name="Share it so").click()
+    await expect(page.get_by_role("dialog", name="Who sees this board")).to_be_hidden()
+    address = page.url.partition("?")[0]
+    admin = await sign_in(chromium, hub, "admin")
+    await admin.goto(address)
+    await expect(admin.get_by_role("heading", name="My cockpit")).to_be_visible()
+    guest = await sign_in(chromium, hub, "guest")
+    await guest.goto(address)
+    await expect(guest.get_by_text("This board is not open to you")).to_be_visible()
+
+    # Back to the first version: everything is where it was.
+    await page.get_by_role("button", name="More of this board").click()
+    await page.get_by_role("button", name="Versions…").click()
+    await page.get_by_role("button", name="Restore version 1").click()
+    await expect(page.get_by_text("version 3", exact=False)).to_be_visible()
+    await expect(page.get_by_role("heading", name="Cockpit of")).to_be_visible()
+    assert await tile_places(page) == before
+    assert page.errors == admin.errors == guest.errors == []
+
+
+async def test_who_may_see_little_is_told_so_tile_by_tile(chromium, hub, gateway) -> None:
+    admin = await hub.client("admin")
+    place = {"x": 0, "y": 0, "w": 4, "h": 2}
+    tile = {"type": "value", "title": "", "desktop": place, "phone": None}
+    tiles = [
+        {**tile, "id": "t1", "settings": {"signal": "base/turn_rate"}},
+        {**tile, "id": "t2", "settings": {}},
+        {**tile, "id": "t3", "type": "hologram", "settings": {}},
+    ]
+    board = {"name": "Hall", "note": "", "site": "agv", "kind": "", "device": "", "tiles": tiles}
+    key = (await admin.post("/api/boards", json={"board": board})).json()["key"]
+    assert (await admin.put(f"/api/boards/{key}/public", json={})).status_code == 204
+    guest = await sign_in(chromium, hub, "guest")
+    await guest.goto(f"{hub.origin}/boards/{key}?kiosk=1")
+    states = guest.locator("t-board-tile [data-state]")
+    await expect(states).to_have_count(3)
+    found = await states.evaluate_all("each => each.map(one => one.dataset.state).sort()")
+    assert found == ["empty", "error", "forbidden"]
+    # Nothing of the dashboard stands around it, on a phone neither.
+    await guest.set_viewport_size({"width": 390, "height": 844})
+    assert await guest.evaluate("document.documentElement.scrollWidth") <= 390
+    await guest.evaluate(AXE.read_text(encoding="utf-8"))
+    report = await guest.evaluate("axe.run(document, {resultTypes: ['violations']})")
+    assert [(each["id"], len(each["nodes"])) for each in report["violations"]] == []
+    assert guest.errors == []

@@ -1,0 +1,45 @@
+/** What the address of a board says besides its key: what it is looked at with, and whether it fills the screen. Pure. */
+
+export interface BoardQuery {
+  readonly site: string;
+  readonly device: string;
+  /** It is being arranged from the first moment. */
+  readonly arrange: boolean;
+  readonly kiosk: boolean;
+  /** Keys of boards that follow one another in a kiosk. */
+  readonly cycle: readonly string[];
+  /** Each stays so long (s). */
+  readonly seconds: number;
+}
+
+const LEAST_S = 5;
+
+export function readBoardQuery(search: string): BoardQuery {
+  const said = new URLSearchParams(search);
+  const seconds = Number(said.get("seconds") ?? "");
+  return {
+    site: said.get("site") ?? "",
+    device: said.get("device") ?? "",
+    arrange: said.get("arrange") === "1",
+    kiosk: said.get("kiosk") === "1",
+    cycle: said.getAll("cycle").filter(Boolean),
+    seconds: Number.isFinite(seconds) && seconds > 0 ? Math.max(LEAST_S, seconds) : 30,
+  };
+}
+
+/** The same as the part of an address behind its question mark; what is usual is left out. */
+export function writeBoardQuery({ site = "", device = "", kiosk = false, cycle = [], seconds = 30 }: Partial<BoardQuery>): string {
+  const said = new URLSearchParams();
+  if (site !== "") said.set("site", site);
+  if (device !== "") said.set("device", device);
+  if (kiosk) said.set("kiosk", "1");
+  for (const key of cycle) said.append("cycle", key);
+  if (cycle.length > 0) said.set("seconds", String(seconds));
+  return said.toString();
+}
+
+/** The board that follows in a kiosk; empty where none does. */
+export function nextInCycle(key: string, cycle: readonly string[]): string {
+  if (cycle.length < 2) return "";
+  return cycle[(cycle.indexOf(key) + 1) % cycle.length] ?? "";
+}

@@ -1,0 +1,157 @@
+/** One tile of a board: its head, what it shows, and in its place what keeps it from showing it. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, query } from "lit/decorators.js";
+import { LoadController } from "../../controllers/load.js";
+import { base, raisedBox } from "../../elements/base/base-style.js";
+import { adviceFor } from "../../format/error-advice.js";
+import type { BoardTileShape } from "../../generated/api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import "../../elements/base/icon.js";
+import "../../elements/feedback/loading.js";
+import { boardTileEntry } from "./board-catalog.js";
+import type { BoardTileContext, BoardTileEntry } from "./board-tile-entry.js";
+import { tileTrouble, type TileTrouble } from "./tile-trouble.js";
+
+@customElement("t-board-tile")
+export class BoardTile extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        grid-template-rows: auto minmax(0, 1fr);
+        block-size: 100%;
+        min-inline-size: 0;
+        ${raisedBox}
+        overflow: hidden;
+      }
+      header {
+        display: flex;
+        align-items: baseline;
+        gap: var(--t-space-2);
+        padding: var(--t-space-2) var(--t-space-3) 0;
+        min-inline-size: 0;
+      }
+      h2 {
+        overflow: hidden;
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        text-overflow: ellipsis;
+        white-space: nowrap;
+      }
+      .inside {
+        display: grid;
+        grid-template-columns: minmax(0, 1fr);
+        grid-template-rows: minmax(0, 1fr);
+        padding: var(--t-space-2) var(--t-space-3) var(--t-space-3);
+        min-block-size: 0;
+        overflow: auto;
+        overscroll-behavior: contain;
+      }
+      .inside:focus-visible {
+        outline-offset: -3px;
+      }
+      .trouble {
+        display: grid;
+        align-content: center;
+        justify-items: center;
+        gap: var(--t-space-1);
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
+        text-align: center;
+        overflow-wrap: anywhere;
+      }
+      .trouble strong {
+        color: var(--t-text);
+      }
+      .trouble t-icon {
+        font-size: 1.5rem;
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) tile: BoardTileShape | null = null;
+  @property({ attribute: false }) context: BoardTileContext | null = null;
+  /** The board is being arranged. */
+  @property({ type: Boolean }) arranged = false;
+  @query(".inside") private readonly inside!: HTMLElement | null;
+
+  private readonly element = new LoadController<unknown>(this);
+  private readonly size = new ResizeObserver(() => {
+    this.letScroll();
+  });
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.size.observe(this);
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.size.disconnect();
+  }
+
+  override willUpdate(): void {
+    const entry = boardTileEntry(this.tile?.type ?? "");
+    if (entry !== null) this.element.load(entry.type, entry.load);
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { tile, context } = this;
+    if (tile === null || context === null) return nothing;
+    const entry = boardTileEntry(tile.type);
+    const title = tile.title || (entry === null ? tile.type : (entry.titleOf?.(tile.settings, context) ?? entry.title));
+    return html`<header><h2 id="title" title=${title}>${title}</h2></header>
+      <div class="inside" role="group" aria-labelledby="title">${this.renderInside(tile, entry, context)}</div>`;
+  }
+
+  override updated(): void {
+    this.letScroll();
+  }
+
+  private renderInside(tile: BoardTileShape, entry: BoardTileEntry | null, context: BoardTileContext): unknown {
+    if (entry === null) {
+      return html`<div class="trouble" data-state="error">
+        <t-icon name="warn"></t-icon><strong>There is no tile “${tile.type}”</strong>
+        <span>This hub is older than the board, or its type is misspelt.</span>
+      </div>`;
+    }
+    const trouble = tileTrouble(entry, tile.settings, context);
+    if (trouble !== null) return renderTrouble(trouble);
+    const { result } = this.element;
+    if (result.state === "failed") return html`<div data-state="error">${renderAdvice(adviceFor(result.error, "the tile"), this.element.invalidate)}</div>`;
+    if (result.state !== "ready") return html`<t-loading what="Loading the tile"></t-loading>`;
+    if (this.arranged && entry.rests === true) {
+      return html`<div class="trouble"><t-icon name=${entry.icon}></t-icon><span>${entry.title}: at rest while the board is arranged.</span></div>`;
+    }
+    return entry.render(tile.settings, context);
+  }
+
+  /** What is higher than the tile scrolls inside it, also by keyboard. */
+  private letScroll(): void {
+    const { inside } = this;
+    if (inside === null) return;
+    if (inside.scrollHeight > inside.clientHeight + 1) inside.tabIndex = 0;
+    else inside.removeAttribute("tabindex");
+  }
+}
+
+function renderTrouble({ kind, what }: TileTrouble): TemplateResult {
+  if (kind === "empty") {
+    return html`<div class="trouble" data-state="empty">
+      <t-icon name="info"></t-icon><strong>${what}</strong><span>Its settings are behind Arrange.</span>
+    </div>`;
+  }
+  return html`<div class="trouble" data-state="forbidden">
+    <t-icon name="lock"></t-icon><strong>Not open to you</strong>
+    <span>There is no ${what} here, or your role may not see it.</span>
+  </div>`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-board-tile": BoardTile;
+  }
+}
