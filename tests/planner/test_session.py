@@ -76,7 +76,11 @@ def test_turning_the_camera_takes_its_time_and_the_angle_stays_until_another_is_
         group(request("last", other)),
     ]
     problem = make_night(
-        MONTSEC, EVENING, instrument=Instrument(rotator_rate=2.0), proposals=PROPOSALS, groups=groups
+        MONTSEC,
+        EVENING,
+        instrument=Instrument(rotator_rate=2.0),
+        proposals=PROPOSALS,
+        groups=groups,
     )
     first, any_angle, last = (problem.table.index[name] for name in ("first", "any", "last"))
     progress = NightProgress(problem)
