@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import msgspec
+import numpy as np
 import pytest
 
 from talaia.model.observing.plan import Instrument, VetoCause
@@ -19,6 +21,8 @@ from talaia.model.observing.states import RequestState
 from talaia.model.observing.targets import FixedTarget, IcrsTarget, SolarSystemTarget, Target
 from talaia.planner.errors import UnknownRequest
 from talaia.planner.from_requests import make_night
+from talaia.planner.overheads import overhead_matrix, overheads_from
+from talaia.planner.progress import NightProgress
 from talaia.planner.session import PlanningSession
 from talaia.planner.sky import TelescopePlace
 
@@ -61,6 +65,36 @@ def test_what_is_worth_most_by_a_minute_is_first_and_says_why():
     assert "worth" in decision.reason
     session.complete_request("dear")
     assert session.decide(EVENING + 300).request == "cheap"
+
+
+def test_turning_the_camera_takes_its_time_and_the_angle_stays_until_another_is_wanted():
+    turned = msgspec.structs.replace(ORION, position_angle=350.0)
+    other = msgspec.structs.replace(ORION, position_angle=10.0)
+    groups = [
+        group(request("first", turned), priority=40.0),
+        group(request("any"), priority=20.0),
+        group(request("last", other)),
+    ]
+    problem = make_night(
+        MONTSEC,
+        EVENING,
+        instrument=Instrument(rotator_rate=2.0),
+        proposals=PROPOSALS,
+        groups=groups,
+    )
+    first, any_angle, last = (problem.table.index[name] for name in ("first", "any", "last"))
+    progress = NightProgress(problem)
+
+    def overhead(row: int) -> int:
+        return int(overheads_from(problem, progress.pointing, np.array([row]))[0])
+
+    # From the park nobody knows how the camera stands: a quarter of a turn, beside the usual 43 s.
+    assert (overhead(first), overhead(any_angle)) == (43 + 45, 43)
+    progress.complete_visit(first)
+    progress.complete_visit(any_angle)
+    # From 350 to 10° it is 20°, and nothing leads to what is of the same field.
+    assert overhead(last) == 10
+    assert overhead_matrix(problem, np.array([first, last])).tolist() == [[0, 10], [10, 0]]
 
 
 def test_with_a_closed_roof_nothing_under_the_sky_is_observed():

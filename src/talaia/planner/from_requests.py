@@ -131,6 +131,7 @@ def _visit(
             problem.filter_index(request.configurations[0].filter),
             problem.filter_index(request.configurations[-1].filter),
         ),
+        angle=_angle(request.target),
         windows=_windows(problem, request),
         min_altitude=limits.min_altitude,
         max_airmass=limits.max_airmass,
@@ -178,6 +179,12 @@ def _windows(problem: NightProblem, request: Request) -> tuple[tuple[int, int], 
         if begin < end:
             cut.append((begin, end))
     return tuple(cut)
+
+
+def _angle(target: Target | None) -> float:
+    """Give the position angle that a camera is turned to (°); NaN: none."""
+    angle = target.position_angle if isinstance(target, IcrsTarget) else None
+    return math.nan if angle is None else angle
 
 
 def _place_target(sky: NightSky, target: Target | None) -> tuple[float, float, Floats | None]:

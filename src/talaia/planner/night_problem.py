@@ -77,6 +77,7 @@ class Visit:
         shutter_s: open shutter in all (s).
         runs: frames that are still to be taken, by configuration.
         filters: indexes of the first and the last filter.
+        angle: position angle that the camera is turned to (°); NaN: as it stands.
         windows: from when to when.
         arrives: when it was asked for.
         min_altitude: (°).
@@ -105,6 +106,7 @@ class Visit:
     shutter_s: float = 0.0
     runs: tuple[FrameRun, ...] = ()
     filters: tuple[int, int] = (ANY_FILTER, ANY_FILTER)
+    angle: float = np.nan
     windows: tuple[tuple[int, int], ...] = ()
     arrives: int = 0
     min_altitude: float = 0.0
@@ -144,6 +146,7 @@ class VisitTable:
         self.arrives: Ints = np.array([visit.arrives for visit in self.visits], np.int64)
         self.filter_first: Ints = np.array([visit.filters[0] for visit in self.visits], np.int64)
         self.filter_last: Ints = np.array([visit.filters[1] for visit in self.visits], np.int64)
+        self.angle = self._floats("angle")
         self.needs_sky: NDArray[np.bool_] = np.array(
             [visit.needs_sky for visit in self.visits], np.bool_
         )

@@ -1,7 +1,8 @@
-"""What stands between two blocks: slew, settling, centring, filter, dome, meridian flip."""
+"""What stands between two blocks: slew, settling, centring, filter, dome, rotator, flip."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -16,14 +17,25 @@ __all__ = ["PARKED", "TelescopePointing", "overhead_matrix", "overheads_from", "
 
 # Nearer than this is the same field (°, in right ascension and declination).
 SAME_FIELD = 0.01
+# Where nobody knows how the camera stands: the mean of what may come (°).
+_USUAL_TURN = 90.0
 
 
 class TelescopePointing(NamedTuple):
-    """Where a telescope points, and the filter that is in (an index); `PARKED`: nowhere."""
+    """Where a telescope points, and the filter that is in (an index); `PARKED`: nowhere.
+
+    Attributes:
+        ra: (°).
+        dec: (°).
+        filter: see above.
+        angle: position angle to which the camera is turned (°); NaN: nobody knows.
+
+    """
 
     ra: float
     dec: float
     filter: int
+    angle: float = math.nan
 
 
 PARKED: TelescopePointing | None = None
@@ -39,27 +51,44 @@ def overheads_from(problem: NightProblem, pointing: TelescopePointing | None, ro
     """Give what leads from a pointing to each visit (s)."""
     if pointing is None:
         seconds = np.full(len(rows), unpark_overhead(problem), np.int64)
+        seconds += _turning(problem, problem.table.angle[rows], np.array(math.nan))
         seconds[~problem.table.needs_sky[rows]] = 0
         return seconds
     table = problem.table
-    return _overheads(
+    between = _overheads(
         problem,
         np.abs(table.ra[rows] - pointing.ra),
         np.abs(table.dec[rows] - pointing.dec),
         _changes(table.filter_first[rows], np.array(pointing.filter)),
     )
+    return between + _turning(problem, table.angle[rows], np.array(pointing.angle))
 
 
 def overhead_matrix(problem: NightProblem, rows: Ints) -> Ints:
     """Give what leads from each visit (first axis) to each other (second axis), in seconds."""
     table = problem.table
-    ra, dec = table.ra[rows], table.dec[rows]
-    return _overheads(
+    ra, dec, angle = table.ra[rows], table.dec[rows], table.angle[rows]
+    between = _overheads(
         problem,
         np.abs(ra[None, :] - ra[:, None]),
         np.abs(dec[None, :] - dec[:, None]),
         _changes(table.filter_first[rows][None, :], table.filter_last[rows][:, None]),
     )
+    return between + _turning(problem, angle[None, :], angle[:, None])
+
+
+def _turning(problem: NightProblem, wanted: Floats, present: Floats) -> Ints:
+    """Give what it takes to turn the camera, which is done before the telescope slews (s).
+
+    A visit that wants no angle turns nothing; how it leaves the camera nobody knows here.
+    """
+    rate = problem.instrument.rotator_rate
+    shape = np.broadcast_shapes(wanted.shape, present.shape)
+    if rate <= 0.0 or np.isnan(wanted).all():
+        return np.zeros(shape, np.int64)
+    angle = np.abs((wanted - present + 180.0) % 360.0 - 180.0)
+    angle = np.where(np.isnan(angle), _USUAL_TURN, angle)
+    return np.asarray(np.where(np.isnan(wanted), 0.0, np.ceil(angle / rate)).astype(np.int64))
 
 
 def _changes(wanted: Ints, present: Ints) -> NDArray[np.bool_]:

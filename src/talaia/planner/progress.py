@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -120,10 +121,12 @@ class NightProgress:
     def pointing_at(self, row: int) -> TelescopePointing:
         """Give where the telescope points after a visit, and its filter."""
         table = self.problem.table
-        last = int(table.filter_last[row])
-        if last < 0 and self.pointing is not None:
-            last = self.pointing.filter
-        return TelescopePointing(float(table.ra[row]), float(table.dec[row]), last)
+        last, angle = int(table.filter_last[row]), float(table.angle[row])
+        # What it does not ask for stays as it was before it.
+        if self.pointing is not None:
+            last = self.pointing.filter if last < 0 else last
+            angle = self.pointing.angle if math.isnan(angle) else angle
+        return TelescopePointing(float(table.ra[row]), float(table.dec[row]), last, angle)
 
     def complete_visit(self, row: int) -> None:
         """Count a visit as observed, and charge it."""

@@ -309,6 +309,58 @@ def test_whatever_text_comes_it_is_read_or_a_problem(kind, text) -> None:
     assert found.groups or found.problems or text.strip() == "[]"
 
 
+def nina_with(target: dict[str, float], *kinds: str) -> dict[str, object]:
+    said = json.loads(json.dumps(NINA))
+    (container,) = said["Items"]["$values"]
+    container["Target"] |= target
+    container["Items"]["$values"] += [{"$type": f"NINA.Platesolving.{kind}, N"} for kind in kinds]
+    return said
+
+
+def lco_with(**setting: object) -> dict[str, object]:
+    return changed([*CONFIGURATION, "instrument_configs"], [{"exposure_time": 30, **setting}])
+
+
+EKOS_ALIGNED = EKOS.replace("<Step>Track</Step>", "<Step>Align</Step>").replace(
+    "</Coordinates>", "</Coordinates><PositionAngle>-30</PositionAngle>"
+)
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "angle"),
+    [
+        ("lco", lco_with(rotator_mode="SKY", extra_params={"rotator_angle": 90}), 90.0),
+        ("lco", lco_with(rotator_mode="SKY"), None),
+        ("csv", "ra,dec,position_angle\n1,2,-10\n", 350.0),
+        ("csv", "ra,dec,position_angle\n1,2,\n", None),
+        ("nina", nina_with({"PositionAngle": 137.5}, "CenterAndRotate"), 137.5),
+        # What framing showed is no wish to turn the camera.
+        ("nina", nina_with({"PositionAngle": 137.5}, "Center"), None),
+        ("nina", nina_with({"Rotation": 30.0}, "CenterAndRotate"), 330.0),
+        ("ekos", EKOS_ALIGNED, 330.0),
+        ("ekos", EKOS_ALIGNED.replace("-30", "-181"), None),
+        ("ekos", EKOS_ALIGNED.replace("Align", "Track"), None),
+    ],
+)
+def test_the_angle_that_a_list_turns_the_camera_to_is_kept(kind, said, angle) -> None:
+    target = read(kind, said).groups[0].requests[0].target
+    assert target.position_angle == (None if angle is None else pytest.approx(angle))
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "where"),
+    [
+        ("lco", lco_with(rotator_mode="VFLOAT"), "rotator_mode"),
+        ("lco", lco_with(rotator_mode="SKY", extra_params={"rotator_angle": "N"}), "rotator_angle"),
+        ("csv", "ra,dec,position_angle\n1,2,400\n", "line 2, position_angle"),
+    ],
+)
+def test_an_angle_that_is_none_on_the_sky_is_said_with_its_place(kind, said, where) -> None:
+    groups, (problem,) = read(kind, said)
+    assert groups == []
+    assert problem.where.endswith(where)
+
+
 CELL = st.sampled_from(["", "1", "-5:30", "1e9", "nan", "=1", '"', "R", "2026-12-04", "x" * 300])
 
 

@@ -15,6 +15,7 @@ from talaia.hub.request_files.imported import (
     ImportedGroups,
     Misread,
     make_request,
+    read_angle,
     read_declination,
     read_number,
     read_right_ascension,
@@ -47,6 +48,7 @@ COLUMNS = (
     "min_moon_distance",
     "start",
     "end",
+    "position_angle",
 )
 _NEEDED = ("ra", "dec")
 _MOST_LINES = 1000
@@ -117,6 +119,7 @@ def _read_line(where: str, names: list[str], cells: list[str], defaults: ImportD
         name=said.get("name", "")[:100],
         ra=read_right_ascension(f"{where}, ra", said["ra"]),
         dec=read_declination(f"{where}, dec", said["dec"]),
+        position_angle=read_angle(f"{where}, position_angle", said.get("position_angle")),
     )
     return make_request(
         where,

@@ -18,6 +18,7 @@ from talaia.hub.request_files.imported import (
     ImportedGroups,
     Misread,
     make_request,
+    read_angle,
     read_number,
 )
 from talaia.model.observing.requests import GroupOperator, RequestGroup, Window
@@ -33,6 +34,7 @@ __all__ = ["read_ekos"]
 
 _ROOT = "SchedulerList"
 _MOST = 1000
+_HALF_TURN = 180.0
 
 
 class _Job:
@@ -43,6 +45,7 @@ class _Job:
         self.texts: dict[str, str] = {}
         self.constraints: dict[str, str] = {}
         self.start = ""
+        self.steps: set[str] = set()
 
 
 class _Listener:
@@ -86,6 +89,8 @@ class _Listener:
             job.constraints[said] = self._value
         elif inside == ["StartupCondition", "Condition"] and said == "At":
             job.start = self._value
+        elif inside == ["Steps", "Step"]:
+            job.steps.add(said)
         else:
             job.texts["/".join(inside)] = said
         self._text = ""
@@ -137,11 +142,24 @@ def _read_job(job: _Job, defaults: ImportDefaults) -> Request:
         window = Window(start=max(start, window.start), end=window.end)
     return make_request(
         where,
-        IcrsTarget(name=job.texts.get("Name", "")[:100], ra=hours * 15.0, dec=degrees),
+        IcrsTarget(
+            name=job.texts.get("Name", "")[:100],
+            ra=hours * 15.0,
+            dec=degrees,
+            position_angle=_read_angle(where, job),
+        ),
         configurations=defaults.configurations,
         constraints=_constraints(where, job, defaults.constraints),
         windows=(window,),
     )
+
+
+def _read_angle(where: str, job: _Job) -> float | None:
+    """Give the angle of a job; below -180°, or without the step that aligns, Ekos turns nothing."""
+    said = job.texts.get("PositionAngle") if "Align" in job.steps else None
+    angle = read_angle(f"{where}, PositionAngle", said)
+    # As `read_angle` folds it: below -180° is -181°.
+    return None if angle is None or read_number(where, said) < -_HALF_TURN else angle
 
 
 def _constraints(where: str, job: _Job, before: Constraints) -> Constraints:

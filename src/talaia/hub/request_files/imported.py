@@ -22,6 +22,7 @@ __all__ = [
     "ImportedGroups",
     "Misread",
     "make_request",
+    "read_angle",
     "read_declination",
     "read_number",
     "read_right_ascension",
@@ -130,6 +131,21 @@ def read_number(where: str, text: object) -> float:
     if strange or not math.isfinite(value):
         raise Misread(where, f"expected a number, found {_shown(text)}")
     return value
+
+
+def read_angle(where: str, said: object) -> float | None:
+    """Read an angle on the sky, from north through east (-360 to 360°); None: nothing is said.
+
+    Raises:
+        Misread: it is none, or out of its bounds.
+
+    """
+    if said is None or said == "":
+        return None
+    degrees = read_number(where, said)
+    if not -360.0 <= degrees <= 360.0:
+        raise Misread(where, f"expected -360 to 360°, found {_shown(said)}")
+    return degrees % 360.0
 
 
 def read_right_ascension(where: str, text: str) -> float:

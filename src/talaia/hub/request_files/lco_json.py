@@ -17,6 +17,7 @@ from talaia.hub.request_files.imported import (
     ImportedGroups,
     Misread,
     make_request,
+    read_angle,
     read_number,
 )
 from talaia.model.observing.requests import (
@@ -47,6 +48,8 @@ _TYPES = {
     "DARK": ImageType.DARK,
     "BIAS": ImageType.BIAS,
 }
+# Nothing, or SKY with an angle from north through east.
+_ROTATOR_MODES = frozenset({"", "SKY"})
 # Our priority of a group whose intra-proposal priority is 1.
 _PRIORITY = 10.0
 _HOUR = 3600.0
@@ -135,6 +138,7 @@ def _read_requests(where: str, said: object, defaults: ImportDefaults) -> Iterat
             raise Misread(f"{inside}.constraints", "expected the same in all of a request")
         # One of theirs may have several settings of exposures; each is one of ours.
         taken += _read_configurations(inside, configuration)
+    target = msgspec.structs.replace(target, position_angle=_read_angle(where, configurations))
     for windows in _read_windows(where, request, defaults):
         yield make_request(
             where,
@@ -162,6 +166,33 @@ def _read_target(where: str, said: object) -> IcrsTarget:
         ),
         epoch=read_number(f"{where}.epoch", target.get("epoch") or 2000.0),
     )
+
+
+def _read_angle(where: str, configurations: list[Any]) -> float | None:
+    """Give the angle on the sky that all settings of a request name; None: they leave it open.
+
+    Of LCO's modes of a rotator only SKY is an angle on the sky. The others (parallactic, a slit's)
+    would be observed otherwise than they were meant, so they are refused.
+    """
+    angles: dict[float | None, str] = {}
+    for at, configuration in enumerate(configurations):
+        for part_at, part in enumerate(configuration.get("instrument_configs") or ()):
+            inside = f"{where}.configurations[{at}].instrument_configs[{part_at}]"
+            said = _object(inside, part)
+            mode = str(said.get("rotator_mode") or "")
+            extra = _object(f"{inside}.extra_params", said.get("extra_params") or {})
+            if mode not in _ROTATOR_MODES:
+                raise Misread(
+                    f"{inside}.rotator_mode", f"expected SKY or nothing, found {mode[:40]!r}"
+                )
+            angle = extra.get("rotator_angle") if mode else None
+            read = read_angle(f"{inside}.extra_params.rotator_angle", angle)
+            angles.setdefault(read, inside)
+    if len(angles) > 1:
+        raise Misread(
+            list(angles.values())[1], "expected one angle in a request; make a request for each"
+        )
+    return next(iter(angles), None)
 
 
 def _read_constraints(where: str, said: object, before: Constraints) -> Constraints:

@@ -16,6 +16,7 @@ from talaia.hub.request_files.imported import (
     ImportedGroups,
     Misread,
     make_request,
+    read_angle,
     read_number,
 )
 from talaia.model.observing.requests import (
@@ -40,6 +41,8 @@ _TYPES = {
     "DARK": ImageType.DARK,
     "BIAS": ImageType.BIAS,
 }
+# Instructions that turn a camera to the target's angle.
+_TURNING = frozenset({"CenterAndRotate", "SolveAndRotate"})
 _MOST = 1000
 # Containers inside containers; a sequence has a handful.
 _DEEPEST = 60
@@ -104,11 +107,43 @@ def _read_container(where: str, said: _Said, defaults: ImportDefaults) -> Reques
     taken = tuple(_exposures(where, said.get("Items"), times=1, chosen="", depth=0))
     return make_request(
         where,
-        IcrsTarget(name=name, ra=hours * 15.0 % 360.0, dec=-degrees if south else degrees),
+        IcrsTarget(
+            name=name,
+            ra=hours * 15.0 % 360.0,
+            dec=-degrees if south else degrees,
+            position_angle=_read_angle(where, said),
+        ),
         configurations=taken or defaults.configurations,
         constraints=defaults.constraints,
         windows=(defaults.window,),
     )
+
+
+def _read_angle(where: str, said: _Said) -> float | None:
+    """Give the angle that a camera is turned to; None: the sequence turns none.
+
+    Each target has an angle, of whatever the framing showed: it is meant where an instruction turns
+    the camera to it.
+    """
+    if not any(kind in _TURNING for kind in _kinds(said.get("Items"), 0)):
+        return None
+    target = said["Target"]
+    if "PositionAngle" in target:
+        return read_angle(f"{where}.Target.PositionAngle", target["PositionAngle"])
+    # As N.I.N.A. wrote it before version 3: from north through west.
+    west = read_angle(f"{where}.Target.Rotation", target.get("Rotation"))
+    return None if west is None else -west % 360.0
+
+
+def _kinds(said: object, depth: int) -> Iterator[str]:
+    """Name the instructions below here, without their namespaces."""
+    items = said.get("$values", []) if isinstance(said, dict) else said
+    if not isinstance(items, list) or depth > _DEEPEST:
+        return
+    for item in items:
+        if isinstance(item, dict):
+            yield str(item.get("$type", "")).partition(",")[0].rpartition(".")[2]
+            yield from _kinds(item.get("Items"), depth + 1)
 
 
 def _sum_parts(where: str, place: _Said, names: tuple[str, str, str]) -> float:

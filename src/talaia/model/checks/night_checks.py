@@ -263,7 +263,7 @@ def _times_fit(night: NightSection) -> Iterator[Finding]:
     times, where = night.times, "$.night.times"
     for key in ("settle", "acquire", "filter_change", "readout", "unpark", "meridian_flip"):
         yield from at_least(f"{where}.{key}", getattr(times, key), 0)
-    for key in ("focus_run", "dome_rate"):
+    for key in ("focus_run", "dome_rate", "rotator_rate"):
         yield from at_least(f"{where}.{key}", getattr(times, key), 0)
     yield from check_above(f"{where}.slew_rate", times.slew_rate, 0)
     for key, values in (

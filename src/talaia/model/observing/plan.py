@@ -26,6 +26,7 @@ class Instrument(Shape, frozen=True, kw_only=True):
         horizon: lowest altitude anywhere (°).
         horizon_mask: points of azimuth and altitude (°), joined by lines, round the compass.
         dome_rate: of a dome that turns (°/s); 0: none, or it does not turn.
+        rotator_rate: of what turns the camera (°/s); 0: nothing does, or it takes no time.
 
     """
 
@@ -40,6 +41,7 @@ class Instrument(Shape, frozen=True, kw_only=True):
     horizon: float = 15.0
     horizon_mask: tuple[tuple[float, float], ...] = ()
     dome_rate: float = 0.0
+    rotator_rate: float = 0.0
 
 
 class VetoCause(StrEnum):
