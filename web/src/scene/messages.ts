@@ -1,6 +1,6 @@
 /** The messages that a scene is made of, read from their bytes. Pure. */
 
-import { MessageReader } from "./cdr.js";
+import type { MessageReader } from "./cdr.js";
 import { frameName } from "./frame-tree.js";
 import { normalized, type Transform, type Vector } from "./transform.js";
 

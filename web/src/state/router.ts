@@ -14,6 +14,7 @@ export type PageName =
   | "account"
   | "live"
   | "topics"
+  | "scene"
   | "history"
   | "recordings"
   | "drive"
@@ -47,7 +48,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -90,7 +91,7 @@ export function routeOf(path: string): Route {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
+  page: "live" | "topics" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }

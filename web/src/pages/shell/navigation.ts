@@ -279,7 +279,7 @@ export class Navigation extends LitElement {
     return (
       page === this.page ||
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
-      (page === "live" && this.page === "topics") ||
+      (page === "live" && ["topics", "scene"].includes(this.page)) ||
       (page === "history" && this.page === "recordings") ||
       (page === "night" && ["forecast", "requests", "proposals", "alertrules"].includes(this.page)) ||
       (page === "alarms" && (this.page === "logbook" || this.page === "sightings"))
