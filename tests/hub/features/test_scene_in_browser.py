@@ -22,7 +22,7 @@ from talaia.wire.frames import TapMessage, TapSchema, TapSubscription, TopicEntr
 from ..chromium import program_or_skip, sign_in
 from ..conftest import DESCRIPTION
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(90)]
 
 GOAL = """    commands:
       goal:
@@ -52,6 +52,7 @@ KINDS = {
 }
 NUMBERS = {topic: number for number, topic in enumerate(KINDS, 1)}
 BASE, YAW = (0.6, 0.4), 0.7
+PIECE = 60_000
 STAMP = (1_780_000_000, 500_000_000)
 # So that points are seen whatever of the house lies before them, and counted by their colour.
 SCAN_COLOUR = (0xC0, 0x56, 0x1A)
@@ -148,12 +149,13 @@ class HouseRobot:
     async def publish(self, topic: str) -> None:
         raw = bytes(STORE.serialize_cdr(self.messages[topic], KINDS[topic]))
         self.seq += 1
-        await self.media.say(
-            TapMessage(
-                number=NUMBERS[topic], seq=self.seq, log_us=self.seq * 1000, kept=True,
-                size=len(raw), data=raw,
-            )
-        )  # fmt: skip
+        for at in range(0, len(raw), PIECE):
+            await self.media.say(
+                TapMessage(
+                    number=NUMBERS[topic], seq=self.seq, log_us=self.seq * 1000, kept=True,
+                    at=at, size=len(raw), data=raw[at : at + PIECE],
+                )
+            )  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, Color, CylinderGeometry, DataTexture, DoubleSide, Group, InstancedMesh, Line, LineBasicMaterial,
   LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter, Object3D, PlaneGeometry, Points, PointsMaterial,
-  SphereGeometry, type Material,
+  SphereGeometry, SRGBColorSpace, type Material,
 } from "three";
 import { cloudColours } from "../../scene/colours.js";
 import type { Marker } from "../../scene/markers.js";
@@ -92,10 +92,12 @@ function drawGrid(grid: OccupancyGrid, paints: Paints): Object3D {
   const texture = new DataTexture(gridPixels(grid, paints), width, height);
   texture.magFilter = NearestFilter;
   texture.minFilter = NearestFilter;
+  texture.colorSpace = SRGBColorSpace;
   texture.needsUpdate = true;
   const floor = new Mesh(new PlaneGeometry(width * resolution, height * resolution), new MeshBasicMaterial({ map: texture, transparent: true, side: DoubleSide, depthWrite: false }));
   // A plane's own origin is in its middle, a map's in its corner.
-  floor.position.set((width * resolution) / 2, (height * resolution) / 2, 0);
+  // A hair below the floor's lines, so that these are seen whole.
+  floor.position.set((width * resolution) / 2, (height * resolution) / 2, -0.005);
   floor.renderOrder = -1;
   const placed = new Group();
   placed.add(floor);

@@ -42,11 +42,16 @@ export const sceneStyle = css`
   .tools > * {
     pointer-events: auto;
   }
-  .note {
+  .notes {
     position: absolute;
     inset-block-end: var(--t-space-2);
-    inset-inline-start: var(--t-space-2);
-    max-inline-size: calc(100% - 2 * var(--t-space-2));
+    inset-inline: var(--t-space-2);
+    display: grid;
+    justify-items: start;
+    gap: var(--t-space-1);
+    pointer-events: none;
+  }
+  .note {
     padding: var(--t-space-1) var(--t-space-3);
     background: var(--t-surface);
     border: 1px solid var(--t-line);

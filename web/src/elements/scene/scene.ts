@@ -130,8 +130,9 @@ export class SceneElement extends LitElement {
     return html`<div class="view">
         <canvas tabindex="0" role="img" aria-label=${`The robot in space. Arrow keys move, plus and minus zoom. ${this.summary()}`}
           @pointerdown=${this.onPointer} @pointermove=${this.onPointer} @pointerup=${this.onPointer} @keydown=${this.onKey}></canvas>
-        ${this.drawing === null ? html`<div class="note"><t-loading what="Loading the scene"></t-loading></div>` : nothing}
-        ${this.renderTools()}${this.renderNote()}
+        ${this.drawing === null ? html`<div class="notes"><div class="note"><t-loading what="Loading the scene"></t-loading></div></div>` : nothing}
+        ${this.renderTools()}
+        <div class="notes">${this.noSpace === "" ? nothing : html`<p class="note">${this.noSpace}</p>`}${this.renderNote()}</div>
       </div>
       ${this.bare ? nothing : this.renderSide(session.topics)}`;
   }
@@ -166,7 +167,6 @@ export class SceneElement extends LitElement {
     if (this.tool !== "") return html`<p class="note">Press where, and drag to where it is to look. It is sent only when you say so below.</p>`;
     const age = this.robotAge();
     if (age !== null && age > OLD_S) return html`<p class="note old" role="status">Where the robot is was said ${formatAge(age)}: it may be elsewhere.</p>`;
-    if (this.noSpace !== "") return html`<p class="note">${this.noSpace}</p>`;
     return this.trouble === "" ? nothing : html`<p class="note old" role="status">${this.trouble}</p>`;
   }
 
