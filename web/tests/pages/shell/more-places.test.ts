@@ -12,7 +12,7 @@ const OBSERVATORY = { observing: true, archived: true };
 test("what of a site has no place of its own in the navigation is behind the last one", () => {
   const more = morePlaces("agv", person, { observing: false, archived: false });
   expect(more.map(({ path }) => path)).toEqual(
-    ["logbook", "sightings", "recordings", "cameras", "topics"].map((page) => `/sites/agv/${page}`),
+    ["logbook", "sightings", "recordings", "cameras", "scene", "topics"].map((page) => `/sites/agv/${page}`),
   );
   expect(more.some(({ spared }) => spared)).toBe(false);
 });
