@@ -1,7 +1,7 @@
 /** `sensor_msgs/msg/PointCloud2`: points and what colours them. Pure. */
 
 import { MessageError, type MessageReader } from "./cdr.js";
-import { readHeader, type Header } from "./messages.js";
+import { readHeader, type MessageHeader } from "./messages.js";
 
 interface PointField {
   readonly name: string;
@@ -12,7 +12,7 @@ interface PointField {
 /** What colours the points. */
 export type CloudColour = "height" | "intensity" | "rgb";
 
-export interface PointCloud extends Header {
+export interface PointCloud extends MessageHeader {
   /** x, y, z of each (m). */
   readonly positions: Float32Array;
   /** 0 to 1 from the least to the greatest; null where the points have none. */

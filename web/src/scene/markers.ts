@@ -1,7 +1,7 @@
 /** `visualization_msgs` markers. Pure. */
 
 import type { MessageReader } from "./cdr.js";
-import { readHeader, readPose, readVector, type Header } from "./messages.js";
+import { readHeader, readPose, readVector, type MessageHeader } from "./messages.js";
 import type { Transform, Vector } from "./transform.js";
 
 /** By the numbers of `Marker.type`. */
@@ -10,7 +10,7 @@ export const MARKER_KINDS = [
 ] as const;
 export type MarkerKind = (typeof MARKER_KINDS)[number];
 
-export interface Marker extends Header {
+export interface Marker extends MessageHeader {
   readonly key: string;
   readonly kind: MarkerKind | null;
   readonly action: "set" | "remove" | "remove all";

@@ -4,12 +4,12 @@ import type { MessageReader } from "./cdr.js";
 import { frameName } from "./frame-tree.js";
 import { normalized, type Transform, type Vector } from "./transform.js";
 
-export interface Header {
+export interface MessageHeader {
   readonly timeUs: number;
   readonly frame: string;
 }
 
-export interface LaserScan extends Header {
+export interface LaserScan extends MessageHeader {
   readonly angleMin: number;
   readonly angleStep: number;
   readonly rangeMin: number;
@@ -17,21 +17,21 @@ export interface LaserScan extends Header {
   readonly ranges: Float32Array;
 }
 
-export interface Poses extends Header {
+export interface Poses extends MessageHeader {
   readonly poses: readonly Transform[];
 }
 
-export interface Odometry extends Header {
+export interface Odometry extends MessageHeader {
   readonly child: string;
   readonly pose: Transform;
 }
 
-export interface JointState extends Header {
+export interface JointState extends MessageHeader {
   readonly names: readonly string[];
   readonly positions: readonly number[];
 }
 
-export interface OccupancyGrid extends Header {
+export interface OccupancyGrid extends MessageHeader {
   /** m */
   readonly resolution: number;
   readonly width: number;
@@ -41,7 +41,7 @@ export interface OccupancyGrid extends Header {
   readonly cells: Uint8Array;
 }
 
-export interface GridUpdate extends Header {
+export interface GridUpdate extends MessageHeader {
   readonly x: number;
   readonly y: number;
   readonly width: number;
@@ -49,12 +49,12 @@ export interface GridUpdate extends Header {
   readonly cells: Uint8Array;
 }
 
-export interface StampedTransform extends Header {
+export interface StampedTransform extends MessageHeader {
   readonly child: string;
   readonly transform: Transform;
 }
 
-export function readHeader(reader: MessageReader): Header {
+export function readHeader(reader: MessageReader): MessageHeader {
   // A sequence number that ROS 2 has not.
   if (reader.ros1) reader.uint32();
   const timeUs = reader.int32() * 1e6 + reader.uint32() / 1000;

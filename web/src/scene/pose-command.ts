@@ -25,7 +25,7 @@ export interface PoseCommand {
 export function poseCommands(devices: readonly DeviceShape[]): readonly PoseCommand[] {
   return devices.flatMap((device) =>
     device.commands.flatMap((command) => {
-      const role = POSE_ROLES.find((each) => each === command.role);
+      const role = POSE_ROLES.find((known) => known === command.role);
       return role === undefined ? [] : [{ device, command, role }];
     }),
   );

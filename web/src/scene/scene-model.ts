@@ -10,7 +10,7 @@ import { FrameTree } from "./frame-tree.js";
 import { readMarker, readMarkers, type Marker } from "./markers.js";
 import {
   readGrid, readGridUpdate, readJoints, readOdometry, readPath, readPoseArray, readScan, readStampedPose, readString, readTransforms,
-  scanPoints, updatedGrid, type Header, type JointState, type OccupancyGrid,
+  scanPoints, updatedGrid, type MessageHeader, type JointState, type OccupancyGrid,
 } from "./messages.js";
 import type { SceneKind } from "./scene-topics.js";
 import { composed, IDENTITY, type Transform, type Vector } from "./transform.js";
@@ -30,7 +30,7 @@ export interface LivingMarker {
 }
 
 /** One topic's newest, in its frame and of its time. */
-export interface SceneLayer extends Header {
+export interface SceneLayer extends MessageHeader {
   readonly topic: string;
   readonly content: LayerContent;
   readonly heardMs: number;
@@ -56,9 +56,9 @@ export class SceneModel {
    * @param nowMs by `performance.now`
    * @throws MessageError when the bytes are no such message
    */
-  hear(topic: string, { kind }: SceneKind, message: TopicBytes, nowMs: number): void {
+  applyMessage(topic: string, { kind }: SceneKind, message: TopicBytes, nowMs: number): void {
     const reader = new MessageReader(message.data, message.encoding);
-    const show = (header: Header, content: LayerContent): void => {
+    const show = (header: MessageHeader, content: LayerContent): void => {
       this.layers.set(topic, { topic, timeUs: header.timeUs, frame: header.frame, content, heardMs: nowMs, number: ++this.count });
     };
     switch (kind) {
@@ -129,7 +129,7 @@ export class SceneModel {
   }
 
   /** Where a layer stands in the frame that stands still; null: nothing joins them. */
-  placeOf(layer: Header, fixed: string): Transform | null {
+  placeOf(layer: MessageHeader, fixed: string): Transform | null {
     return layer.frame === "" ? IDENTITY : this.tree.find(fixed, layer.frame, layer.timeUs);
   }
 

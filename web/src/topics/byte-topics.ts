@@ -27,10 +27,10 @@ export interface ByteListener {
   readonly onState: () => void;
 }
 
-type OpenTopic = (path: string, listener: TopicListener) => Pick<TopicSocket, "close">;
+type OpenBytes = (path: string, listener: TopicListener) => Pick<TopicSocket, "close">;
 
 /** What is told of visibility; a document. */
-interface Visibility {
+interface PageVisibility {
   readonly hidden: boolean;
   addEventListener(type: "visibilitychange", listener: () => void): void;
   removeEventListener(type: "visibilitychange", listener: () => void): void;
@@ -51,8 +51,8 @@ export class ByteTopics {
   constructor(
     private readonly site: string,
     private readonly listener: ByteListener,
-    private readonly page: Visibility = document,
-    private readonly open: OpenTopic = (path, heard) => new TopicSocket({ url: socketUrl(path, location) }, heard),
+    private readonly page: PageVisibility = document,
+    private readonly open: OpenBytes = (path, heard) => new TopicSocket({ url: socketUrl(path, location) }, heard),
   ) {
     page.addEventListener("visibilitychange", this.onVisibility);
   }

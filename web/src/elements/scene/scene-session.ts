@@ -32,7 +32,7 @@ export class SceneSession {
         const found = this.known.find((each) => each.topic === topic);
         if (found === undefined) return;
         try {
-          this.model.hear(topic, found.kind, message, performance.now());
+          this.model.applyMessage(topic, found.kind, message, performance.now());
           this.problems.delete(topic);
         } catch (error) {
           if (!(error instanceof MessageError || error instanceof RangeError)) throw error;

@@ -1,4 +1,7 @@
-"""One page that follows one raw topic: a socket, and what is read for it."""
+"""One page that follows one raw topic: a socket, and what is read for it.
+
+Long, because trees and bytes share one socket, its bounds and its end.
+"""
 
 from __future__ import annotations
 
