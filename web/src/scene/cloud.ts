@@ -64,7 +64,7 @@ interface Layout {
 }
 
 function valuesOf({ view, little, width, height, step, row }: Layout, fields: readonly PointField[], name: string): Float32Array | null {
-  const field = fields.find((each) => each.name === name);
+  const field = fields.find((described) => described.name === name);
   const reading = field === undefined ? undefined : READERS[field.datatype];
   if (field === undefined || reading === undefined) return null;
   const [size, read] = reading;

@@ -51,11 +51,11 @@ export function drawLayer(content: LayerContent, paints: Paints): Object3D {
 /** Gives back what the graphics hardware holds of an object. */
 export function disposeObject(object: Object3D): void {
   object.traverse((part) => {
-    const { geometry, material } = part as Partial<Mesh>;
+    const { geometry, material: materials } = part as Partial<Mesh>;
     geometry?.dispose();
-    for (const one of [material ?? []].flat()) {
-      (one as Material & { readonly map?: DataTexture | null }).map?.dispose();
-      one.dispose();
+    for (const material of [materials ?? []].flat()) {
+      (material as Material & { readonly map?: DataTexture | null }).map?.dispose();
+      material.dispose();
     }
   });
 }

@@ -29,7 +29,7 @@ export class SceneSession {
   ) {
     this.bytes = new ByteTopics(site, {
       onBytes: (topic, message) => {
-        const found = this.known.find((each) => each.topic === topic);
+        const found = this.known.find((followed) => followed.topic === topic);
         if (found === undefined) return;
         try {
           this.model.applyMessage(topic, found.kind, message, performance.now());

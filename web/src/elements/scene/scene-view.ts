@@ -26,7 +26,7 @@ const START: Vector = [-2.6, -2.6, 3.2];
 const GRID_M = 40;
 
 export class SceneView implements SceneDrawing {
-    painted = 0;
+  painted = 0;
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(FIELD, 1, NEAR, FAR);

@@ -14,7 +14,7 @@ _LIDAR_AT = 0.19
 _WHEEL_AT, _WHEEL_RADIUS = 0.08, 0.033
 
 
-def _cylinder(radius: float, length: float, xyz: str, material: str, rpy: str = "0 0 0") -> str:
+def _cylinder(radius: float, length: float, xyz: str, material: str, *, rpy: str = "0 0 0") -> str:
     return f"""    <visual>
       <origin xyz="{xyz}" rpy="{rpy}"/>
       <geometry><cylinder radius="{radius}" length="{length}"/></geometry>
@@ -23,7 +23,7 @@ def _cylinder(radius: float, length: float, xyz: str, material: str, rpy: str = 
 """
 
 
-def _joint(name: str, kind: str, child: str, xyz: str, more: str = "") -> str:
+def _joint(name: str, kind: str, child: str, xyz: str, *, more: str = "") -> str:
     return f"""  <joint name="{name}" type="{kind}">
     <parent link="base_link"/>
     <child link="{child}"/>
@@ -39,7 +39,7 @@ def _make_urdf() -> str:
     mast = _cylinder(0.012, 0.20, "0 0 0.28", "deck")
     wheels = "".join(
         f'  <link name="wheel_{side}_link">\n'
-        + _cylinder(_WHEEL_RADIUS, 0.02, "0 0 0", "tyre", f"{math.pi / 2:.6f} 0 0")
+        + _cylinder(_WHEEL_RADIUS, 0.02, "0 0 0", "tyre", rpy=f"{math.pi / 2:.6f} 0 0")
         # So that one sees it turn.
         + """    <visual>
       <geometry><box size="0.05 0.021 0.008"/></geometry>
@@ -55,7 +55,7 @@ def _make_urdf() -> str:
             "continuous",
             f"wheel_{side}_link",
             f"0 {sign * _WHEEL_AT} {_WHEEL_RADIUS}",
-            '\n    <axis xyz="0 1 0"/>',
+            more='\n    <axis xyz="0 1 0"/>',
         )
         for side, sign in (("left", 1), ("right", -1))
     )
