@@ -22,6 +22,7 @@ from accounts_side import CODE, Accounts, router
 from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
+from scene_side import scene_router
 from seen_side import router as seen_router
 from socket_side import Browser, media
 from world import World, anomalies, events, history, outliers, statistics
@@ -185,6 +186,7 @@ def build(site: Site) -> FastAPI:
 
     app.include_router(router(accounts))
     app.include_router(seen_router())
+    app.include_router(scene_router(world))
 
     @app.get("/api/sites/{name}/anomalies")
     async def watched() -> dict[str, Any]:

@@ -27,7 +27,8 @@ export interface ByteListener {
   readonly onState: () => void;
 }
 
-type OpenBytes = (path: string, listener: TopicListener) => Pick<TopicSocket, "close">;
+/** What follows one topic by its path. */
+export type OpenBytes = (path: string, listener: TopicListener) => Pick<TopicSocket, "close">;
 
 /** What is told of visibility; a document. */
 interface PageVisibility {

@@ -4,7 +4,7 @@ import type { TopicShape } from "../../generated/api.js";
 import { MessageError } from "../../scene/cdr.js";
 import { isShownAtFirst, isSwitched, sceneKind, type SceneKind } from "../../scene/scene-topics.js";
 import { SceneModel } from "../../scene/scene-model.js";
-import { ByteTopics, type ByteTopicState } from "../../topics/byte-topics.js";
+import { ByteTopics, type ByteListener, type ByteTopicState, type OpenBytes } from "../../topics/byte-topics.js";
 
 /** Points of a cloud that are drawn without a pause on a small computer. */
 const POINTS = 100_000;
@@ -26,8 +26,9 @@ export class SceneSession {
   constructor(
     site: string,
     private readonly listener: { readonly onChange: () => void; readonly onState: () => void },
+    open?: OpenBytes,
   ) {
-    this.bytes = new ByteTopics(site, {
+    const heard: ByteListener = {
       onBytes: (topic, message) => {
         const found = this.known.find((followed) => followed.topic === topic);
         if (found === undefined) return;
@@ -42,7 +43,8 @@ export class SceneSession {
         this.listener.onChange();
       },
       onState: listener.onState,
-    });
+    };
+    this.bytes = new ByteTopics(site, heard, document, open);
   }
 
   /** The topics that there are; with `only`, no others of those that are switched. */

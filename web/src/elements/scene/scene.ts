@@ -14,6 +14,7 @@ import type { FloorPose } from "../../scene/pose-command.js";
 import { chooseFixedFrame, chooseRobotFrame, isSwitched } from "../../scene/scene-topics.js";
 import type { Vector } from "../../scene/transform.js";
 import { apiContext } from "../../state/contexts.js";
+import type { OpenBytes } from "../../topics/byte-topics.js";
 import { TopicsApi } from "../../topics/topics-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { base } from "../base/base-style.js";
@@ -53,6 +54,8 @@ export class SceneElement extends LitElement {
   /** Of the topics with layers only these; none: all that there are. */
   @property({ attribute: false }) topics: readonly string[] = [];
   @property({ attribute: false }) poseTools: readonly PoseTool[] = [];
+  /** What follows a topic; none: a socket to the hub. */
+  @property({ attribute: false }) openTopic: OpenBytes | undefined;
 
   @consume({ context: apiContext }) private api: HubApi | undefined;
   @query("canvas") private readonly canvas!: HTMLCanvasElement | null;
@@ -109,12 +112,13 @@ export class SceneElement extends LitElement {
     this.table.load(`${site} ${String(this.online)}`, () => new TopicsApi(api, site).listTopics());
     if (this.table.result.state === "ready") this.known = this.table.result.value;
     if (this.known === undefined || !this.isConnected) return;
-    this.session ??= new SceneSession(site, {
+    const listener = {
       onChange: () => this.drawing?.schedule(),
       onState: () => {
         this.requestUpdate();
       },
-    });
+    };
+    this.session ??= new SceneSession(site, listener, this.openTopic);
     this.session.setTopics(this.known.topics, this.topics);
   }
 
