@@ -26,7 +26,9 @@ export function gridPixels({ width, height, cells }: OccupancyGrid, colours: Gri
 }
 
 function partsOf(colour: string): readonly [number, number, number] {
-  const digits = /^#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(colour.trim());
+  // Built pages write `#ffffff` as `#fff`.
+  const whole = colour.trim().replace(/^#(.)(.)(.)$/, "#$1$1$2$2$3$3");
+  const digits = /^#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(whole);
   const part = (at: 1 | 2 | 3): number => Number.parseInt(digits?.[at] ?? "80", 16);
   return [part(1), part(2), part(3)];
 }

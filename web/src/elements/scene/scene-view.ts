@@ -30,6 +30,8 @@ export class SceneView implements SceneDrawing {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera(FIELD, 1, NEAR, FAR);
+  private readonly sun = new DirectionalLight(0xffffff, 2);
+  private readonly sky = new AmbientLight(0xffffff, 1.4);
   private readonly controls: OrbitControls;
   private readonly drawn = new Map<string, Drawn>();
   private readonly meshes: MeshStore;
@@ -62,9 +64,8 @@ export class SceneView implements SceneDrawing {
     this.controls.listenToKeyEvents(canvas);
     this.controls.maxPolarAngle = Math.PI / 2;
     this.controls.addEventListener("change", this.schedule);
-    const sun = new DirectionalLight(0xffffff, 2);
-    sun.position.set(3, -5, 10);
-    this.scene.add(new AmbientLight(0xffffff, 1.4), sun);
+    this.sun.position.set(3, -5, 10);
+    this.scene.add(this.sky, this.sun);
     this.colours = colours;
     this.setColours(colours);
   }
@@ -72,6 +73,8 @@ export class SceneView implements SceneDrawing {
   setColours(colours: SceneColours): void {
     this.colours = colours;
     this.scene.background = new Color(colours.background);
+    // In red light a model is red, whatever its own colours: at night nothing else may shine.
+    for (const light of [this.sun, this.sky]) light.color.set(colours.night ? 0xff0000 : 0xffffff);
     if (this.ground !== null) {
       this.scene.remove(this.ground);
       disposeObject(this.ground);
