@@ -23,6 +23,7 @@ from boards_side import router as boards_router
 from described import device_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
+from scene_side import scene_router
 from seen_side import router as seen_router
 from socket_side import Browser, media
 from world import World, anomalies, events, history, outliers, statistics
@@ -187,6 +188,7 @@ def build(site: Site) -> FastAPI:
     app.include_router(router(accounts))
     app.include_router(seen_router())
     app.include_router(boards_router(lambda request: request.state.who))
+    app.include_router(scene_router(world))
 
     @app.get("/api/sites/{name}/anomalies")
     async def watched() -> dict[str, Any]:

@@ -110,6 +110,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     # So was the topic, and it is again with each change of rights or of the description.
     browser.TopicUpdate: AccessNeed.SESSION,
     browser.TopicMessage: AccessNeed.SESSION,
+    browser.TopicBytes: AccessNeed.SESSION,
 }
 
 # A gateway may say these about its own site, which its key names, and about no other.

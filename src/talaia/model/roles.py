@@ -113,6 +113,8 @@ class CommandRole(StrEnum):
     POWER_SWITCH = "power.switch"
     POWER_ON = "power.on"
     POWER_OFF = "power.off"
+    VEHICLE_GOAL = "vehicle.goal"
+    VEHICLE_INITIAL_POSE = "vehicle.initial_pose"
 
 
 class StateMeaning(StrEnum):
@@ -169,6 +171,10 @@ class CommandForm(StrEnum):
     TEXT = "one argument, a text"
     DURATION = "an argument with the unit s"
     PLACE = "two numbers: right ascension, then declination"
+    POSE = (
+        "numbers x and y (m), a text frame, and which way: a number yaw (rad or °), or the numbers "
+        "qz and qw"
+    )
 
 
 class CommandFit(NamedTuple):
@@ -309,4 +315,6 @@ COMMAND_FITS: dict[CommandRole, CommandFit] = {
     _ROLE.POWER_SWITCH: CommandFit((CommandForm.SWITCH,), many=True),
     _ROLE.POWER_ON: CommandFit(many=True),
     _ROLE.POWER_OFF: CommandFit(many=True),
+    _ROLE.VEHICLE_GOAL: CommandFit((CommandForm.POSE,)),
+    _ROLE.VEHICLE_INITIAL_POSE: CommandFit((CommandForm.POSE,)),
 }

@@ -51,7 +51,14 @@ from talaia.wire.browser_messages.requests import (
     Subscribe,
     Unsubscribe,
 )
-from talaia.wire.browser_messages.topics import MAX_TREE, TopicMessage, TopicShown, TopicUpdate
+from talaia.wire.browser_messages.topics import (
+    MAX_RAW,
+    MAX_TREE,
+    TopicBytes,
+    TopicMessage,
+    TopicShown,
+    TopicUpdate,
+)
 from talaia.wire.browser_messages.updates import (
     CommandUpdate,
     DeviceUpdate,
@@ -75,6 +82,7 @@ from talaia.wire.browser_messages.updates import (
 
 __all__ = [
     "FROM_BROWSER",
+    "MAX_RAW",
     "MAX_TREE",
     "MEDIA_FROM_BROWSER",
     "MEDIA_TO_BROWSER",
@@ -122,6 +130,7 @@ __all__ = [
     "Subscribed",
     "TickUpdate",
     "ToBrowser",
+    "TopicBytes",
     "TopicFromBrowser",
     "TopicMessage",
     "TopicShown",

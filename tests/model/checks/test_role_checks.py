@@ -142,3 +142,27 @@ def test_a_command_whose_arguments_have_defaults_is_a_button() -> None:
         findings(command='role: dome.open, arguments: {p: {type: text, field: p, default: ""}}')
         == []
     )
+
+
+POSE = "x: {type: number, field: x}, y: {type: number, field: y}, "
+FRAME = "frame: {type: text, field: f}, "
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fits"),
+    [
+        (POSE + FRAME + "yaw: {type: number, unit: rad, field: a}", True),
+        (POSE + FRAME + "qz: {type: number, field: a}, qw: {type: number, field: b}", True),
+        # Which way, and in which frame, is not left open; a scene knows nothing else.
+        (POSE + FRAME + "qz: {type: number, field: a}", False),
+        (POSE + FRAME + "yaw: {type: number, field: a}", False),
+        (POSE + "yaw: {type: number, unit: °, field: a}", False),
+        (POSE + "frame: {type: number, field: f}, yaw: {type: number, unit: °, field: a}", False),
+        (POSE + FRAME + "yaw: {type: number, unit: °, field: a}, p: {type: text, field: p}", False),
+    ],
+)
+def test_a_goal_asks_for_a_place_a_frame_and_a_heading(arguments: str, *, fits: bool) -> None:
+    found = findings(command=f"role: vehicle.goal, arguments: {{{arguments}}}")
+    assert [" asks for numbers x and y (m), a text frame" in said for said in found] == (
+        [] if fits else [True]
+    )

@@ -81,7 +81,7 @@ def test_transforms_scans_maps_paths_clouds_and_diagnostics_are_open_to_those_wh
     topics = [TopicFound(topic=f"/t{n}", type=kind) for n, kind in enumerate(kinds)]
     site = propose_description(found(*topics), "robot", "Robot", "UTC").site
     patterns = [rule.pattern for rule in site.topics]
-    assert patterns == ["/tf", "/tf_static", "/diagnostics", "/t0", "/t1"]
+    assert patterns == ["/tf", "/tf_static", "/diagnostics", "/robot_description", "/t0", "/t1"]
     assert {rule.right for rule in site.topics} == {TopicRight.VIEW}
     assert load_site(write_description(site)) == site
     older = propose_description(found(*topics, protocol="ros1"), "robot", "Robot", "UTC").site

@@ -2292,7 +2292,9 @@ export type CommandRole =
   | "focuser.stop"
   | "power.switch"
   | "power.on"
-  | "power.off";
+  | "power.off"
+  | "vehicle.goal"
+  | "vehicle.initial_pose";
 
 /** What a device is, so that its page can look the part. */
 export type DeviceKind =

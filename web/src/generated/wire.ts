@@ -478,7 +478,20 @@ export interface TopicMessage {
   readonly tree: string;
 }
 
-/** The page has `TopicMessage` ``number``; a few may be under way, the next waits for this. */
+/** A message of the topic as the robot serialized it: for a page that asked ``as=bytes``. */
+export interface TopicBytes {
+  readonly t: "topic_bytes";
+  readonly number: number;
+  readonly seq: number;
+  readonly time_us: number;
+  readonly publish_us: number;
+  readonly age_ms: number;
+  readonly encoding: string;
+  readonly every: number;
+  readonly data: Uint8Array;
+}
+
+/** The page has message ``number``; a few may be under way, the next waits for this. */
 export interface TopicShown {
   readonly t: "topic_shown";
   readonly number: number;
@@ -537,6 +550,7 @@ export type MediaFromBrowser =
 export type TopicToBrowser =
   | TopicUpdate
   | TopicMessage
+  | TopicBytes
   | RequestError
   | SessionEnded;
 
@@ -581,6 +595,7 @@ export const MEDIA_TO_BROWSER: ReadonlySet<string> = new Set([
 export const TOPIC_TO_BROWSER: ReadonlySet<string> = new Set([
   "topic_update",
   "topic_message",
+  "topic_bytes",
   "problem",
   "ended",
 ]);
@@ -629,5 +644,6 @@ export const DEFAULTS = {
   boxes_ask: {},
   topic_update: { listed: false, type: "", latched: false, max_rate: 0.0, definition: "", problem: "" },
   topic_message: { seq: 0, time_us: 0, publish_us: 0, age_ms: 0, size: 0 },
+  topic_bytes: { seq: 0, time_us: 0, publish_us: 0, age_ms: 0, encoding: "", every: 1 },
   topic_shown: {},
 } as const;

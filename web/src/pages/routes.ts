@@ -36,6 +36,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   },
   live: { tag: "t-page-live", title: "Real-time", load: () => import("./live/page-live.js") },
   topics: { tag: "t-page-topics", title: "Topics", load: () => import("./topics/page-topics.js") },
+  scene: { tag: "t-page-scene", title: "Scene", load: () => import("./scene/page-scene.js") },
   history: { tag: "t-page-history", title: "History", load: () => import("./history/page-history.js") },
   recordings: {
     tag: "t-page-recordings",

@@ -1,6 +1,6 @@
 /** One raw topic of a robot over a socket of its own; the robot is heard for it while it is open. */
 
-import type { TopicMessage, TopicToBrowser, TopicUpdate } from "../generated/wire.js";
+import type { TopicBytes, TopicMessage, TopicToBrowser, TopicUpdate } from "../generated/wire.js";
 import { backoffMs } from "../wire/backoff.js";
 import { decodeTopic, encodeMessage, FrameError } from "../wire/codec.js";
 
@@ -9,6 +9,8 @@ export type TopicLink = "connecting" | "open" | "lost" | "refused";
 export interface TopicListener {
   readonly onUpdate: (update: TopicUpdate) => void;
   readonly onMessage: (message: TopicMessage) => void;
+  /** Of a socket that was asked for bytes. */
+  readonly onBytes?: (message: TopicBytes) => void;
   /** Messages are missing, or cannot be read; the next `onMessage` ends that. */
   readonly onTrouble: (why: string) => void;
   /** `why` is the hub's sentence when it said one. */
@@ -75,6 +77,10 @@ export class TopicSocket {
         if (socket.readyState === 1) socket.send(encodeMessage({ t: "topic_shown", number: message.number }));
         this.listener.onMessage(message);
         return;
+      case "topic_bytes":
+        if (socket.readyState === 1) socket.send(encodeMessage({ t: "topic_shown", number: message.number }));
+        this.listener.onBytes?.(message);
+        return;
       case "problem":
         // What cannot be read now may be read later; what is not ours will not be.
         if (message.code === "forbidden" || message.code === "unknown") this.stopRefused(message.message);
@@ -115,4 +121,9 @@ export class TopicSocket {
 /** Path of a topic's socket; `rate` is how many messages a second are wanted at the most. */
 export function topicPath(site: string, topic: string, rate: number): string {
   return `/ws/topic?${new URLSearchParams({ site, topic, rate: String(rate) }).toString()}`;
+}
+
+/** The same for the bytes as the robot serialized them; of a cloud at most `points` of its points. */
+export function bytesPath(site: string, topic: string, { rate, points }: { readonly rate: number; readonly points: number }): string {
+  return `${topicPath(site, topic, rate)}&as=bytes&points=${String(points)}`;
 }

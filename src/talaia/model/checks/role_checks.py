@@ -143,3 +143,19 @@ def _has_form(command: Command, form: CommandForm, unit: str) -> bool:
             return any(argument.unit == "s" and argument.type in _NUMBERS for argument in arguments)
         case CommandForm.PLACE:
             return sum(argument.type in _NUMBERS for argument in arguments) >= 2
+        case CommandForm.POSE:
+            return _asks_for_pose(command)
+
+
+def _asks_for_pose(command: Command) -> bool:
+    """Tell whether a command can be given by a place and a heading alone."""
+    found = command.arguments
+    numbers = {name for name, argument in found.items() if argument.type in _NUMBERS}
+    frame = found.get("frame")
+    # In which frame it is meant has to be said: a goal in another one is somewhere else.
+    if not {"x", "y"} <= numbers or frame is None or frame.type is not ArgumentType.TEXT:
+        return False
+    turned = "yaw" in numbers and found["yaw"].unit in {"rad", "°"}
+    known = {"x", "y", "yaw", "qz", "qw", "frame"}
+    rest = [argument for name, argument in found.items() if name not in known]
+    return (turned or {"qz", "qw"} <= numbers) and all(one.default is not None for one in rest)

@@ -18,13 +18,18 @@ _TYPES = frozenset(
         "sensor_msgs/msg/LaserScan",
         "nav_msgs/msg/OccupancyGrid",
         "map_msgs/msg/OccupancyGridUpdate",
+        "nav_msgs/msg/Odometry",
+        "sensor_msgs/msg/JointState",
+        "visualization_msgs/msg/Marker",
+        "visualization_msgs/msg/MarkerArray",
+        "geometry_msgs/msg/PoseArray",
         "nav_msgs/msg/Path",
         "sensor_msgs/msg/PointCloud2",
         "diagnostic_msgs/msg/DiagnosticArray",
     }
 )
 # They are often there only while something moves or is wrong.
-_ALWAYS = ("/tf", "/tf_static", "/diagnostics")
+_ALWAYS = ("/tf", "/tf_static", "/diagnostics", "/robot_description")
 
 
 def topics_to_open(found: Found) -> tuple[TopicRule, ...]:

@@ -204,6 +204,8 @@ class Loop:
         self._seconds += seconds
         self._battery.drain_battery(seconds, motion.speed, motion.turn)
         stamp = self._node.get_clock().now().to_msg()
+        if tick == 0:
+            self._reports.publish_description(stamp)
         self._reports.publish_motion(stamp, motion)
         # The slower reports take turns, so that no round is much longer than another.
         if tick % 2 == 1:

@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import (
     BatteryState,
@@ -21,6 +21,8 @@ from sensor_msgs.msg import (
 )
 from std_msgs.msg import Bool, Float64, String
 
+from talaia.sim.vehicle.description.floor_map import RESOLUTION
+from talaia.sim.vehicle.description.urdf import ROBOT_DESCRIPTION
 from talaia.sim.vehicle.self_check import wheel_rates
 from talaia.sim.vehicle.sensors import Battery, on_earth, room_temperature
 from talaia.sim.vehicle.world import LIDAR_RANGE, SONAR_FIELD, SONAR_RANGE, Motion, World
@@ -78,6 +80,8 @@ class VehiclePublishers:
         self._speed = self._make_publisher(Float64, "/speed")
         self._wandering = node.create_publisher(Bool, "/wandering", LASTING)
         self._metric = self._make_publisher(String, "/metric")
+        self._description = node.create_publisher(String, "/robot_description", LASTING)
+        self._map = node.create_publisher(OccupancyGrid, "/map", LASTING)
         self._diagnostics = (
             self._make_publisher(DiagnosticArray, "/diagnostics")
             if DiagnosticArray is not None
@@ -86,6 +90,21 @@ class VehiclePublishers:
         # What the sonars measured last (m), said once more by `publish_metrics`.
         self._measured = {"ultrasonic1": 0.0, "ultrasonic2": 0.0, "ultrasonic3": 0.0}
         self._prepare_messages()
+
+    def publish_description(self, stamp: Message) -> None:
+        """Publish what is told once: the vehicle's form and the map of the house."""
+        self._description.publish(String(data=ROBOT_DESCRIPTION))
+        found = self._world.floor_map
+        grid = OccupancyGrid()
+        grid.header.stamp = grid.info.map_load_time = stamp
+        # Its odometry does not drift: the house stands still in it.
+        grid.header.frame_id = "odom"
+        grid.info.resolution = RESOLUTION
+        grid.info.height, grid.info.width = found.cells.shape
+        grid.info.origin.position.x, grid.info.origin.position.y = found.x, found.y
+        grid.info.origin.orientation.w = 1.0
+        grid.data = array.array("b", found.cells.tobytes())
+        self._map.publish(grid)
 
     def publish_motion(self, stamp: Message, motion: Motion) -> None:
         """Publish odometry and inertia, and the transform where its package is installed."""

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from talaia.sim.vehicle import furniture, house, occupants
+from talaia.sim.vehicle.description.floor_map import draw_map
 from talaia.sim.vehicle.scene import HULL_GROUP, SceneBuilder
 from talaia.sim.vehicle.vehicle import BODY, CAMERA_FIELD, LIDAR_HEIGHT, RADIUS, add_vehicle
 
@@ -73,6 +74,9 @@ class World:
         seed: decides how light furniture stands, textures and sensor noise.
         looks: whether to build what a camera sees; collisions are the same either way.
 
+    Attributes:
+        floor_map: of the house, as it stands at the start.
+
     """
 
     WHEEL_RADIUS = 0.033
@@ -86,6 +90,7 @@ class World:
         stage = SceneBuilder(spec, paint, furniture.FINISHES | occupants.FINISHES, looks=looks)
         house.build_house(stage, layout)
         add_vehicle(stage)
+        self.floor_map = draw_map(stage.hulls, LIDAR_HEIGHT)
         self.model: Any = spec.compile()
         self._data: Any = mujoco.MjData(self.model)
         self._noise = noise

@@ -28,7 +28,13 @@ from talaia.wire.browser_messages.requests import (
     Subscribe,
     Unsubscribe,
 )
-from talaia.wire.browser_messages.topics import MAX_TREE, TopicMessage, TopicShown, TopicUpdate
+from talaia.wire.browser_messages.topics import (
+    MAX_TREE,
+    TopicBytes,
+    TopicMessage,
+    TopicShown,
+    TopicUpdate,
+)
 from talaia.wire.browser_messages.updates import (
     CommandUpdate,
     DeviceUpdate,
@@ -117,7 +123,7 @@ MediaToBrowser = CameraPicture | CameraPictureBoxes | RequestError | SessionEnde
 MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest
 
 
-TopicToBrowser = TopicUpdate | TopicMessage | RequestError | SessionEnded
+TopicToBrowser = TopicUpdate | TopicMessage | TopicBytes | RequestError | SessionEnded
 
 
 TopicFromBrowser = TopicShown

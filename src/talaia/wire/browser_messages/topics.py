@@ -9,10 +9,12 @@ from msgspec import Meta
 from talaia.wire.gateway_messages.field_types import Count, Micros, Millis, Sentence, Word
 from talaia.wire.message import Message
 
-__all__ = ["MAX_TREE", "TopicMessage", "TopicShown", "TopicUpdate"]
+__all__ = ["MAX_RAW", "MAX_TREE", "TopicBytes", "TopicMessage", "TopicShown", "TopicUpdate"]
 
 # Characters of a message as a tree.
 MAX_TREE = 1024 * 1024
+# Bytes of a message as the robot serialized it.
+MAX_RAW = 7 * MAX_TREE
 
 _Rate = Annotated[float, Meta(ge=0, le=100_000)]
 
@@ -64,7 +66,33 @@ class TopicMessage(Message, frozen=True, kw_only=True, tag="topic_message"):
     tree: Annotated[str, Meta(max_length=MAX_TREE)]
 
 
+class TopicBytes(Message, frozen=True, kw_only=True, tag="topic_bytes"):
+    """A message of the topic as the robot serialized it: for a page that asked ``as=bytes``.
+
+    Attributes:
+        number: for `TopicShown`.
+        seq: see `TopicMessage`, as are ``time_us``, ``publish_us`` and ``age_ms``.
+        time_us: see above.
+        publish_us: see above.
+        age_ms: see above.
+        encoding: ``cdr`` (with its encapsulation's header) or ``ros1``.
+        every: of a point cloud with more points than the page wanted, each so-manieth is left;
+            else 1.
+        data: the bytes.
+
+    """
+
+    number: Count
+    seq: Count = 0
+    time_us: Micros = 0
+    publish_us: Micros = 0
+    age_ms: Millis = 0
+    encoding: Word = ""
+    every: Count = 1
+    data: Annotated[bytes, Meta(max_length=MAX_RAW)]
+
+
 class TopicShown(Message, frozen=True, kw_only=True, tag="topic_shown"):
-    """The page has `TopicMessage` ``number``; a few may be under way, the next waits for this."""
+    """The page has message ``number``; a few may be under way, the next waits for this."""
 
     number: Count

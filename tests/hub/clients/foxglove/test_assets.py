@@ -91,3 +91,10 @@ async def test_site_without_a_folder_has_no_assets(world) -> None:
     info = await client.hear("serverInfo")
     assert "assets" not in info["capabilities"]
     await client.close()
+
+
+@pytest.mark.parametrize("site", ["..", ".", "", "agv/base", "none"])
+def test_what_is_no_sites_name_leads_to_no_folder(assets, site) -> None:
+    for uri in ("package://far.stl", "package://out.stl", "package://my%20meshes/body.STL"):
+        with pytest.raises(AssetRefused):
+            AssetFolder(assets).read_file(site, uri)

@@ -281,7 +281,7 @@ export class Navigation extends LitElement {
       page === this.page ||
       (page === "boards" && this.page === "board") ||
       (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
-      (page === "live" && this.page === "topics") ||
+      (page === "live" && ["topics", "scene"].includes(this.page)) ||
       (page === "history" && this.page === "recordings") ||
       (page === "night" && ["forecast", "requests", "proposals", "alertrules"].includes(this.page)) ||
       (page === "alarms" && (this.page === "logbook" || this.page === "sightings"))

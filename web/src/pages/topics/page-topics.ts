@@ -132,7 +132,7 @@ export class PageTopics extends LitElement {
     return html`${renderPageHead(
         "Topics",
         `What the robot of ${name} publishes, as it comes. It is heard for this only while you look.`,
-        html`<div class="actions"><a href=${sitePath(this.site, "live")}>Real-time</a></div>`,
+        html`<div class="actions"><a href=${sitePath(this.site, "scene")}>Scene</a> <a href=${sitePath(this.site, "live")}>Real-time</a></div>`,
       )}
       ${this.known === undefined ? renderLoaded(this.topics, "the topics", (table) => this.renderContent(table)) : this.renderContent(this.known)}`;
   }

@@ -10,7 +10,12 @@ from fastapi import APIRouter, WebSocket
 from talaia.hub.api.access import address_of, deny_socket
 from talaia.hub.api.sockets.socket_admission import speaks_json
 from talaia.hub.auth.permissions import may_tap
-from talaia.hub.live.taps.topic_viewer import DEFAULT_RATE, MOST_RATE, TopicViewer
+from talaia.hub.live.taps.topic_viewer import (
+    DEFAULT_RATE,
+    MOST_RATE,
+    MOST_RAW_RATE,
+    TopicViewer,
+)
 from talaia.hub.live.taps.tree_lane import TreeLane
 
 if TYPE_CHECKING:
@@ -26,6 +31,8 @@ __all__ = ["TopicSockets"]
 
 # Of a topic's name, as the wire has it (characters).
 _MOST_NAME = 200
+# Points of a cloud for a page: unless it asks for fewer or more, and at the most.
+_DEFAULT_POINTS, _MOST_POINTS = 100_000, 400_000
 
 
 class TopicSockets:
@@ -77,6 +84,7 @@ class TopicSockets:
             await deny_socket(socket, status=404, code="unknown", message=message)
             return
         await socket.accept()
+        points = _points_of(socket)
         # Nothing is awaited between the look at the rights and the tap.
         viewer = TopicViewer(
             socket,
@@ -87,12 +95,13 @@ class TopicSockets:
             lane=self._lane,
             clock=self._clock,
             text=speaks_json(socket),
+            points=points,
         )
         address = address_of(socket)
         self._seats.add(viewer)
         self._append_record("topic opened", who, site=site, topic=topic, address=address)
         try:
-            await viewer.serve(_rate_of(socket))
+            await viewer.serve(_rate_of(socket, MOST_RAW_RATE if points else MOST_RATE))
         finally:
             self._seats.remove(viewer)
             self._append_record("topic closed", who, site=site, topic=topic, address=address)
@@ -101,10 +110,21 @@ class TopicSockets:
         self._audit.append_record(kind, who=who.name, address=address, site=site, message=topic)
 
 
-def _rate_of(socket: WebSocket) -> float:
+def _rate_of(socket: WebSocket, most: float) -> float:
     """Give how often the page wants messages at the most (Hz)."""
     try:
         asked = float(socket.query_params.get("rate", ""))
     except ValueError:
         return DEFAULT_RATE
-    return min(asked, MOST_RATE) if math.isfinite(asked) and asked > 0 else DEFAULT_RATE
+    return min(asked, most) if math.isfinite(asked) and asked > 0 else DEFAULT_RATE
+
+
+def _points_of(socket: WebSocket) -> int:
+    """Give how many points of a cloud a page wants that reads the bytes itself; 0: it does not."""
+    if socket.query_params.get("as") != "bytes":
+        return 0
+    try:
+        asked = int(socket.query_params.get("points", ""))
+    except ValueError:
+        return _DEFAULT_POINTS
+    return min(max(1, asked), _MOST_POINTS)

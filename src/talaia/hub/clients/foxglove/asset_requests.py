@@ -61,7 +61,11 @@ class AssetFolder:
         # Told as of a file that is missing: which folders there are is nobody's matter.
         if self._folder is None:
             raise AssetRefused(_MISSING)
-        base = (self._folder / site).resolve()
+        folder = self._folder.resolve()
+        base = (folder / site).resolve()
+        # A page names the site: `..` is none, and would be the folder above.
+        if base.parent != folder:
+            raise AssetRefused(_MISSING)
         # Where links lead counts: none leads out of the site's folder.
         path = base.joinpath(*_path_parts(uri)).resolve()
         if not path.is_relative_to(base) or not path.is_file():

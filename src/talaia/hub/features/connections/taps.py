@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.sites.assets import AssetPages
 from talaia.hub.api.sites.topics import TopicPages
 from talaia.hub.api.sockets.topic_sockets import TopicSockets
+from talaia.hub.clients.foxglove.asset_requests import AssetFolder
 from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:
@@ -21,7 +23,7 @@ __all__ = ["TapsFeature"]
 
 
 class TapsFeature(Feature):
-    """Lists topics to people, and lets their pages follow them."""
+    """Lists topics to people, lets their pages follow them, and hands out meshes."""
 
     name = "taps"
 
@@ -29,7 +31,8 @@ class TapsFeature(Feature):
         self, core: Core, *, admission: SocketAdmission, seats: SocketSessions, audit: Audit
     ) -> None:
         """Let pages in by ``admission``; ``seats`` closes whose right has ended."""
-        self.routers = [TopicPages(core.taps).router()]
+        assets = AssetPages(AssetFolder(core.settings.assets))
+        self.routers = [TopicPages(core.taps).router(), assets.router()]
         sockets = TopicSockets(
             admission=admission,
             sites=core.sites,

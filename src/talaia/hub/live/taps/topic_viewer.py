@@ -1,4 +1,7 @@
-"""One page that follows one raw topic: a socket, and what is read for it."""
+"""One page that follows one raw topic: a socket, and what is read for it.
+
+Long, because trees and bytes share one socket, its bounds and its end.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from starlette.websockets import WebSocketDisconnect
 from talaia.first_completed import until_first
 from talaia.hub.errors import TapRefused
 from talaia.hub.live.pages.page_connections import SESSION_OVER
+from talaia.hub.live.taps.cloud_thinning import CLOUD_TYPE, thin_cloud
 from talaia.hub.live.taps.message_tree import tree_reader
 from talaia.hub.live.taps.tapped import (
     GraphChanged,
@@ -21,10 +25,12 @@ from talaia.hub.live.taps.tapped import (
 )
 from talaia.hub.live.taps.type_texts import MessageUnreadable
 from talaia.wire.browser import (
+    MAX_RAW,
     TOPIC_FROM_BROWSER,
     TOPIC_TO_BROWSER,
     RequestError,
     SessionEnded,
+    TopicBytes,
     TopicMessage,
     TopicUpdate,
 )
@@ -43,13 +49,18 @@ if TYPE_CHECKING:
     from talaia.wire.browser import TopicToBrowser
     from talaia.wire.frames import TapSchema
 
-__all__ = ["DEFAULT_RATE", "MOST_RATE", "TopicViewer"]
+__all__ = ["DEFAULT_RATE", "MOST_RATE", "MOST_RAW_RATE", "TopicViewer"]
 
 # Messages a second, of a topic that comes oftener: what a person can follow; what a page may ask.
 DEFAULT_RATE, MOST_RATE = 4.0, 20.0
+# Of one that reads the bytes itself: transforms of many parts come on one topic.
+MOST_RAW_RATE = 100.0
 # Messages under way to the page that it has not confirmed: one that reads slowly gets fewer, and
 # none is old when it comes.
-_MOST_UNDER_WAY = 4
+_MOST_UNDER_WAY, _MOST_RAW_UNDER_WAY = 4, 16
+# Bytes of a message that is handed on as it is, although a newer one waits: transforms and joints
+# that come behind one another are often of different parts.
+_LIGHT = 4096
 # A page that confirms nothing for so long is not there (s); it may come back.
 _SILENT_S = 20.0
 # Bytes of messages that wait, beside the newest; and messages that are looked at together.
@@ -79,6 +90,7 @@ class TopicViewer:
         lane: TreeLane,
         clock: Clock,
         text: bool,
+        points: int = 0,
     ) -> None:
         """Follow ``topic`` of ``site``; JSON with ``text``.
 
@@ -91,6 +103,7 @@ class TopicViewer:
             lane: reads the messages.
             clock: monotonic.
             text: see above.
+            points: hand the bytes on, of a cloud at most so many points; 0: trees.
 
         """
         self.who = who
@@ -101,6 +114,7 @@ class TopicViewer:
         self._lane = lane
         self._clock = clock
         self._text = text
+        self._points = points
         self._taker = taps.taker(who.grants, most_bytes=_MOST_WAITING)
         self._schema: TapSchema | None = None
         # Reads messages of the schema; None when there is none that could.
@@ -207,12 +221,17 @@ class TopicViewer:
         return [
             event
             for at, event in enumerate(events)
-            if at == newest or not isinstance(event, TapDelivery) or event.message.kept
+            if at == newest
+            or not isinstance(event, TapDelivery)
+            or event.message.kept
+            or (self._points and len(event.message.data) <= _LIGHT)
         ]
 
     async def _begin(self, schema: TapSchema) -> None:
         self._schema, self._problem = schema, ""
         await self._send_update()
+        if self._points:
+            return
         try:
             self._read = tree_reader(schema)
         except MessageUnreadable as error:
@@ -240,6 +259,9 @@ class TopicViewer:
             await self._send(update)
 
     async def _send_message(self, message: TappedMessage) -> None:
+        if self._points:
+            await self._send_bytes(message)
+            return
         # Why it cannot be read has been told.
         read = self._read
         if read is None:
@@ -266,6 +288,34 @@ class TopicViewer:
             )
         )
 
+    async def _send_bytes(self, message: TappedMessage) -> None:
+        schema = self._schema
+        if schema is None:
+            return
+        await self._wait_for_room()
+        data, every = message.data, 1
+        ros1 = schema.message_encoding == "ros1"
+        if schema.type == CLOUD_TYPE:
+            data, every = await asyncio.to_thread(thin_cloud, data, self._points, ros1=ros1)
+        if len(data) > MAX_RAW:
+            await self._send_problem("topic", f"a message of {len(data)} bytes is too large")
+            return
+        now_ms = self._clock.monotonic_ns() // 1_000_000
+        self._problem = ""
+        self._sent += 1
+        await self._send(
+            TopicBytes(
+                number=self._sent,
+                seq=message.seq,
+                time_us=message.log_us,
+                publish_us=message.publish_us,
+                age_ms=max(0, now_ms - message.heard_ms) if message.heard_ms else 0,
+                encoding="ros1" if ros1 else "cdr",
+                every=every,
+                data=data,
+            )
+        )
+
     async def _wait_for_room(self) -> None:
         """Wait until the page has confirmed enough of what was sent.
 
@@ -274,7 +324,8 @@ class TopicViewer:
 
         """
         async with asyncio.timeout(_SILENT_S):
-            while self._sent - self._shown >= _MOST_UNDER_WAY:
+            most = _MOST_RAW_UNDER_WAY if self._points else _MOST_UNDER_WAY
+            while self._sent - self._shown >= most:
                 self._confirmed.clear()
                 await self._confirmed.wait()
 

@@ -1,0 +1,1 @@
+"""What the vehicle tells of itself and its house once: its form, and a map."""

@@ -1,0 +1,70 @@
+/** Meshes of robots from the hub: each fetched once for a page, bounded; the browser keeps them by their content. */
+
+import { Mesh, MeshLambertMaterial, type Object3D } from "three";
+import { STLLoader } from "three/examples/jsm/loaders/STLLoader.js";
+
+/** Bytes of all meshes of a robot; more is not a robot but an attack on this page's memory. */
+const MOST_BYTES = 256 * 1024 * 1024;
+const MOST_FILES = 500;
+
+export class MeshStore {
+  private readonly loaded = new Map<string, Promise<Object3D>>();
+  private bytes = 0;
+  private files = 0;
+
+  constructor(
+    private readonly site: string,
+    private readonly fetcher: typeof fetch = fetch.bind(globalThis),
+  ) {}
+
+  /** A copy of the mesh that a URI names. Rejects with a sentence for people. */
+  async load(uri: string): Promise<Object3D> {
+    let mesh = this.loaded.get(uri);
+    if (mesh === undefined) {
+      mesh = this.fetchMesh(uri);
+      this.loaded.set(uri, mesh);
+    }
+    return (await mesh).clone();
+  }
+
+  private async fetchMesh(uri: string): Promise<Object3D> {
+    // No other origin is ever asked.
+    if (!uri.startsWith("package://")) throw new Error(`${uri}: only meshes of packages (package://…) are fetched`);
+    if (++this.files > MOST_FILES) throw new Error(`more than ${String(MOST_FILES)} meshes`);
+    const answer = await this.fetcher(assetUrl(this.site, uri));
+    if (!answer.ok) throw new Error(`${uri}: the hub does not have it`);
+    const data = await answer.arrayBuffer();
+    this.bytes += data.byteLength;
+    if (this.bytes > MOST_BYTES) throw new Error(`more than ${String(MOST_BYTES / 1024 / 1024)} MiB of meshes`);
+    return readMesh(uri, data);
+  }
+}
+
+export function assetUrl(site: string, uri: string): string {
+  return `/api/sites/${encodeURIComponent(site)}/assets?${new URLSearchParams({ uri }).toString()}`;
+}
+
+async function readMesh(uri: string, data: ArrayBuffer): Promise<Object3D> {
+  const folder = uri.slice(0, uri.lastIndexOf("/") + 1);
+  const ending = uri.slice(uri.lastIndexOf(".") + 1).toLowerCase();
+  switch (ending) {
+    case "stl":
+      return new Mesh(new STLLoader().parse(data), new MeshLambertMaterial());
+    case "dae": {
+      const { ColladaLoader } = await import("three/examples/jsm/loaders/ColladaLoader.js");
+      const read = new ColladaLoader().parse(new TextDecoder().decode(data), folder);
+      if (read === null) throw new Error(`${uri}: it is no Collada file`);
+      return read.scene;
+    }
+    case "obj": {
+      const { OBJLoader } = await import("three/examples/jsm/loaders/OBJLoader.js");
+      return new OBJLoader().parse(new TextDecoder().decode(data));
+    }
+    case "glb": {
+      const { GLTFLoader } = await import("three/examples/jsm/loaders/GLTFLoader.js");
+      return (await new GLTFLoader().parseAsync(data, folder)).scene;
+    }
+    default:
+      throw new Error(`${uri}: meshes that end in .${ending} are not read (stl, dae, obj and glb are)`);
+  }
+}

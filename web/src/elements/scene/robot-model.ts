@@ -1,0 +1,98 @@
+/** The robot as its description draws it, with its links where the frames say. */
+
+import { LoadingManager, type Object3D } from "three";
+import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
+import type { JointState } from "../../scene/messages.js";
+import type { SceneModel } from "../../scene/scene-model.js";
+import { assetUrl, type MeshStore } from "./meshes.js";
+
+/** Letters of a description; it is parsed at once. */
+const MOST_LETTERS = 4 * 1024 * 1024;
+
+export class RobotModel {
+  readonly root: URDFRobot;
+  /** Frame of the link that all others hang on. */
+  readonly frame: string;
+
+  /**
+   * @param onChange a mesh has come
+   * @param onTrouble a mesh cannot be had; a sentence
+   * @throws Error when the text is no robot description
+   */
+  constructor(urdf: string, site: string, meshes: MeshStore, listener: { readonly onChange: () => void; readonly onTrouble: (why: string) => void }) {
+    if (urdf.length > MOST_LETTERS) throw new Error("the robot's description is too long");
+    if (!/<robot[\s>]/.test(urdf)) throw new Error("the robot's description is no URDF");
+    const manager = new LoadingManager();
+    // Pictures that meshes are painted with come from where meshes come from.
+    manager.setURLModifier((url) => (url.startsWith("package://") ? assetUrl(site, url) : url));
+    const loader = new URDFLoader(manager);
+    loader.packages = (name) => `package://${name}`;
+    loader.loadMeshCb = (uri, _manager, done) => {
+      meshes.load(uri).then(
+        (mesh) => {
+          done(mesh);
+          listener.onChange();
+        },
+        (error: unknown) => {
+          listener.onTrouble(error instanceof Error ? error.message : String(error));
+        },
+      );
+    };
+    this.root = loader.parse(urdf);
+    // A link without a joint above it: its frame is the robot's.
+    const children = new Set(this.joints().map((joint) => childOf(joint)?.name));
+    this.frame = Object.keys(this.root.links).find((name) => !children.has(name)) ?? "";
+  }
+
+  /** What the joints say of frames, for whoever has no transforms of them. */
+  addFrames(model: SceneModel, joints: JointState | null, nowMs: number): void {
+    joints?.names.forEach((name, at) => {
+      const value = joints.positions[at];
+      if (value !== undefined && Number.isFinite(value)) this.root.setJointValue(name, value);
+    });
+    for (const joint of this.joints()) {
+      const child = childOf(joint);
+      const parent = joint.parent;
+      if (child === null || parent === null) continue;
+      const fixed = joint.jointType === "fixed";
+      if (!fixed && joints === null) continue;
+      const { position, quaternion } = joint;
+      model.tree.add(
+        {
+          parent: linkName(parent),
+          child: linkName(child),
+          timeUs: joints?.timeUs ?? 0,
+          transform: { at: [position.x, position.y, position.z], turn: [quaternion.x, quaternion.y, quaternion.z, quaternion.w] },
+          source: "joints",
+          fixed,
+        },
+        nowMs,
+      );
+    }
+  }
+
+  /** Puts each link where the tree has it now. */
+  placeLinks(model: SceneModel): void {
+    for (const joint of this.joints()) {
+      const child = childOf(joint);
+      if (child === null || joint.parent === null) continue;
+      const found = model.tree.find(linkName(joint.parent), linkName(child), Infinity);
+      if (found === null) continue;
+      joint.position.set(...found.at);
+      joint.quaternion.set(...found.turn);
+    }
+  }
+
+  private joints(): readonly URDFJoint[] {
+    return Object.values(this.root.joints);
+  }
+}
+
+function childOf(joint: URDFJoint): Object3D | null {
+  return joint.children.find((child) => "isURDFLink" in child) ?? null;
+}
+
+/** The robot itself stands for its root link, and has its own name besides. */
+function linkName(link: Object3D): string {
+  return (link as Object3D & { readonly urdfName?: string }).urdfName ?? link.name;
+}

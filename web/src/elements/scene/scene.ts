@@ -1,0 +1,384 @@
+/** A robot in space as its topics tell: frames, model, scans, clouds, maps, paths and markers. It stands by itself: a page and a tile give it a site. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { customElement, property, query, state } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import { LoadController } from "../../controllers/load.js";
+import { TickerController } from "../../controllers/ticker.js";
+import { formatAge } from "../../format/duration.js";
+import type { TopicTable } from "../../generated/api.js";
+import type { CloudColour } from "../../scene/cloud.js";
+import type { FrameRow } from "../../scene/frame-tree.js";
+import type { FloorPose } from "../../scene/pose-command.js";
+import { chooseFixedFrame, chooseRobotFrame, isSwitched } from "../../scene/scene-topics.js";
+import type { Vector } from "../../scene/transform.js";
+import { apiContext } from "../../state/contexts.js";
+import type { OpenBytes } from "../../topics/byte-topics.js";
+import { TopicsApi } from "../../topics/topics-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { base } from "../base/base-style.js";
+import { renderLoaded } from "../feedback/load-state.js";
+import { control } from "../forms/input-style.js";
+import type { SceneDrawing } from "./drawing.js";
+import { sceneColours } from "./scene-colours.js";
+import { lengthOf, ScenePointer, type ScenePreview } from "./scene-pointer.js";
+import { SceneSession, type SceneTopic } from "./scene-session.js";
+import { sceneStyle } from "./scene-style.js";
+import "../feedback/banner.js";
+import "../feedback/empty.js";
+import "../feedback/loading.js";
+import "../forms/button.js";
+
+/** Topics come and go (ms). */
+const AGAIN_MS = 5000;
+/** A frame that is not said for so long (s) is old. */
+const OLD_S = 2;
+
+/** A tool that gives a place with a heading: a button's name by what `t-pose` says. */
+export interface PoseTool {
+  readonly id: string;
+  readonly label: string;
+}
+
+/** @fires t-pose detail: `{ tool, pose }`, a place on the floor with a heading */
+@customElement("t-scene")
+export class SceneElement extends LitElement {
+  static override styles = [base, control, sceneStyle];
+
+  @property() site = "";
+  /** The site's gateway is connected. */
+  @property({ type: Boolean }) online = false;
+  /** Without the list beside it: in a tile. */
+  @property({ type: Boolean, reflect: true }) bare = false;
+  /** Of the topics with layers only these; none: all that there are. */
+  @property({ attribute: false }) topics: readonly string[] = [];
+  @property({ attribute: false }) poseTools: readonly PoseTool[] = [];
+  /** What follows a topic; none: a socket to the hub. */
+  @property({ attribute: false }) openTopic: OpenBytes | undefined;
+
+  @consume({ context: apiContext }) private api: HubApi | undefined;
+  @query("canvas") private readonly canvas!: HTMLCanvasElement | null;
+  @state() private tool = "";
+  @state() private follow = true;
+  @state() private preview: ScenePreview = null;
+  @state() private fixedChoice = "";
+  @state() private cloudBy: CloudColour = "height";
+  @state() private showFrames = false;
+  @state() private noSpace = "";
+  @state() private trouble = "";
+  private readonly table = new LoadController<TopicTable>(this);
+  private known: TopicTable | undefined;
+  private session: SceneSession | null = null;
+  private drawing: SceneDrawing | null = null;
+  private pointer: ScenePointer | null = null;
+  private building = false;
+  private timer: ReturnType<typeof setInterval> | undefined;
+  private sizes: ResizeObserver | null = null;
+  private themes: MutationObserver | null = null;
+
+  constructor() {
+    super();
+    new TickerController(this);
+  }
+
+  override connectedCallback(): void {
+    super.connectedCallback();
+    this.timer = setInterval(() => {
+      if (!document.hidden) this.table.invalidate();
+    }, AGAIN_MS);
+    this.requestUpdate();
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    clearInterval(this.timer);
+    this.closeAll();
+  }
+
+  /** For tests and measuring: frames drawn, and where a topic's points are drawn (m, and px on the canvas). */
+  drawn(topic: string): { readonly painted: number; readonly points: readonly Vector[]; readonly px: readonly { readonly x: number; readonly y: number }[] } {
+    const points = this.drawing?.pointsOf(topic) ?? [];
+    return { painted: this.drawing?.painted ?? 0, points, px: points.map((point) => this.drawing?.canvasPlace(point) ?? { x: 0, y: 0 }) };
+  }
+
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    const { api, site } = this;
+    if (changed.has("site")) {
+      this.closeAll();
+      this.known = undefined;
+    }
+    if (api === undefined || site === "") return;
+    this.table.load(`${site} ${String(this.online)}`, () => new TopicsApi(api, site).listTopics());
+    if (this.table.result.state === "ready") this.known = this.table.result.value;
+    if (this.known === undefined || !this.isConnected) return;
+    const listener = {
+      onChange: () => this.drawing?.schedule(),
+      onState: () => {
+        this.requestUpdate();
+      },
+    };
+    this.session ??= new SceneSession(site, listener, this.openTopic);
+    this.session.setTopics(this.known.topics, this.topics);
+  }
+
+  protected override updated(): void {
+    if (this.canvas !== null && this.session !== null && this.drawing === null && !this.building) void this.build(this.canvas, this.session);
+    this.applyOptions();
+  }
+
+  override render(): TemplateResult {
+    const { session } = this;
+    if (this.known === undefined || session === null) return html`${renderLoaded(this.table, "the topics", () => nothing)}`;
+    if (session.topics.length === 0) return this.renderEmpty();
+    return html`<div class="view">
+        <canvas tabindex="0" role="img" aria-label=${`The robot in space. Arrow keys move, plus and minus zoom. ${this.summary()}`}
+          @pointerdown=${this.onPointer} @pointermove=${this.onPointer} @pointerup=${this.onPointer} @keydown=${this.onKey}></canvas>
+        ${this.drawing === null ? html`<div class="notes"><div class="note"><t-loading what="Loading the scene"></t-loading></div></div>` : nothing}
+        ${this.renderTools()}
+        <div class="notes">${this.noSpace === "" ? nothing : html`<p class="note">${this.noSpace}</p>`}${this.renderNote()}</div>
+      </div>
+      ${this.bare ? nothing : this.renderSide(session.topics)}`;
+  }
+
+  private renderEmpty(): TemplateResult {
+    return this.online
+      ? html`<t-empty heading="Nothing to see in space" icon="live">
+          <p>The robot publishes no transforms, scans, maps or the like that you may follow. An admin opens topics in the site's description, under <code>topics:</code>, or gives you the right <strong>tap</strong>.</p>
+        </t-empty>`
+      : html`<t-empty heading="The gateway is away" icon="unlinked"><p>The scene appears by itself when the robot's gateway has connected.</p></t-empty>`;
+  }
+
+  private renderTools(): TemplateResult {
+    const tools = [{ id: "measure", label: "Measure" }, ...this.poseTools];
+    return html`<div class="tools" role="toolbar" aria-label="Scene">
+      <t-button .pressed=${this.follow ? "true" : "false"} @click=${this.toggleFollow}>Follow</t-button>
+      <t-button @click=${this.lookFromAbove}>From above</t-button>
+      ${this.noSpace === "" ? html`<t-button @click=${this.lookAside}>In space</t-button>` : nothing}
+      ${repeat(
+        tools,
+        ({ id }) => id,
+        ({ id, label }) => html`<t-button data-tool=${id} .pressed=${this.tool === id ? "true" : "false"} @click=${this.onTool}>${label}</t-button>`,
+      )}
+    </div>`;
+  }
+
+  private renderNote(): TemplateResult | typeof nothing {
+    const { preview } = this;
+    if (!this.online) return html`<p class="note old" role="status">The robot's gateway is not connected: this is what came last.</p>`;
+    if (preview !== null && "from" in preview) return html`<p class="note" role="status">${lengthOf(preview).toFixed(2)} m</p>`;
+    if (this.tool === "measure") return html`<p class="note">Drag from one place on the floor to another.</p>`;
+    if (this.tool !== "") return html`<p class="note">Press where, and drag to where it is to look. It is sent only when you say so below.</p>`;
+    const age = this.robotAge();
+    if (age !== null && age > OLD_S) return html`<p class="note old" role="status">Where the robot is was said ${formatAge(age)}: it may be elsewhere.</p>`;
+    return this.trouble === "" ? nothing : html`<p class="note old" role="status">${this.trouble}</p>`;
+  }
+
+  private renderSide(topics: readonly SceneTopic[]): TemplateResult {
+    const nowMs = performance.now();
+    const rows = this.session?.model.tree.rows(nowMs) ?? [];
+    return html`<section class="side" aria-label="What is shown" tabindex="0">
+      <fieldset>
+        <legend>Layers</legend>
+        ${repeat(
+          topics.filter(({ kind }) => isSwitched(kind)),
+          ({ topic }) => topic,
+          (topic) => this.renderTopic(topic, nowMs),
+        )}
+      </fieldset>
+      <label class="field">Still stands<select @change=${this.chooseFixed}>
+          <option value="" ?selected=${this.fixedChoice === ""}>by itself: ${this.fixedFrame() || "none yet"}</option>
+          ${repeat(
+            rows,
+            ({ name }) => name,
+            ({ name }) => html`<option value=${name} ?selected=${name === this.fixedChoice}>${name}</option>`,
+          )}
+        </select></label>
+      <label class="field">Clouds by<select @change=${this.chooseCloud}>
+          <option value="height" ?selected=${this.cloudBy === "height"}>height</option>
+          <option value="intensity" ?selected=${this.cloudBy === "intensity"}>intensity</option>
+          <option value="rgb" ?selected=${this.cloudBy === "rgb"}>their colours</option>
+        </select></label>
+      <label class="row"><input type="checkbox" .checked=${this.showFrames} @change=${this.toggleFrames} /><span>Axes of frames</span></label>
+      <details>
+        <summary>Frames (${String(rows.length)})</summary>
+        <ul class="frames">
+          ${repeat(rows, ({ name }) => name, renderFrame)}
+        </ul>
+      </details>
+    </section>`;
+  }
+
+  private renderTopic({ topic, kind, shown }: SceneTopic, nowMs: number): TemplateResult {
+    const layer = this.session?.model.layers.get(topic);
+    const latched = this.session?.stateOf(topic)?.update?.latched === true;
+    const age = layer === undefined ? null : (nowMs - layer.heardMs) / 1000;
+    const word = !shown || kind.kind === "robot" ? "" : age === null ? "waiting" : latched || age < OLD_S ? "live" : formatAge(age);
+    const lost = layer !== undefined && this.session?.model.placeOf(layer, this.fixedFrame()) === null;
+    const problem = this.session?.problemOf(topic) ?? "";
+    const why = !shown ? "" : problem !== "" ? problem : lost ? `No transform from ${layer.frame} to ${this.fixedFrame()}` : "";
+    const thinned = layer?.content.shape === "cloud" && layer.content.every > 1 ? `, 1 point of ${String(layer.content.every)}` : "";
+    return html`<label class="row">
+      <input type="checkbox" .checked=${shown} data-topic=${topic} @change=${this.onLayer} />
+      <span>${kind.name} <span class="topic">${topic}</span></span><span class="age">${word}${thinned}</span>
+      ${why === "" ? nothing : html`<span class="why">${why}</span>`}
+    </label>`;
+  }
+
+  private summary(): string {
+    const shown = this.session?.topics.filter(({ shown: on, kind }) => on && isSwitched(kind)) ?? [];
+    return `Shown: ${shown.map(({ kind }) => kind.name.toLowerCase()).join(", ") || "nothing"}.`;
+  }
+
+  private fixedFrame(): string {
+    const tree = this.session?.model.tree;
+    if (tree === undefined) return "";
+    if (this.fixedChoice !== "" && tree.has(this.fixedChoice)) return this.fixedChoice;
+    return chooseFixedFrame((name) => tree.has(name), tree.rows(0).filter(({ depth }) => depth === 0).map(({ name }) => name));
+  }
+
+  private robotFrame(): string {
+    const tree = this.session?.model.tree;
+    return tree === undefined ? "" : chooseRobotFrame((name) => tree.has(name), this.drawing?.modelFrame ?? "");
+  }
+
+  private robotAge(): number | null {
+    const row = this.session?.model.tree.rows(performance.now()).find(({ name }) => name === this.robotFrame());
+    return row === undefined || row.fixed ? null : row.age;
+  }
+
+  private async build(canvas: HTMLCanvasElement, session: SceneSession): Promise<void> {
+    this.building = true;
+    const colours = sceneColours(this);
+    const report = (why: string): void => {
+      this.trouble = why;
+    };
+    let drawing: SceneDrawing;
+    try {
+      // Large, and only for whoever looks at a scene.
+      const { SceneView } = await import("./scene-view.js");
+      drawing = new SceneView(canvas, session.model, this.site, colours, report);
+    } catch {
+      this.noSpace = "This browser cannot draw in space (it has no WebGL, or it is switched off): you see the scene from above.";
+      const { FlatView } = await import("./flat-view.js");
+      drawing = new FlatView(canvas, session.model, colours);
+    }
+    this.building = false;
+    if (!this.isConnected || this.session !== session) {
+      drawing.dispose();
+      return;
+    }
+    this.drawing = drawing;
+    this.sizes = new ResizeObserver(() => {
+      drawing.resize(canvas.clientWidth, canvas.clientHeight, window.devicePixelRatio || 1);
+    });
+    this.sizes.observe(canvas);
+    this.themes = new MutationObserver(this.recolour);
+    this.themes.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", this.recolour);
+    this.requestUpdate();
+  }
+
+  private applyOptions(): void {
+    this.drawing?.setOptions({
+      fixed: this.fixedFrame(),
+      follow: this.follow ? this.robotFrame() : "",
+      cloudBy: this.cloudBy,
+      showRobot: this.session?.topics.every(({ kind, shown }) => kind.kind !== "robot" || shown) ?? true,
+      showFrames: this.showFrames,
+    });
+    this.drawing?.setTool(this.tool !== "");
+  }
+
+  private closeAll(): void {
+    this.session?.close();
+    this.session = null;
+    this.drawing?.dispose();
+    this.drawing = null;
+    this.sizes?.disconnect();
+    this.themes?.disconnect();
+    matchMedia("(prefers-color-scheme: dark)").removeEventListener("change", this.recolour);
+    this.chooseTool("");
+  }
+
+  /** Another press on the same ends it. */
+  private chooseTool(id: string): void {
+    this.tool = this.tool === id ? "" : id;
+    this.showPreview(null);
+    this.pointer =
+      this.tool === ""
+        ? null
+        : new ScenePointer(this.tool === "measure" ? "measure" : "pose", this.fixedFrame(), this.showPreview, (pose) => {
+            this.dispatchEvent(new CustomEvent<{ tool: string; pose: FloorPose }>("t-pose", { detail: { tool: this.tool, pose } }));
+          });
+  }
+
+  private readonly showPreview = (preview: ScenePreview): void => {
+    this.preview = preview;
+    this.drawing?.setPreview(preview);
+  };
+
+  private readonly recolour = (): void => {
+    this.drawing?.setColours(sceneColours(this));
+  };
+
+  private readonly onPointer = (event: PointerEvent): void => {
+    if (this.pointer === null || this.drawing === null) return;
+    if (event.type === "pointerdown") this.canvas?.setPointerCapture(event.pointerId);
+    this.pointer.handle(event, this.drawing);
+  };
+
+  private readonly onKey = (event: KeyboardEvent): void => {
+    if (event.key === "+" || event.key === "=") this.drawing?.zoom(1 / 1.15);
+    else if (event.key === "-") this.drawing?.zoom(1.15);
+    else if (event.key.startsWith("Arrow")) this.follow = false;
+  };
+
+  private readonly onTool = (event: Event): void => {
+    this.chooseTool((event.currentTarget as HTMLElement).dataset["tool"] ?? "");
+  };
+
+  private readonly onLayer = (event: Event): void => {
+    const box = event.target as HTMLInputElement;
+    this.session?.show(box.dataset["topic"] ?? "", box.checked);
+    this.requestUpdate();
+  };
+
+  private readonly toggleFollow = (): void => {
+    this.follow = !this.follow;
+  };
+
+  private readonly lookFromAbove = (): void => {
+    this.drawing?.lookFrom("above");
+  };
+
+  private readonly lookAside = (): void => {
+    this.drawing?.lookFrom("aside");
+  };
+
+  private readonly toggleFrames = (): void => {
+    this.showFrames = !this.showFrames;
+  };
+
+  private readonly chooseFixed = (event: Event): void => {
+    this.fixedChoice = (event.target as HTMLSelectElement).value;
+  };
+
+  private readonly chooseCloud = (event: Event): void => {
+    const { value } = event.target as HTMLSelectElement;
+    this.cloudBy = value === "rgb" || value === "intensity" ? value : "height";
+  };
+}
+
+function renderFrame({ name, depth, age, fixed }: FrameRow): TemplateResult {
+  return html`<li>
+    <span class="topic">${"\u2003".repeat(Math.min(depth, 8))}${name}</span>
+    <span class=${!fixed && age !== null && age > OLD_S ? "old" : ""}>${fixed ? "fixed" : age === null ? "root" : formatAge(age)}</span>
+  </li>`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-scene": SceneElement;
+  }
+}
