@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from typing import TYPE_CHECKING
 
@@ -48,6 +49,8 @@ def blurred_topics(site: Site) -> dict[str, str]:
     return found
 
 
+# Asked for each message that is recorded.
+@functools.lru_cache(maxsize=256)
 def carries_pictures(type_name: str, definition: str = "") -> bool:
     """Tell whether messages of a type may hold a camera's picture: by its name, or by its parts.
 

@@ -434,15 +434,16 @@ class Site(Shape, frozen=True, kw_only=True):
         """Name the topics that are recorded, in the order of the description."""
         if self.recording is None:
             return ()
+        links = self.links()
         # Only what a node of our own hears can be recorded, nothing behind a rosbridge.
         read = (
             topic_of(signal.source)
             for name, device in self.devices.items()
-            if isinstance(self.links().get(self.connection_of(name)), Ros2Connection | Ros1Connection)
+            if isinstance(links.get(self.connection_of(name)), Ros2Connection | Ros1Connection)
             for signal in device.signals.values()
         )
         hidden = {"", *blurred_topics(self)}  # Of these cameras there are films alone.
-        return tuple(one for one in dict.fromkeys(self.recording.topics or read) if one not in hidden)
+        return tuple(x for x in dict.fromkeys(self.recording.topics or read) if x not in hidden)
 
     def filmed_cameras(self) -> tuple[str, ...]:
         """Name the cameras (``device/stream``) that are filmed with each recording."""
@@ -473,8 +474,9 @@ class Site(Shape, frozen=True, kw_only=True):
         }
         watched = {a for one in self.interlocks.values() for c in one.when for a in c.signals()}
         for enclosure in self.enclosures.values():
-            watched |= {sensor.signal for sensor in (*enclosure.closed, *enclosure.moving)}
-            watched |= {sensor.signal for sensor in enclosure.opening}
+            watched |= {
+                s.signal for s in (*enclosure.closed, *enclosure.moving, *enclosure.opening)
+            }
             # Segments and the flap, too: the roof is closed only when they are.
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
             if enclosure.parked is not None:

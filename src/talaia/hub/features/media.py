@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.pages.session_registry import SocketSessions
+    from talaia.hub.store.audit import Audit
 
 __all__ = ["MediaFeature"]
 
@@ -38,10 +39,11 @@ class MediaFeature(Feature):
         seats: SocketSessions,
         links: OpenLinks,
         flood_guard: FloodGuard,
+        audit: Audit,
     ) -> None:
         """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended.
 
-        ``flood_guard`` slows gateways that say too much.
+        ``flood_guard`` slows gateways that say too much; ``audit`` has who looked unblurred.
         """
         # One copy of each stream comes from its gateway, however many look at it.
         self.streams = PictureFanout(core.sites, core.clock, core.settings.linger_s)
@@ -51,6 +53,7 @@ class MediaFeature(Feature):
             seats=seats,
             media=self.streams,
             clock=core.clock,
+            audit=audit,
         )
         gateways = GatewaySocket(
             "/gateway/media",

@@ -115,7 +115,7 @@ def blur_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
         found = getattr(blur, key)
         if not least <= found <= most:
             yield Finding(f"{where}.{key}", f"expected {least:g} to {most:g}, found {found}")
-    if 0 < blur.looks and blur.hold < 1 / blur.looks:
+    if blur.looks > 0 and blur.hold < 1 / blur.looks:
         problem = f"what is found {blur.looks:g} times a second is forgotten after {blur.hold:g} s"
         yield Finding(f"{where}.hold", problem, f"write: hold: {1.5 / blur.looks:.2g}, or more")
     low, high = _BLUR_SIDES
