@@ -235,7 +235,8 @@ class PictureStream:
                 taken=taken, stamp=stamp, form=form, served=served, share=share, sink=sink
             )
             if picture is not None:
-                self._told = ""
+                if made is self._forms:
+                    self._told = ""
                 sink.offer(picture)
                 # Only the large film of viewers can be the recorded one, too.
                 large = picture if form is PictureForm.H264 else large
