@@ -14,9 +14,9 @@ import av
 import numpy as np
 import pytest
 import simplejpeg
+from detector_files import require_faces
 from PIL import Image
 
-from detector_files import require_faces
 from talaia.clock import SystemClock
 from talaia.gateway.ports import Filming
 from talaia.gateway.video.blur_detectors import BlurDetectors
@@ -48,7 +48,10 @@ EVERY_FORM = (PictureForm.H264, PictureForm.H264_SMALL, PictureForm.JPEG, Pictur
 class Hall:
     """A `PictureSink` that keeps what it gets of each stream."""
 
-    def __init__(self, find: Callable[[Blur, np.ndarray], list[Detection]], **forms: object) -> None:
+    def __init__(
+        self, find: Callable[[Blur, np.ndarray], list[Detection]], **forms: object
+    ) -> None:
+        """Find by ``find``; ``forms`` are those of the blurred stream, and of the other."""
         self.find_private = find
         self.forms = {CAMERA: forms.get("blurred", ()), UNBLURRED: forms.get("unblurred", ())}
         self.wish = Filming.NO

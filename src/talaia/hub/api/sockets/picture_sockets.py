@@ -93,8 +93,8 @@ class PictureSockets:
         if live is None or not sees_stream(who.grants, live.description, device, name):
             await deny_socket(socket, status=404, code="unknown", message="there is no such stream")
             return None
-        # A screen on a wall is looked at by anybody.
-        may_unblur = not who.display and allows(
+        # A screen on a wall is looked at by anybody, and what a script does with them nobody knows.
+        may_unblur = not (who.display or who.script) and allows(
             SOCKETS[_UNBLURRED], who.grants, live.description, device
         )
         return _AskedCamera(site, stream, may_unblur)
