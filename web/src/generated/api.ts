@@ -263,6 +263,8 @@ export interface StreamShape {
   readonly max_rate: number;
   readonly public: boolean;
   readonly detect?: DetectShape | null;
+  readonly blurred?: boolean;
+  readonly may_unblur?: boolean;
 }
 
 /** A code from the authenticator. */
@@ -2202,6 +2204,7 @@ export type Right =
   | "request"
   | "approve"
   | "arm"
+  | "unblurred"
   | "admin";
 
 /** How bad it is, the least first. */
