@@ -82,7 +82,7 @@ class CameraBlur:
             if self._newest is not None and self._newest[0] == at_us:
                 return self._newest[1]
             if self._is_look_due(at_us):
-                self._look(rgb, at_us, find)
+                self._look_for_faces(rgb, at_us, find)
             shown = np.array(rgb)
             for seen in self._seen:
                 gone_us = abs(at_us - seen.at_us)
@@ -101,7 +101,7 @@ class CameraBlur:
         # A picture of before the last look is looked at, too.
         return looked_us is None or not 0 <= at_us - looked_us < self._period_us
 
-    def _look(
+    def _look_for_faces(
         self,
         rgb: NDArray[np.uint8],
         at_us: int,
