@@ -18,7 +18,6 @@ from talaia.model.alarms.alarm import Alarm  # noqa: TC001 - msgspec reads it
 # These stand beside: what they need of a site is its addresses only.
 from talaia.model.alarms.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.base import Shape
-from talaia.model.blurring import blurred_topics
 from talaia.model.closed_lists import (
     ArgumentType,
     CommandKind,
@@ -45,7 +44,7 @@ from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads
 from talaia.model.night_section import NightSection  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
-from talaia.model.topics import TopicRule  # noqa: TC001 - msgspec reads it
+from talaia.model.topics import TopicRule, blurred_topics
 
 __all__ = [
     "NEVER_STALE_S",
@@ -474,9 +473,8 @@ class Site(Shape, frozen=True, kw_only=True):
         }
         watched = {a for one in self.interlocks.values() for c in one.when for a in c.signals()}
         for enclosure in self.enclosures.values():
-            watched |= {
-                s.signal for s in (*enclosure.closed, *enclosure.moving, *enclosure.opening)
-            }
+            watched |= {sensor.signal for sensor in (*enclosure.closed, *enclosure.moving)}
+            watched |= {sensor.signal for sensor in enclosure.opening}
             # Segments and the flap, too: the roof is closed only when they are.
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
             if enclosure.parked is not None:

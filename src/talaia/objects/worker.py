@@ -164,8 +164,8 @@ class Worker:
             return {**setting, "file": str(OWN_FILE), "remedy": OWN_REMEDY, "classes": COCO}
         if model.startswith(_FACES_BEGIN):
             side = int(model.removeprefix(_FACES_BEGIN))
-            return {"kind": "centerface", "side": side, "file": str(FACE_FILE),
-                    "remedy": FACE_REMEDY, "classes": FACES}  # fmt: skip
+            about_faces = {"kind": "centerface", "side": side, "classes": FACES}
+            return {**about_faces, "file": str(FACE_FILE), "remedy": FACE_REMEDY}
         about = self._models.get(model)
         if about is None:
             raise DetectorError(f"there is no model {model!r}; describe it in object_models")

@@ -6,7 +6,7 @@ import pytest
 
 from talaia.hub.auth.permissions import ANY, Grants, Permission, Right, may_tap, sees_unblurred
 from talaia.hub.live.pictures.camera_viewer import Viewer
-from talaia.model.blurring import blurred_topics, carries_pictures
+from talaia.model.topics import blurred_topics, carries_pictures
 from talaia.model.yaml_text.load import load_site
 
 SITE = load_site(
@@ -71,15 +71,15 @@ def test_raw_topics_with_pictures_take_it_where_a_camera_is_blurred(
         own = {Permission(held, "farm", device)} if held else set()
         everyone = Grants(frozenset({Permission(Right.VIEW), Permission(Right.TAP), *own}))
         allowed = not whose or (held is not None and device in {whose, ANY})
-        assert may_tap(everyone, SITE, topic, kind, text) == allowed
+        assert may_tap(everyone, SITE, topic, type_name=kind, definition=text) == allowed
     # By itself it opens no topic.
-    assert not may_tap(grants(Right.UNBLURRED), SITE, "/scan", SCAN)
+    assert not may_tap(grants(Right.UNBLURRED), SITE, "/scan", type_name=SCAN)
 
 
 def test_of_a_site_without_a_blurred_camera_nothing_changes() -> None:
     plain = load_site("{talaia: 1, site: farm, name: F, ros2: {}, devices: {gate: {name: G}}}")
     assert blurred_topics(plain) == {}
-    assert may_tap(grants(Right.TAP), plain, "/back", IMAGE)
+    assert may_tap(grants(Right.TAP), plain, "/back", type_name=IMAGE)
 
 
 def test_nobody_gets_another_stream_by_its_name() -> None:

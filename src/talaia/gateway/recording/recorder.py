@@ -17,7 +17,7 @@ from talaia.clock import SECOND
 from talaia.gateway.recording.mcap_file import McapFileWriter
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
-from talaia.model.blurring import carries_pictures
+from talaia.model.topics import carries_pictures
 from talaia.wire.frames import RecorderState
 
 if TYPE_CHECKING:

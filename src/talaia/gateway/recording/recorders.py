@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.model.blurring import blurred_cameras
+from talaia.model.topics import blurred_cameras
 from talaia.wire.frames import RecorderState
 
 if TYPE_CHECKING:

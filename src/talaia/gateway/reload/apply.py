@@ -6,8 +6,8 @@ import logging
 from typing import TYPE_CHECKING
 
 from talaia.gateway.errors import ChannelNumbersFull
-from talaia.model.blurring import blurred_cameras
 from talaia.model.renames import changed_devices, list_renames
+from talaia.model.topics import blurred_cameras
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -3,6 +3,8 @@
 A picture is read once and encoded once for each form (`picture_forms`), however many look at it,
 and not at all in a form that nobody wants. Of a camera that is blurred (`camera_blur`) whatever
 leaves this gateway is blurred first, but for the stream of those who have the right to more.
+
+Long, because what becomes of a picture that leaves, and of one that stays, is read together.
 """
 
 from __future__ import annotations

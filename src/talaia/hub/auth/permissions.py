@@ -10,9 +10,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from talaia.model.blurring import blurred_cameras, blurred_topics, carries_pictures
 from talaia.model.site import Visibility
-from talaia.model.topics import TopicRight, rule_of
+from talaia.model.topics import (
+    TopicRight,
+    blurred_cameras,
+    blurred_topics,
+    carries_pictures,
+    rule_of,
+)
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -224,7 +229,7 @@ def sees_unblurred(grants: Grants, site: Site, device: str, stream: str) -> bool
 
 
 def may_tap(
-    grants: Grants, site: Site, topic: str, type_name: str = "", definition: str = ""
+    grants: Grants, site: Site, topic: str, *, type_name: str = "", definition: str = ""
 ) -> bool:
     """Tell whether a person may have a raw topic, by the rules of the site's description.
 

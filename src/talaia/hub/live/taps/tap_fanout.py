@@ -364,6 +364,6 @@ def _allows(grants: Grants, live: LiveSite, topic: str, known: SiteTopics | None
         grants,
         live.description,
         topic,
-        "" if entry is None else entry.type,
-        "" if schema is None else schema.definition,
+        type_name="" if entry is None else entry.type,
+        definition="" if schema is None else schema.definition,
     )
