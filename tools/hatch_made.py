@@ -1,7 +1,7 @@
 """Build hook: what is made travels in the wheel and in the sdist, so that users need no Node.
 
 The pages are built when their sources are here and the built ones are missing or older; the
-object detector's file is made when it is missing. An editable install makes nothing: a developer
+detectors' files are made when they are missing. An editable install makes nothing: a developer
 has `make setup`, `make pages` and the development server.
 """
 
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 SOURCES = ("src", "public", "index.html", "package.json", "package-lock.json", "vite.config.ts")
-DETECTOR = "src/talaia/objects/models/nanodet.onnx"
+MODELS = "src/talaia/objects/models"
+# What sees objects and what finds faces, each by the script that makes it.
+DETECTORS = {"nanodet.onnx": "make_detector.py", "centerface.onnx": "make_face_detector.py"}
 
 
 class PagesMissing(Exception):
@@ -49,16 +51,18 @@ class PagesNotBuilt(Exception):
 
 
 class DetectorNotMade(Exception):
-    """The object detector's file is not here and could not be made."""
+    """A detector's file is not here and could not be made."""
 
-    def __init__(self, said: str) -> None:
-        """Keep what was said."""
+    def __init__(self, name: str, said: str) -> None:
+        """Keep which, and what was said."""
+        self.name = name
         self.said = said
-        super().__init__(said)
+        super().__init__(name, said)
 
     def __str__(self) -> str:
         """Show the script's own words."""
-        return f"{DETECTOR} is missing, and tools/make_detector.py could not make it:\n{self.said}"
+        made_by = f"tools/{DETECTORS[self.name]}"
+        return f"{MODELS}/{self.name} is missing, and {made_by} could not make it:\n{self.said}"
 
 
 class MadeHook(BuildHookInterface):  # type: ignore[type-arg]
@@ -67,11 +71,14 @@ class MadeHook(BuildHookInterface):  # type: ignore[type-arg]
     PLUGIN_NAME = "talaia-made"
 
     def dependencies(self) -> list[str]:
-        """Ask the front end for what makes what is missing: NumPy, and Node if there is none."""
+        """Ask the front end for what makes what is missing: NumPy, pip, Node if there is none."""
         node = self._node()
-        detector = not self._detector.is_file()
+        missing = self._missing_detectors()
+        detector = "nanodet.onnx" in missing
         needs_npm = detector or (not self._fresh() and self._web.is_dir())
-        wanted = ["numpy>=2.0"] if detector else []
+        wanted = ["numpy>=2.0"] if missing else []
+        if "centerface.onnx" in missing:
+            wanted.append("pip>=24")
         if needs_npm and node.machine_npm() is None:
             wanted.append(str(node.PACKAGE))
         return wanted
@@ -82,13 +89,13 @@ class MadeHook(BuildHookInterface):  # type: ignore[type-arg]
         Raises:
             PagesMissing: nothing to build the pages from.
             PagesNotBuilt: npm failed.
-            DetectorNotMade: the object detector's file could not be made.
+            DetectorNotMade: a detector's file could not be made.
 
         """
         if version == "editable":
             return
-        if not self._detector.is_file():
-            self._make_detector()
+        for name in self._missing_detectors():
+            self._make_detector(name)
         if self._fresh():
             return
         if not self._web.is_dir():
@@ -103,17 +110,16 @@ class MadeHook(BuildHookInterface):  # type: ignore[type-arg]
     def _web(self) -> Path:
         return Path(self.root) / "web"
 
-    @property
-    def _detector(self) -> Path:
-        return Path(self.root) / DETECTOR
+    def _missing_detectors(self) -> list[str]:
+        return [name for name in DETECTORS if not (Path(self.root) / MODELS / name).is_file()]
 
-    def _make_detector(self) -> None:
+    def _make_detector(self, name: str) -> None:
         done = subprocess.run(
-            [sys.executable, str(Path(self.root) / "tools" / "make_detector.py")],
+            [sys.executable, str(Path(self.root) / "tools" / DETECTORS[name])],
             check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         )  # fmt: skip
         if done.returncode:
-            raise DetectorNotMade(done.stdout)
+            raise DetectorNotMade(name, done.stdout)
 
     def _run(self, npm: Any, *arguments: str) -> None:  # noqa: ANN401 - `Npm`, loaded by path
         done = subprocess.run(

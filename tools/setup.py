@@ -191,14 +191,17 @@ def python_packages(wanted: str) -> int:
 
 
 def detector() -> None:
-    """Make the file that sees objects on pictures; without it all the rest works."""
-    make = [str(VENV / "bin" / "python"), str(ROOT / "tools" / "make_detector.py")]
-    if subprocess.run(make, cwd=ROOT, check=False).returncode:
-        fail(
-            "nothing sees objects on cameras' pictures; all the rest works",
-            f"once there is a network, run: {Path(make[0]).relative_to(ROOT)} "
-            "tools/make_detector.py",
-        )
+    """Make the files that see objects and find faces on pictures; without them the rest works."""
+    for script, problem in (
+        ("make_detector.py", "nothing sees objects on cameras' pictures; all the rest works"),
+        ("make_face_detector.py", "pictures that are to be blurred do not leave their gateway"),
+    ):
+        make = [str(VENV / "bin" / "python"), str(ROOT / "tools" / script)]
+        if subprocess.run(make, cwd=ROOT, check=False).returncode:
+            fail(
+                problem,
+                f"once there is a network, run: {Path(make[0]).relative_to(ROOT)} tools/{script}",
+            )
 
 
 def pages(wanted: str) -> int:

@@ -97,10 +97,22 @@ def test_the_wheel_carries_what_is_made_and_whose_work_it_is(wheel: Path) -> Non
             for each in names
             if each.endswith(".dist-info/licenses/src/talaia/objects/CREDITS.md")
         )
-        carried = hashlib.sha256(packed.read("talaia/objects/models/nanodet.onnx")).hexdigest()
-    assert f'SHA256 = "{carried}"' in (ROOT / "tools/make_detector.py").read_text()
+        carried = {
+            script: hashlib.sha256(packed.read(f"talaia/objects/models/{name}.onnx")).hexdigest()
+            for name, script in (
+                ("nanodet", "make_detector.py"),
+                ("centerface", "make_face_detector.py"),
+            )
+        }
+    for script, found in carried.items():
+        assert f'SHA256 = "{found}"' in (ROOT / "tools" / script).read_text()
     assert "talaia/web/static/index.html" in names
-    for each in ("Copyright 2020-2021 RangiLyu", "Apache License", "(c) 2021 Vladimir Mandic"):
+    for each in (
+        "Copyright 2020-2021 RangiLyu",
+        "Apache License",
+        "(c) 2021 Vladimir Mandic",
+        "Star-Clouds",
+    ):
         assert each in notice
     assert [each for each in names if "/node_modules/" in each or each.endswith(".new")] == []
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.objects.worker import OWN_FILE
+from talaia.objects.worker import FACE_FILE, OWN_FILE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,6 +27,13 @@ def require_own() -> None:
     require_runtime()
     if not OWN_FILE.exists():
         _without(f"needs {OWN_FILE.name}: python tools/make_detector.py")
+
+
+def require_faces() -> None:
+    """The same for CenterFace."""
+    require_runtime()
+    if not FACE_FILE.exists():
+        _without(f"needs {FACE_FILE.name}: python tools/make_face_detector.py")
 
 
 def _without(why: str) -> None:

@@ -47,6 +47,7 @@ PEOPLE = {
     "requester": Grants(frozenset({Permission(Right.REQUEST)})),
     "approver": Grants(frozenset({Permission(Right.APPROVE)})),
     "night assistant": Grants(frozenset({Permission(Right.ARM)})),
+    "night watch": Grants(frozenset({Permission(Right.UNBLURRED, "farm", "gate")})),
     "admin": Grants(frozenset({Permission(Right.ADMIN)})),
 }
 # Who meets a need: about the public gate, about the barn, about the whole site, about nothing.
@@ -73,6 +74,7 @@ MEETS = {
     AccessNeed.REQUEST: (*({"requester", "admin"} for _ in range(3)), set()),
     AccessNeed.APPROVE: (*({"approver", "admin"} for _ in range(3)), set()),
     AccessNeed.ARM: (*({"night assistant", "admin"} for _ in range(3)), set()),
+    AccessNeed.UNBLURRED: ({"night watch", "admin"}, {"admin"}, {"admin"}, set()),
     AccessNeed.GATEWAY: (set(), set(), set(), set()),
     # By a token of a client, which is asked for where the protocols are known.
     AccessNeed.CLIENT: (set(), set(), set(), set()),

@@ -137,6 +137,51 @@ async def test_pictures_open_to_those_who_may_view_and_to_nobody_else(shared_wor
 
 @pytest.mark.asyncio(loop_scope="module")
 @pytest.mark.parametrize("actor", SIGNED_IN, ids=lambda actor: actor)
+async def test_pictures_as_they_are_open_to_those_with_the_right_and_to_nobody_else(
+    shared_world, actor
+) -> None:
+    headers = await shared_world.headers(actor)
+    for about in ("agv/base", "agv/power", "agv/camera", "moon/rover"):
+        site, device = about.split("/")
+        gateway = shared_world.gateways[site]
+        path = f"/ws/media/unblurred?site={site}&stream={device}/eye"
+        if holds(actor, "admin", about):
+            socket = await shared_world.hub.dial(path, headers)
+            wanted = f"{device}/eye!unblurred"
+            await gateway.hear(
+                frames.StreamSubscription, lambda said, wanted=wanted: wanted in said.streams
+            )
+            await socket.close()
+            continue
+        seen = holds(actor, "view", about)
+        for address, status in ((path, 403 if seen else 404), (path + "!unblurred", 404)):
+            with pytest.raises(websockets.InvalidStatus) as refused:
+                await shared_world.hub.dial(address, headers)
+            assert refused.value.response.status_code == status
+        # What others get leaves the gateway blurred, by whatever name it is asked for.
+        other = path.replace("/unblurred", "", 1) + "!unblurred"
+        with pytest.raises(websockets.InvalidStatus) as refused:
+            await shared_world.hub.dial(other, headers)
+        assert refused.value.response.status_code == 404
+
+
+@pytest.mark.asyncio(loop_scope="module")
+async def test_who_looked_at_pictures_as_they_are_is_in_the_audit_log(shared_world) -> None:
+    headers = await shared_world.headers("keeper")
+    path = "/ws/media/unblurred?site=agv&stream=camera/eye"
+    await (await shared_world.hub.dial(path, headers)).close()
+    # A picture that was asked for blurred is nobody's secret.
+    await (await shared_world.hub.dial(path.replace("/unblurred", ""), headers)).close()
+    await shared_world.hub.hub.audit.log.wait_written()
+    admin = await shared_world.client("admin")
+    found = (await admin.get("/api/audit", params={"kind": "unblurred"})).json()["rows"]
+    opened = [row for row in found if row["kind"] == "unblurred opened" and row["who"] == "keeper"]
+    assert {(row["site"], row["message"]) for row in opened} >= {("agv", "camera/eye")}
+    assert {row["who"] for row in found} <= {"keeper", "admin"}
+
+
+@pytest.mark.asyncio(loop_scope="module")
+@pytest.mark.parametrize("actor", SIGNED_IN, ids=lambda actor: actor)
 async def test_topics_without_a_rule_open_to_admins_of_their_site_and_to_nobody_else(
     shared_world, actor
 ) -> None:

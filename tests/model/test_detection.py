@@ -182,3 +182,23 @@ def test_what_is_wrong_with_a_detector_is_said_where_it_stands(
     old: str, new: str, where: str
 ) -> None:
     assert any(where in each.split(": ")[0] for each in changed(old, new, TEXT + MODEL))
+
+
+@pytest.mark.parametrize(
+    ("blur", "said"),
+    [
+        ("{}", ""),
+        ("{looks: 5, hold: 0.3}", ""),
+        ("{faces: false}", "nothing is to be blurred; write faces: true"),
+        ("{plates: ours}", "plates: there is no model 'ours'; describe it in object_models"),
+        ("{confidence: 1}", "confidence: expected 0.05 to 0.9, found 1.0"),
+        ("{confidence: .nan}", "confidence: expected 0.05 to 0.9, found nan"),
+        ("{looks: 5, hold: 0.1}", "forgotten after 0.1 s; write: hold: 0.3, or more"),
+        ("{side: 500}", "a multiple of 32, found 500; 480 is usual"),
+    ],
+)
+def test_what_is_to_be_blurred_is_checked(blur: str, said: str) -> None:
+    problems = changed("name: Rear camera", f"name: Rear camera\n        blur: {blur}")
+    assert len(problems) == bool(said)
+    assert said in "".join(problems)
+    assert "streams.rear.blur" in "".join(problems) or not said

@@ -16,9 +16,12 @@ from PIL import Image
 
 from talaia.model.coco_classes import COCO
 from talaia.objects.detector import NANODET, Detector
+from talaia.objects.errors import DetectorError
+from talaia.objects.face_detector import FaceDetector
 
 ROOT = Path(__file__).parents[2]
 MADE = ROOT / "src/talaia/objects/models/nanodet.onnx"
+FACES = MADE.with_name("centerface.onnx")
 PICTURES = ROOT / "src/talaia/sim/vehicle/pictures"
 
 
@@ -83,6 +86,29 @@ def test_the_made_file_is_the_known_one_and_sees_a_person_and_a_cat() -> None:
         with Image.open(PICTURES / f"{picture}.jpg") as opened:
             best = detector.detect_objects(np.array(opened.convert("RGB")), 0.5)[0]
         assert COCO[best.label] == what
+
+
+def test_the_face_detector_is_the_known_one_and_finds_a_face_in_any_shape_of_picture() -> None:
+    need(f"{FACES} (python tools/make_face_detector.py makes it)", there=FACES.is_file())
+    file = FACES.read_bytes()
+    script = (ROOT / "tools/make_face_detector.py").read_text()
+    assert f'SHA256 = "{hashlib.sha256(file).hexdigest()}"' in script
+    running = session(file)
+    detector = FaceDetector(320, lambda shown: running.run(None, {"input.1": shown}))
+    with Image.open(PICTURES / "astronaut.jpg") as opened:
+        photograph = np.array(opened.convert("RGB"))
+    # Her face, by the eye: its middle, as parts of the photograph.
+    for rows, columns in ((slice(None), slice(None)), (slice(0, 200), slice(None)),
+                          (slice(None), slice(140, 260))):  # fmt: skip
+        shown = np.ascontiguousarray(photograph[rows, columns])
+        (face, *others) = detector.detect_objects(shown, 0.5)
+        assert others == []
+        x = (face.left + face.right) / 2 * shown.shape[1] + (columns.start or 0)
+        y = (face.top + face.bottom) / 2 * shown.shape[0] + (rows.start or 0)
+        assert abs(x - 198) < 15
+        assert abs(y - 102) < 20
+    with pytest.raises(DetectorError, match="it is another one"):
+        FaceDetector(320, lambda _: [np.zeros((1, 5, 10), np.float32)]).detect_objects(shown, 0.5)
 
 
 def test_a_file_that_was_made_before_is_taken_from_there_without_a_network(tmp_path: Path) -> None:

@@ -74,6 +74,8 @@ def device_json(device_id: str, device: Device, rights: list[str]) -> dict[str, 
                 "max_rate": one.max_rate,
                 "public": one.visibility == "public",
                 "detect": {"classes": CLASSES, "confidence": 0.5},
+                "blurred": one.blur is not None,
+                "may_unblur": one.blur is not None and "admin" in rights,
             }
             for key, one in device.streams.items()
             if views or one.visibility == "public"

@@ -261,6 +261,7 @@ def build(site: Site) -> FastAPI:
         finally:
             browsers.discard(browser)
 
+    @app.websocket("/ws/media/unblurred")
     @app.websocket("/ws/media")
     async def pictures(socket: WebSocket) -> None:
         if who(socket.cookies) is None:

@@ -9,7 +9,7 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from pathlib import Path
 
     import numpy as np
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.tap_ports import TapSink
+    from talaia.model.detection import Blur
     from talaia.model.site import Device
+    from talaia.objects.detection import Detection
     from talaia.wire.columns import Columns
     from talaia.wire.frames import CommandPhase, FromGateway, PictureFrame
 
@@ -119,8 +121,21 @@ class PictureSink(Protocol):
         stream: str,
         stamp: tuple[int, int, int],
         decode: Callable[[], NDArray[np.uint8] | None],
+        blurred: Callable[[], NDArray[np.uint8] | None] | None = None,
     ) -> None:
-        """Take a picture for those at the gateway: number, wall and monotonic time (µs), RGB."""
+        """Take a picture for those at the gateway: number, wall and monotonic time (µs), RGB.
+
+        ``blurred`` gives what of it may leave the gateway, where that is less than all of it.
+        """
+        ...
+
+    def find_private(self, blur: Blur, rgb: NDArray[np.uint8]) -> Sequence[Detection]:
+        """Find on a picture what is to be blurred; this blocks, for seconds at the most.
+
+        Raises:
+            DetectorError: it could not be looked at.
+
+        """
         ...
 
     def offer(self, picture: PictureFrame) -> None:
@@ -148,7 +163,10 @@ class CameraFrame(NamedTuple):
         seq: its number, which the picture that viewers get of it carries, too.
         time_us: when it came, by the gateway's wall clock (µs since the epoch, UTC).
         mono_us: the same by the gateway's monotonic clock (µs).
-        rgb: rows, columns, 3 (uint8); shared with others who look: not to be written to.
+        rgb: rows, columns, 3 (uint8); shared with others who look: not to be written to. It is
+            what the camera saw, and stays at the gateway.
+        blurred: gives what of it may leave the gateway, or nothing where none of it may (blocks:
+            not on the event loop); none where all may.
 
     """
 
@@ -157,6 +175,11 @@ class CameraFrame(NamedTuple):
     time_us: int
     mono_us: int
     rgb: NDArray[np.uint8]
+    blurred: Callable[[], NDArray[np.uint8] | None] | None = None
+
+    def may_leave(self) -> NDArray[np.uint8] | None:
+        """Give what of it may leave the gateway; blocks."""
+        return self.rgb if self.blurred is None else self.blurred()
 
 
 class CameraFrames(Protocol):

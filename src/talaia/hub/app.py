@@ -67,7 +67,7 @@ class Hub(AssembledHub):
         self.robot_events = RobotEventsFeature(core, alarms=alarms, audit=log)
         reporting, flood_guard = self.robot_events.reporting, self.robot_events.flood_guard
         self.media = MediaFeature(
-            core, admission=admission, seats=seats, links=links, flood_guard=flood_guard
+            core, people=self.people, links=links, flood_guard=flood_guard, audit=log
         )
         streams = self.media.streams
         self.anomalies = AnomaliesFeature(

@@ -270,6 +270,7 @@ _RIGHT = {
     AccessNeed.REQUEST: Right.REQUEST,
     AccessNeed.APPROVE: Right.APPROVE,
     AccessNeed.ARM: Right.ARM,
+    AccessNeed.UNBLURRED: Right.UNBLURRED,
 }
 
 

@@ -33,6 +33,8 @@ class AccessNeed(Enum):
     REQUEST = auto()
     APPROVE = auto()
     ARM = auto()
+    # The right on the device whose camera it is.
+    UNBLURRED = auto()
     # An access token, while an admin has opened the route's client protocol; cookies do not count.
     CLIENT = auto()
     # The key of a gateway.
@@ -325,6 +327,8 @@ ROUTES: Mapping[tuple[str, str], AccessNeed] = {
 SOCKETS: Mapping[str, AccessNeed] = {
     "/ws": AccessNeed.SESSION,
     "/ws/media": AccessNeed.SEE,
+    # The camera's own visibility is looked at besides.
+    "/ws/media/unblurred": AccessNeed.UNBLURRED,
     # The topic is looked at besides; what may not be tapped is as if it were not there.
     "/ws/topic": AccessNeed.SEE,
     "/gateway/link": AccessNeed.GATEWAY,

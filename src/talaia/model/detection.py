@@ -8,6 +8,7 @@ from talaia.model.base import Shape, SourceShape
 
 __all__ = [
     "CLOUDS",
+    "Blur",
     "Detect",
     "DetectAt",
     "DetectionSource",
@@ -57,6 +58,37 @@ class Detect(Shape, frozen=True, kw_only=True):
     hold: float = 2.0
     at: DetectAt = DetectAt.GATEWAY
     model: str = ""
+
+
+class Blur(Shape, frozen=True, kw_only=True):
+    """What of a camera's pictures nobody recognizes who has no right to: ``unblurred``.
+
+    Live pictures, films and pictures of sightings leave the gateway blurred. A picture that
+    could not be looked at does not leave it.
+
+    Attributes:
+        faces: people's faces, found by CenterFace.
+        plates: number plates, or whatever else: a name of `Site.object_models`; all that this
+            detector finds is blurred. Without it none is.
+        confidence: what is less sure than this is left as it is, 0 to 1. Lower blurs more that
+            is no face, higher leaves more faces.
+        looks: pictures a second that are looked at, at the most (Hz); on those between, what was
+            found last is blurred with more around it. 0 looks at each picture that leaves: what
+            comes into view is then never seen, and there are as many pictures as the machine
+            manages.
+        hold: where something was found is blurred for so long after it is not found (s), for a
+            detector misses now and then what is there.
+        side: the picture's longer side as it is shown to the detector of faces (px). Half of it
+            takes a quarter of the time, and finds faces that are twice as large.
+
+    """
+
+    faces: bool = True
+    plates: str = ""
+    confidence: float = 0.2
+    looks: float = 0.0
+    hold: float = 0.5
+    side: int = 480
 
 
 class ObjectModel(Shape, frozen=True, kw_only=True):

@@ -36,14 +36,14 @@ from talaia.model.connection import (
     Source,
     topic_of,
 )
-from talaia.model.detection import Detect, ObjectModel, SkyLens  # noqa: TC001 - msgspec reads them
+from talaia.model.detection import Blur, Detect, ObjectModel, SkyLens  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
 from talaia.model.night_section import NightSection  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
-from talaia.model.topics import TopicRule  # noqa: TC001 - msgspec reads it
+from talaia.model.topics import TopicRule, blurred_topics
 
 __all__ = [
     "NEVER_STALE_S",
@@ -148,6 +148,7 @@ class Stream(Shape, frozen=True, kw_only=True):
         width: pictures wider than this are made smaller (px); 0 leaves them.
         detect: what is to be seen on its pictures; see `Detect`.
         sky: it looks at all of the sky: a signal of its device may tell the clouds; see `SkyLens`.
+        blur: faces are made unrecognizable before a picture leaves the gateway; see `Blur`.
 
     """
 
@@ -159,6 +160,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     width: int = 0
     detect: Detect | None = None
     sky: SkyLens | None = None
+    blur: Blur | None = None
     visibility: Visibility = Visibility.VIEW
 
 
@@ -438,20 +440,19 @@ class Site(Shape, frozen=True, kw_only=True):
             for name, device in self.devices.items()
             if isinstance(links.get(self.connection_of(name)), Ros2Connection | Ros1Connection)
             for signal in device.signals.values()
-            if topic_of(signal.source)
         )
-        return tuple(dict.fromkeys(self.recording.topics or read))
+        hidden = {"", *blurred_topics(self)}  # Of these cameras there are films alone.
+        return tuple(x for x in dict.fromkeys(self.recording.topics or read) if x not in hidden)
 
     def filmed_cameras(self) -> tuple[str, ...]:
         """Name the cameras (``device/stream``) that are filmed with each recording."""
         if self.recording is None:
             return ()
-        topics = set(self.recording.topics)
         recorded = (
             f"{name}/{key}"
             for name, device in self.devices.items()
             for key, stream in device.streams.items()
-            if topic_of(stream.source) in topics
+            if topic_of(stream.source) in self.recording.topics
         )
         return tuple(dict.fromkeys((*self.recording.cameras, *recorded)))
 
@@ -470,8 +471,7 @@ class Site(Shape, frozen=True, kw_only=True):
             if device.drive is not None
             for address in device.drive.stop.confirmed_by
         }
-        conditions = [condition for one in self.interlocks.values() for condition in one.when]
-        watched = {address for condition in conditions for address in condition.signals()}
+        watched = {a for one in self.interlocks.values() for c in one.when for a in c.signals()}
         for enclosure in self.enclosures.values():
             watched |= {sensor.signal for sensor in (*enclosure.closed, *enclosure.moving)}
             watched |= {sensor.signal for sensor in enclosure.opening}

@@ -78,12 +78,17 @@ class CameraObjects:
         }
 
     def add_picture(
-        self, things: Sequence[Detection], rgb: NDArray[np.uint8], at_us: int
+        self, things: Sequence[Detection], rgb: NDArray[np.uint8] | None, at_us: int
     ) -> list[SightingNews]:
-        """Take what is on a picture (rows × columns × 3), in order of time; give what is new."""
+        """Take what is on a picture (rows × columns × 3), in order of time; give what is new.
+
+        None of the picture is shown to anybody where ``rgb`` is not given.
+        """
         # First: only it knows which classes this picture shows best.
         news = self._sightings.add_picture(things, at_us)
         for label in self._sightings.fresh:
+            if rgb is None:
+                continue
             best = max(
                 (thing for thing in things if thing.label == label), key=lambda one: one.score
             )

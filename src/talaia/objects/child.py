@@ -24,6 +24,7 @@ import numpy as np
 from talaia.objects.detection import LABEL_LETTERS
 from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
+from talaia.objects.face_detector import FaceDetector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -108,7 +109,7 @@ def _lower_priority() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _load_network(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
+def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequence[str]]:
     """Load what a job names.
 
     Raises:
@@ -147,6 +148,9 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
             raise DetectorError(f"{file} cannot be run: {_problem_text(error)}") from error
         return found
 
+    classes = [label[:LABEL_LETTERS] for label in job["classes"]]
+    if job["kind"] == "centerface":
+        return FaceDetector(job["side"], run), classes
     setting = Setting(
         OutputFormat(job["kind"]),
         job["side"],
@@ -154,7 +158,6 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
         tuple(job["spread"]),
         job["blue_first"],
     )
-    classes = [label[:LABEL_LETTERS] for label in job["classes"]]
     return Detector(setting, classes, run), classes
 
 

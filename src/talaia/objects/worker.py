@@ -32,6 +32,7 @@ from talaia.objects.child import HEAD, LONGEST_LOAD_S, LONGEST_LOOK_S
 from talaia.objects.detection import Detection
 from talaia.objects.detector import NANODET
 from talaia.objects.errors import DetectorError
+from talaia.objects.face_detector import FACES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -40,11 +41,16 @@ if TYPE_CHECKING:
 
     from talaia.model.detection import ObjectModel
 
-__all__ = ["OWN_FILE", "Worker", "WorkerTimes"]
+__all__ = ["FACE_FILE", "FACE_REMEDY", "OWN_FILE", "Worker", "WorkerTimes", "face_model"]
 
 # Made by tools/make_detector.py; in an installed package it is there.
 OWN_FILE = Path(__file__).parent / "models" / "nanodet.onnx"
 OWN_REMEDY = "create it: python tools/make_detector.py"
+# The same of what finds faces, by tools/make_face_detector.py.
+FACE_FILE = Path(__file__).parent / "models" / "centerface.onnx"
+FACE_REMEDY = "create it: python tools/make_face_detector.py"
+# Names of models begin so that are CenterFace; no description can name one of its own like that.
+_FACES_BEGIN = "faces:"
 # The child ends itself before this; the rest is for a machine that is busy.
 PATIENCE_S = LONGEST_LOAD_S + LONGEST_LOOK_S + 10.0
 END_S = 1.0
@@ -56,6 +62,11 @@ PIPE = 1024 * 1024
 # What a detector's process needs of our surroundings; secrets are not among it.
 _SURROUNDINGS = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "SYSTEMROOT")
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def face_model(side: int) -> str:
+    """Name the model that finds faces on pictures shown with a longer side of ``side`` px."""
+    return f"{_FACES_BEGIN}{side}"
 
 
 class WorkerTimes(NamedTuple):
@@ -110,8 +121,8 @@ class Worker:
     def redescribe(self, models: Mapping[str, ObjectModel]) -> None:
         """Use these detectors from here on; those that are the same go on."""
         for name in list(self._running):
-            # The empty name is the package's own detector, which no description changes.
-            if name and models.get(name) != self._models.get(name):
+            # Those of the package, the empty name and faces, no description changes.
+            if name and ":" not in name and models.get(name) != self._models.get(name):
                 self._end_process(name)
         self._models = dict(models)
 
@@ -128,12 +139,12 @@ class Worker:
         Pictures for one detector take turns in the order in which they are given.
 
         Args:
-            model: a name of the models', or empty.
+            model: a name of the models', or empty, or of `face_model`.
             rgb: rows × columns × 3.
             least: what is less sure (0 to 1) is left out.
 
         Returns:
-            The surest first; at most 100.
+            The surest first; at most 100, and of faces 1 000.
 
         Raises:
             DetectorError: the detector cannot see now; of ``told`` the same is heard. While it
@@ -151,6 +162,10 @@ class Worker:
         if not model:
             setting: dict[str, Any] = {**NANODET._asdict(), "kind": NANODET.kind.value}
             return {**setting, "file": str(OWN_FILE), "remedy": OWN_REMEDY, "classes": COCO}
+        if model.startswith(_FACES_BEGIN):
+            side = int(model.removeprefix(_FACES_BEGIN))
+            about_faces = {"kind": "centerface", "side": side, "classes": FACES}
+            return {**about_faces, "file": str(FACE_FILE), "remedy": FACE_REMEDY}
         about = self._models.get(model)
         if about is None:
             raise DetectorError(f"there is no model {model!r}; describe it in object_models")

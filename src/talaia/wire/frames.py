@@ -87,6 +87,8 @@ from talaia.wire.gateway_messages.pictures import (
     SightingReport,
     StreamError,
     StreamSubscription,
+    camera_address,
+    unblurred_address,
 )
 from talaia.wire.gateway_messages.robot_graph import (
     MAX_GRAPH_NAMES,
@@ -214,4 +216,6 @@ __all__ = [
     "TopicEntry",
     "TopicList",
     "Welcome",
+    "camera_address",
+    "unblurred_address",
 ]

@@ -143,6 +143,23 @@ def test_a_cause_records_what_was_before_it_and_what_came_after(tmp_path) -> Non
     quiet.recorder.close()
 
 
+def test_messages_with_pictures_are_not_kept_where_a_camera_is_blurred(tmp_path) -> None:
+    bench = Bench(tmp_path, before=10.0)
+    bench.recorder.hides_pictures = True
+    bench.offer(1)
+    for kind in ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"):
+        bench.recorder.offer("/number", kind, b"a face", bench.clock.wall_ns())
+    bench.recorder.begin_recording("ada")
+    bench.recorder.offer("/number", "sensor_msgs/msg/Image", b"a face", bench.clock.wall_ns())
+    bench.offer(2)
+    bench.recorder.end_recording("ada")
+    bench.wait()
+    (kept,) = bench.shelf.list_waiting()
+    assert kept.messages == 2
+    assert b"a face" not in bench.shelf.whole_path(kept.id).read_bytes()
+    bench.recorder.close()
+
+
 def test_who_asks_may_end_it_and_the_end_of_the_gateway_finishes_it(tmp_path) -> None:
     bench = Bench(tmp_path, before=0.0, longest=60.0)
     bench.recorder.begin_recording("ada", "a test")

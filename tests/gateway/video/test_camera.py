@@ -16,7 +16,7 @@ from many_examples import examples
 
 from talaia.gateway.adapters.ros2.decode import decoder_for
 from talaia.gateway.ports import Filming
-from talaia.gateway.video import camera as module
+from talaia.gateway.video import camera as module, picture_forms
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.h264 import Encoder, bits_for
 from talaia.gateway.video.jpeg import jpeg_of
@@ -175,7 +175,8 @@ def test_a_full_link_gets_nothing_and_a_narrow_one_gets_less() -> None:
 
 
 def test_without_an_encoder_all_is_jpeg_and_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "can_film", lambda: False)
+    for one in (module, picture_forms):
+        monkeypatch.setattr(one, "can_film", lambda: False)
     hall, (taker, _) = Hall(PictureForm.H264, PictureForm.JPEG), stream(quality=90)
     sent = film(taker, hall, 2)
     assert [(each.format, each.forms) for each in hall.got] == [("jpeg", ["h264", "jpeg"])] * 2

@@ -44,7 +44,11 @@ _DEVICE = """
         type: text
         source: {{topic: /c, type: std_msgs/msg/String, field: data}}
     streams:
-      eye: {{name: Eye, detect: {{}}, source: {{topic: /i, type: sensor_msgs/msg/Image}}}}
+      eye:
+        name: Eye
+        detect: {{}}
+        blur: {{}}
+        source: {{topic: /i, type: sensor_msgs/msg/Image}}
     commands:
       turn: {{name: Turn, target: /turn, type: std_srvs/srv/Trigger}}
     drive: {{topic: /v, max_speed: 1, max_turn: 1}}

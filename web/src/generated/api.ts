@@ -281,6 +281,8 @@ export interface StreamShape {
   readonly max_rate: number;
   readonly public: boolean;
   readonly detect?: DetectShape | null;
+  readonly blurred?: boolean;
+  readonly may_unblur?: boolean;
 }
 
 /** Let another hub leave its heads here; each is kept for so many days. */
@@ -2378,6 +2380,7 @@ export type Right =
   | "request"
   | "approve"
   | "arm"
+  | "unblurred"
   | "admin";
 
 /** How bad it is, the least first. */

@@ -10,7 +10,7 @@ export const LEVELS = ["none", "view", "use", "admin"] as const;
 export type AccessLevel = (typeof LEVELS)[number];
 
 /** Rights that stand beside the levels: each is had by itself, or as a part of `admin`. */
-export const EXTRA_RIGHTS = ["tap", "metrics", "request", "approve", "arm"] as const satisfies readonly Right[];
+export const EXTRA_RIGHTS = ["tap", "metrics", "request", "approve", "arm", "unblurred"] as const satisfies readonly Right[];
 export type ExtraRight = (typeof EXTRA_RIGHTS)[number];
 
 /** What each of them opens, for people. */
@@ -20,6 +20,7 @@ export const EXTRA_RIGHT_NAMES: Readonly<Record<ExtraRight, string>> = {
   request: "ask for observations",
   approve: "approve observations",
   arm: "arm the night",
+  unblurred: "faces unblurred",
 };
 
 /** A place that a right can be given for. */
@@ -58,9 +59,9 @@ function levelOf(right: Right): AccessLevel {
   return isExtra(right) ? "none" : right;
 }
 
-/** Which of the rights beside the levels can be given for a place: figures and nights are a whole site's. */
+/** Which of the rights beside the levels can be given for a place: figures and nights are a whole site's, a camera is a device's. */
 export function extraRightsOf(place: AccessPlace): readonly ExtraRight[] {
-  return EXTRA_RIGHTS.filter((right) => right === "tap" || place.device === ANY);
+  return EXTRA_RIGHTS.filter((right) => right === "tap" || right === "unblurred" || place.device === ANY);
 }
 
 function reaches(permission: PermissionShape, place: AccessPlace): boolean {

@@ -145,7 +145,10 @@ export function socketUrl(path: string, page: { protocol: string; host: string }
   return `${page.protocol === "https:" ? "wss:" : "ws:"}//${page.host}${path}`;
 }
 
-/** Path of a camera's socket; `stream` is its address, ``device/stream``, `forms` what we can show. */
-export function mediaPath(site: string, stream: string, forms: readonly string[]): string {
-  return `/ws/media?${new URLSearchParams({ site, stream, forms: forms.join(",") }).toString()}`;
+/**
+ * Path of a camera's socket; `stream` is its address, ``device/stream``, `forms` what we can show.
+ * With `unblurred` it gives the pictures of a blurred camera as they are.
+ */
+export function mediaPath(site: string, stream: string, forms: readonly string[], unblurred = false): string {
+  return `/ws/media${unblurred ? "/unblurred" : ""}?${new URLSearchParams({ site, stream, forms: forms.join(",") }).toString()}`;
 }

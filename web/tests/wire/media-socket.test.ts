@@ -136,4 +136,5 @@ test("names in the address can not change its meaning", () => {
   expect(mediaPath("a&b", "camera/front", ["h264", "jpeg"])).toBe(
     "/ws/media?site=a%26b&stream=camera%2Ffront&forms=h264%2Cjpeg",
   );
+  expect(mediaPath("a", "camera/front", ["jpeg"], true)).toBe("/ws/media/unblurred?site=a&stream=camera%2Ffront&forms=jpeg");
 });

@@ -69,12 +69,14 @@ class DetectionPart(GatewayPart):
             publish=self.detection.publish_counts,
             clock=base.clock,
         )
+        self._blur_detectors = video.blur_detectors
         self._numbering = description.numbering
         self.readings = ReadingsWithDetections(adapters.adapter, self.detection)
 
     def redescribe(self, site: Site) -> None:
         """Look at the cameras of another description."""
         numbers = self._numbering.numbers_of(site)
+        self._blur_detectors.redescribe(site)
         self.detection.redescribe(site, numbers)
         self._sky.redescribe(site, numbers)
 

@@ -12,6 +12,7 @@ from talaia.gateway.recording.recorders import TriggeredRecorder
 from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.video.camera import can_film
+from talaia.model.topics import blurred_cameras
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -116,6 +117,7 @@ class RecordingPart(GatewayPart):
         return Recorder(
             plan=plan,
             topics=site.recorded_topics(),
+            hides_pictures=bool(blurred_cameras(site)),
             shelf=store,
             clock=self._base.clock,
             definition=lambda name: definition_of(name, fields_of),

@@ -9,7 +9,9 @@ from talaia.gateway.fits.frame_writer import FitsFrameWriter
 from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import WholeFiles
 from talaia.gateway.uplink.pictures import PictureUplink
+from talaia.gateway.video.blur_detectors import BlurDetectors
 from talaia.gateway.video.frame_source import FrameSource
+from talaia.objects.worker import Worker
 
 if TYPE_CHECKING:
     from talaia.gateway.assembly.description import DescriptionPart
@@ -26,6 +28,7 @@ class VideoPart(GatewayPart):
     Attributes:
         frames: gives pixels to whoever looks at cameras here, such as a detector.
         pictures: encoded, to the hub and to films.
+        blur_detectors: find what is blurred before a picture leaves.
         outbox: whole FITS files that wait for the hub's archive.
         frame_taker: takes pictures for the archive in pieces.
         whole_files: takes pictures for the archive that come as whole files.
@@ -44,12 +47,16 @@ class VideoPart(GatewayPart):
         settings, site = base.settings, description.site
         # Who looks at pixels here keeps a camera awake as a page does.
         self.frames = FrameSource(on_held=base.streams_changed.emit)
+        self.blur_detectors = BlurDetectors(
+            lambda on_status: Worker(site.object_models, settings.folder, on_status)
+        )
         self.pictures = PictureUplink(
             base.loop,
             base.clock,
             frames=self.frames,
             films=recording.films,
             taps=taps.outbox,
+            detectors=self.blur_detectors,
         )
         # What an earlier run could not send is taken up again.
         self.outbox = ArchiveOutbox(
@@ -76,3 +83,11 @@ class VideoPart(GatewayPart):
             site=site.name,
             place=site.place,
         )
+
+    def start(self) -> None:
+        """Let pictures be looked at from here on, by detectors on this event loop."""
+        self.blur_detectors.start()
+
+    async def close(self) -> None:
+        """End the detectors."""
+        await self.blur_detectors.close()

@@ -31,6 +31,8 @@ from talaia.wire.frames import DetectedBoxes, DetectedObject
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from talaia.clock import Clock
     from talaia.gateway.ports import CameraFrame, CameraFrames, EventSink, ReadingSource, SampleSink
     from talaia.model.detection import Detect
@@ -336,9 +338,13 @@ class _Camera:
             if seen is not None:
                 look, things = seen
                 since_us, self._wait_s = max(since_us, look.mono_us), FIRST_WAIT_S
-                self._publish_detections(look, things)
+                # A page is shown no more of it than of the picture; and none without a thing.
+                shown = await self._seeing.on_thread(look.may_leave) if things else None
+                self._publish_detections(look, things, shown)
 
-    def _publish_detections(self, look: CameraFrame, things: Sequence[Found]) -> None:
+    def _publish_detections(
+        self, look: CameraFrame, things: Sequence[Found], shown: NDArray[np.uint8] | None
+    ) -> None:
         gathered = []
         readings = {}
         sources = _detection_sources(self._counted)
@@ -360,7 +366,7 @@ class _Camera:
         self._seeing.publish_counts(columns, readings)
         self._seeing.record_boxes(look, things)
         self._seeing.report_sightings(
-            self._name, self._eyes.add_picture(things, look.rgb, look.time_us)
+            self._name, self._eyes.add_picture(things, shown, look.time_us)
         )
 
     def _pass_time(self) -> None:

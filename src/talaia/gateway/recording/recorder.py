@@ -17,6 +17,7 @@ from talaia.clock import SECOND
 from talaia.gateway.recording.mcap_file import McapFileWriter
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
+from talaia.model.topics import carries_pictures
 from talaia.wire.frames import RecorderState
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class Recorder:
         tell_state: Callable[[RecorderState], None],
         events: EventSink,
         finished: Callable[[], None],
+        hides_pictures: bool = False,
     ) -> None:
         """Hold the last seconds of ``topics`` from `start` on.
 
@@ -63,10 +65,13 @@ class Recorder:
             tell_state: told of each change.
             events: told what is worth writing down.
             finished: told when a recording waits for the hub.
+            hides_pictures: a camera of the site is blurred, so that no messages are kept which may
+                hold its pictures as they are.
 
         """
         self._plan = plan  # Of the description; another one makes another recorder.
         self.topics = frozenset(topics)
+        self.hides_pictures = hides_pictures
         self._shelf = shelf  # Folder of recordings.
         self._clock = clock  # Monotonic for ends, wall for names.
         # Full text of a message type; may ask the robot, so on our thread.
@@ -117,6 +122,8 @@ class Recorder:
         encoding: str = "cdr",
     ) -> None:
         """See `RawSink.offer`."""
+        if self.hides_pictures and carries_pictures(type_name, definition):
+            return
         mono_ns = self._clock.monotonic_ns()
         raw = RawMessage(topic, type_name, time_ns, mono_ns, bytes(data), definition, encoding)
         with self._changed:

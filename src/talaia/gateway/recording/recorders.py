@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.topics import blurred_cameras
 from talaia.wire.frames import RecorderState
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ class TriggeredRecorder:
         """Record what another description names; its `Recording` is the same."""
         if self.recorder is not None:
             self.recorder.topics = frozenset(site.recorded_topics())
+            self.recorder.hides_pictures = bool(blurred_cameras(site))
         if self.films is not None:
             self.films.redescribe(site.filmed_cameras())
 

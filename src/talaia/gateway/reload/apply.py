@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.errors import ChannelNumbersFull
 from talaia.model.renames import changed_devices, list_renames
+from talaia.model.topics import blurred_cameras
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -109,7 +110,11 @@ class DescriptionReload:
         before, after = self.now.site, next_.site
         renamed = list_renames(before, after)
         # What records is made once: another plan needs another gateway.
-        if after.recording != before.recording or _night_differs(before, after):
+        if (
+            after.recording != before.recording
+            or _night_differs(before, after)
+            or _blurs_what_is_held(before, after)
+        ):
             self._begin_again(after)
             return
         # What may fail comes first.
@@ -128,6 +133,13 @@ class DescriptionReload:
         for follower in self._followers:
             follower.redescribe(after)
         self._actuation.timer.reset_timer()
+
+
+def _blurs_what_is_held(before: Site, after: Site) -> bool:
+    """Tell whether the last seconds that are held for a recording show what is blurred now."""
+    return after.recording is not None and bool(
+        blurred_cameras(after).keys() - blurred_cameras(before).keys()
+    )
 
 
 def _night_differs(before: Site, after: Site) -> bool:

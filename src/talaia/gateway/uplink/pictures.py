@@ -15,7 +15,14 @@ from typing import TYPE_CHECKING
 from talaia.gateway.ports import Filming
 from talaia.gateway.taps.outbox import TAP_RECEIPTS
 from talaia.gateway.uplink.link_capacity import LinkCapacity
-from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, PictureForm, StreamError
+from talaia.objects.errors import DetectorError
+from talaia.wire.frames import (
+    MEDIA_FROM_GATEWAY,
+    Beat,
+    PictureForm,
+    StreamError,
+    camera_address,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -26,7 +33,10 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.taps.outbox import TapOutbox
+    from talaia.gateway.video.blur_detectors import BlurDetectors
     from talaia.gateway.video.frame_source import FrameSource
+    from talaia.model.detection import Blur
+    from talaia.objects.detection import Detection
     from talaia.wire.frames import BeatReply, DetectedBoxes, PictureFrame
 
 __all__ = ["PictureUplink"]
@@ -52,8 +62,13 @@ class PictureUplink:
         frames: FrameSource,
         films: FilmRecorder | None = None,
         taps: TapOutbox | None = None,
+        detectors: BlurDetectors | None = None,
     ) -> None:
-        """Take the loop that sends, where those at the gateway look, who films, and raw topics."""
+        """Take the loop that sends, where those at the gateway look, who films, and raw topics.
+
+        ``detectors`` find what is to be blurred; without them no such picture leaves.
+        """
+        self._detectors = detectors
         self._films = films  # None where nothing can be filmed.
         self._loop = loop  # Only this loop touches what waits.
         self._clock = clock  # Monotonic, for the receipts.
@@ -96,7 +111,7 @@ class PictureUplink:
     ) -> None:
         """Take from the hub what is looked at, as what, and where boxes are wanted, too."""
         with self._lock:
-            self._boxed = frozenset(boxes)
+            self._boxed = frozenset(map(camera_address, boxes))
             self._asked = {
                 stream: frozenset(forms[stream]) if stream in forms else _FOR_OLD_HUB
                 for stream in streams
@@ -113,7 +128,7 @@ class PictureUplink:
     def watched(self) -> frozenset[str]:
         """Name the streams to be read: by those at the hub or those at the gateway."""
         filmed = frozenset() if self._films is None else self._films.wanted_cameras()
-        return self._frames.held_streams() | filmed | self._asked.keys()
+        return self._frames.held_streams() | filmed | set(map(camera_address, self._asked))
 
     # ── PictureSink, for the encoding threads ──
 
@@ -139,9 +154,16 @@ class PictureUplink:
         stream: str,
         stamp: tuple[int, int, int],
         decode: Callable[[], NDArray[np.uint8] | None],
+        blurred: Callable[[], NDArray[np.uint8] | None] | None = None,
     ) -> None:
         """See `PictureSink.offer_frame`."""
-        self._frames.offer_frame(stream, stamp, decode)
+        self._frames.offer_frame(stream, stamp, decode, blurred)
+
+    def find_private(self, blur: Blur, rgb: NDArray[np.uint8]) -> Sequence[Detection]:
+        """See `PictureSink.find_private`."""
+        if self._detectors is None:
+            raise DetectorError("no detectors run here")
+        return self._detectors.find_private(blur, rgb)
 
     def filming(self, stream: str, time_us: int) -> Filming:
         """See `PictureSink.filming`."""

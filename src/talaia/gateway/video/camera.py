@@ -1,32 +1,34 @@
 """One camera: what comes of it, in each form that somebody wants.
 
-Long, because a picture is followed here from its bytes to every form of it.
+A picture is read once and encoded once for each form (`picture_forms`), however many look at it,
+and not at all in a form that nobody wants. Of a camera that is blurred (`camera_blur`) whatever
+leaves this gateway is blurred first, but for the stream of those who have the right to more.
 
-A picture is read once and encoded once for each form, however many look at it, and not at all in
-a form that nobody wants.
+Long, because what becomes of a picture that leaves, and of one that stays, is read together.
 """
 
 from __future__ import annotations
 
-import functools
 import struct
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import Filming
 from talaia.gateway.video import jpeg
-from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thin_pixels
+from talaia.gateway.video.camera_blur import CameraBlur
+from talaia.gateway.video.picture_forms import PictureForms, can_film, film_size
+from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of
 from talaia.model.connection import RosSource, VideoSource, source_as
-from talaia.wire.frames import PictureForm, PictureFrame
+from talaia.objects.errors import DetectorError
+from talaia.wire.frames import PictureForm, PictureFrame, unblurred_address
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
 
     from talaia.gateway.ports import PictureSink
-    from talaia.gateway.video import h264
     from talaia.gateway.video.camera_film import CameraFilm
     from talaia.model.site import Source, Stream
 
@@ -35,20 +37,11 @@ __all__ = ["IMAGE", "CapturedFrame", "FrameStamp", "PictureStream", "can_film"]
 # Types of ROS messages; pictures of other cameras come as pixels.
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
-# The small rung: no wider than this (px), at most so many a second, and its share of the bits.
-SMALL_PX, SMALL_HZ, SMALL_BITS, SMALL_QUALITY = 320, 15.0, 250_000, 50
-STILL_HZ = 1.0  # One picture now and then, where nobody looks at a film.
-# By its large pictures a hub sees whether a connection on the small rung would carry more.
-KEY_EVERY_S = {PictureForm.H264: 10.0, PictureForm.H264_SMALL: 3.0}
 # A problem that lasts is told again so often, to those who have come meanwhile.
 _AGAIN_US = 2_000_000
-# One who asks for key pictures all the time makes them no dearer than this for the others.
-_KEY_EVERY_US = 300_000
-_LEAST_QUALITY = 20  # However narrow the line: below that fewer pictures come instead.
-# An encoder goes on while its bits are within this factor of what the line bears.
-_NEAR = 0.6
 # What decoders of foreign bytes raise; a camera's nonsense must not end the thread of them all.
 _UNREADABLE = (
+    DetectorError,
     FieldError,
     ValueError,
     TypeError,
@@ -61,21 +54,6 @@ _UNREADABLE = (
     struct.error,
 )
 _PNG = b"\x89PNG"  # How a PNG begins; `CompressedImage` carries both.
-
-
-@functools.cache
-def can_film() -> bool:
-    """Tell whether films can be made here.
-
-    The first call loads PyAV: 15 MiB, and a tenth of a second of the interpreter. A gateway without
-    a camera does without.
-    """
-    try:
-        from talaia.gateway.video import h264
-    except ImportError:
-        # PyAV is an extra, and without it all is JPEG.
-        return False
-    return h264.can_encode()
 
 
 class FrameStamp(NamedTuple):
@@ -145,52 +123,6 @@ class CapturedFrame:
         self._seen = True
 
 
-class _Rung:
-    """One form of one camera: keeps its own pace, and its encoder where it has one.
-
-    Attributes:
-        encoder: of a film; none for single pictures.
-        slower: how many times slower than the form's own the pace is that the encoder was made for.
-            Each picture gets what the line bears in that time, so they come no faster.
-
-    """
-
-    def __init__(self, rate: float) -> None:
-        self.period_us = round(1e6 / rate)  # Between two pictures of this form, µs.
-        self._due_us = 0  # When the next is due (monotonic µs).
-        # When the last key picture was made; so long ago that the first may be one.
-        self._key_us = -_KEY_EVERY_US
-        # Somebody waits for a picture to begin with; kept until it may be made.
-        self._wants_key = True
-        # Made with the first picture; replaced when size or bit rate change too much.
-        self.encoder: h264.Encoder | None = None
-        self.slower = 1
-
-    def is_due(self, mono_us: int, share: float) -> bool:
-        """Tell whether the pace allows a picture now; if so, count it as taken."""
-        # On a whole line the next picture gets an encoder of its own pace, so nothing is left out.
-        slower = 1 if share >= 1 else max(_slowdown_factor(share), self.slower)
-        period = self.period_us * slower
-        # A tenth early will do: pictures come with jitter.
-        if mono_us < self._due_us - period // 10:
-            return False
-        late = mono_us - self._due_us
-        self._due_us = (self._due_us if late < period else mono_us) + period
-        return True
-
-    def key_now(self, mono_us: int, *, asked: bool) -> bool:
-        """Tell whether this is to be a key picture."""
-        self._wants_key = self._wants_key or asked
-        if not self._wants_key or mono_us - self._key_us < _KEY_EVERY_US:
-            return False
-        self._wants_key, self._key_us = False, mono_us
-        return True
-
-    def is_key_old(self, mono_us: int, longest_s: float) -> bool:
-        """Tell whether the last key picture is older than it may be."""
-        return mono_us - self._key_us >= longest_s * 1e6
-
-
 class PictureStream:
     """One camera: keeps its rate, numbers its pictures, and says what it cannot read."""
 
@@ -214,8 +146,10 @@ class PictureStream:
         self._period_ns = round(1e9 / stream.max_rate)
         self._due_ns = 0  # When the next may be (monotonic ns).
         self._seq = 0  # Numbers the pictures of this camera in this run.
-        # Forms that somebody wants now; a form that nobody wants loses its encoder.
-        self._rungs: dict[PictureForm, _Rung] = {}
+        self._forms = PictureForms(address, stream)
+        # None where pictures leave as they are; else what they leave as, and as what they stay.
+        self._blur = None if stream.blur is None else CameraBlur(stream.blur)
+        self._unblurred = PictureForms(unblurred_address(address), stream)
         self._reel = _new_film()  # None where no encoder is installed.
 
     def is_due(self, mono_ns: int) -> bool:
@@ -233,30 +167,25 @@ class PictureStream:
         self._seq += 1
         stamp = FrameStamp(self._seq, time_us, mono_us)
         taken = CapturedFrame(lambda: self._decode(raw), self._encoding)
-        # Before the forms are asked for: detectors look whether or not a person does.
-        sink.offer_frame(self.address, stamp, taken.as_rgb)
-        forms = _pair_forms(sink.asked(self.address))
-        # An encoder nobody needs is let go; one who comes back begins with a key picture anyway.
-        for form in self._rungs.keys() - forms.keys():
-            del self._rungs[form]
+        shown = self._blurred(taken, mono_us, sink)
+        # Before the forms are asked for: detectors look whether or not a person does. They see what
+        # is there; of that a page is shown no more than of the picture.
+        sink.offer_frame(
+            self.address, stamp, taken.as_rgb, None if shown is taken else shown.as_rgb
+        )
+        if shown is not taken:
+            # First, for it waits for no detector.
+            self._send_unblurred(taken, stamp, sink)
+        forms = self._forms.wanted(sink)
         filming = Filming.NO if self._reel is None else sink.filming(self.address, time_us)
         if not forms and filming is Filming.NO:
             return
         share = sink.room()
-        large: PictureFrame | None = None
         try:
-            for form, served in forms.items():
-                picture = self._make_picture(
-                    taken=taken, stamp=stamp, form=form, served=served, share=share, sink=sink
-                )
-                if picture is not None:
-                    self._told = ""
-                    sink.offer(picture)
-                    # Only the large film of viewers can be the recorded one, too.
-                    large = picture if form is PictureForm.H264 else large
+            large = self._send_forms(shown, stamp, self._forms, forms, share=share, sink=sink)
             # Last: those who look on do not wait for it.
             self._encode_film(
-                taken=taken,
+                taken=shown,
                 stamp=stamp,
                 large=large,
                 filming=filming,
@@ -265,6 +194,55 @@ class PictureStream:
             )
         except _UNREADABLE as error:
             self._report_problem(str(error) or type(error).__name__, mono_us, sink)
+
+    @property
+    def is_blurred(self) -> bool:
+        """Whether its pictures wait for a detector before they leave."""
+        return self._blur is not None
+
+    def _blurred(self, taken: CapturedFrame, mono_us: int, sink: PictureSink) -> CapturedFrame:
+        """Give a picture as it may leave; it is looked at only when somebody wants it."""
+        blur = self._blur
+        if blur is None:
+            return taken
+        return CapturedFrame(
+            lambda: blur.cover(rgb_of(taken.read_pixels()), mono_us, sink.find_private), ""
+        )
+
+    def _send_unblurred(self, taken: CapturedFrame, stamp: FrameStamp, sink: PictureSink) -> None:
+        forms = self._unblurred.wanted(sink)
+        if not forms:
+            return
+        share = sink.room()
+        try:
+            self._send_forms(taken, stamp, self._unblurred, forms, share=share, sink=sink)
+        except _UNREADABLE as error:
+            why = f"{_place_of(self._stream.source)}: {str(error) or type(error).__name__}"
+            sink.trouble(unblurred_address(self.address), why)
+
+    def _send_forms(
+        self,
+        taken: CapturedFrame,
+        stamp: FrameStamp,
+        made: PictureForms,
+        forms: Mapping[PictureForm, list[str]],
+        *,
+        share: float,
+        sink: PictureSink,
+    ) -> PictureFrame | None:
+        """Give the hub a picture in each form that is wanted; return the large film's."""
+        large: PictureFrame | None = None
+        for form, served in forms.items():
+            picture = made.make_picture(
+                taken=taken, stamp=stamp, form=form, served=served, share=share, sink=sink
+            )
+            if picture is not None:
+                if made is self._forms:
+                    self._told = ""
+                sink.offer(picture)
+                # Only the large film of viewers can be the recorded one, too.
+                large = picture if form is PictureForm.H264 else large
+        return large
 
     def _encode_film(
         self,
@@ -286,7 +264,9 @@ class PictureStream:
         picture = large if whole else None
         if not reel.can_share(picture, whole=whole, anew=filming is Filming.ANEW):
             pixels = taken.read_pixels()
-            width, height, bits = self._film_size(pixels, PictureForm.H264, self._stream.max_rate)
+            width, height, bits = film_size(
+                self._stream, pixels, PictureForm.H264, self._stream.max_rate
+            )
             picture = reel.encode_own(
                 self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)
             )
@@ -303,133 +283,6 @@ class PictureStream:
         self._told, self._told_us = why, mono_us
         sink.trouble(self.address, f"{where}: {why}")
 
-    def _make_picture(
-        self,
-        *,
-        taken: CapturedFrame,
-        stamp: FrameStamp,
-        form: PictureForm,
-        served: list[str],
-        share: float,
-        sink: PictureSink,
-    ) -> PictureFrame | None:
-        """Give a picture in one form, or none now."""
-        rung = self._rungs.get(form)
-        if rung is None:
-            rung = self._rungs[form] = _Rung(_form_rate(form, self._stream.max_rate))
-        # A list, not `any` of a generator: each question takes its answer away.
-        asked = any([sink.key_due(self.address, picture_form) for picture_form in served])  # noqa: C419 - each is asked
-        if share <= 0 or not rung.is_due(stamp.mono_us, share):
-            # One who has just come waits no longer than need be.
-            if asked:
-                rung.key_now(-_KEY_EVERY_US, asked=True)
-            return None
-        if form in (PictureForm.H264, PictureForm.H264_SMALL):
-            return self._make_h264(
-                taken=taken,
-                stamp=stamp,
-                form=form,
-                served=served,
-                share=share,
-                rung=rung,
-                asked=asked,
-            )
-        data, width, height = self._make_jpeg(taken, form, share)
-        return PictureFrame(
-            stream=self.address,
-            **stamp._asdict(),
-            width=width,
-            height=height,
-            forms=served,
-            data=data,
-        )
-
-    def _make_jpeg(
-        self, taken: CapturedFrame, form: PictureForm, share: float
-    ) -> tuple[bytes, int, int]:
-        stream = self._stream
-        small = form is PictureForm.JPEG_SMALL
-        # The camera's own JPEG is passed on untouched where nothing has to be smaller.
-        own = taken.as_jpeg()
-        wide = stream.width and own is not None and own[1] > stream.width
-        if own is not None and not small and not wide and share >= 1:
-            return own
-        pixels = thin_pixels(
-            taken.read_pixels(), min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
-        )
-        quality = SMALL_QUALITY if small else stream.quality
-        # Bytes go roughly with the square of the quality.
-        quality = max(_LEAST_QUALITY, round(quality * share**0.5))
-        return jpeg.encode_jpeg(pixels, quality), pixels.width, pixels.height
-
-    def _make_h264(
-        self,
-        *,
-        taken: CapturedFrame,
-        stamp: FrameStamp,
-        form: PictureForm,
-        served: list[str],
-        share: float,
-        rung: _Rung,
-        asked: bool,
-    ) -> PictureFrame | None:
-        pixels = taken.read_pixels()
-        rate = 1e6 / rung.period_us
-        width, height, bits = self._film_size(pixels, form, rate)
-        encoder, slower, every_s = rung.encoder, _slowdown_factor(share), KEY_EVERY_S[form]
-        asked = asked or (share < 1 and rung.is_key_old(stamp.mono_us, every_s))
-        key = rung.key_now(stamp.mono_us, asked=asked)
-        # On a narrow line an encoder that has spent its bits on a busy scene has none for a key
-        # picture: one of 709 bytes in 320x240 was a grey area. A new encoder has them again, and is
-        # the only one to begin: its own period would bring key pictures without bits.
-        fresh = key and share < 1
-        if (
-            encoder is None
-            or fresh
-            or not _encoder_fits(
-                encoder=encoder, width=width, height=height, bits=bits, share=share
-            )
-        ):
-            # Made for the pace that the line allows: x264 gives each picture its part of a second,
-            # and with the camera's own pace a fifth of the line's bits was used at the least.
-            from talaia.gateway.video.h264 import Encoder
-
-            encoder = rung.encoder = Encoder(
-                width=width,
-                height=height,
-                rate=rate / slower,
-                bits=round(bits * share),
-                key_every_s=every_s if share >= 1 else 2 * every_s,
-            )
-            rung.slower = slower
-        made = encoder.encode_picture(pixels, stamp.mono_us, key=key)
-        if made is None:
-            return None
-        return PictureFrame(
-            stream=self.address,
-            **stamp._asdict(),
-            width=encoder.width,
-            height=encoder.height,
-            format="h264",
-            forms=served,
-            key=made.key,
-            codec=encoder.codec if made.key else "",
-            data=made.data,
-        )
-
-    def _film_size(self, pixels: Pixels, form: PictureForm, rate: float) -> tuple[int, int, int]:
-        """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
-        from talaia.gateway.video.h264 import bits_for
-
-        most = self._stream.width or pixels.width
-        if form is PictureForm.H264_SMALL:
-            most = min(most, SMALL_PX)
-        by = max(1, -(-pixels.width // most))
-        # H.264 4:2:0 wants even sizes; 16 px is the least block.
-        width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
-        bits = self._stream.kbits * 1000 or bits_for(width, height, rate)
-        return width, height, min(bits, SMALL_BITS) if form is PictureForm.H264_SMALL else bits
-
 
 def _new_film() -> CameraFilm | None:
     if not can_film():
@@ -437,46 +290,6 @@ def _new_film() -> CameraFilm | None:
     from talaia.gateway.video.camera_film import CameraFilm
 
     return CameraFilm()
-
-
-def _encoder_fits(
-    *, encoder: h264.Encoder, width: int, height: int, bits: int, share: float
-) -> bool:
-    """Tell whether an encoder goes on: a new one begins with a key picture, which is the dearest.
-
-    ``bits`` a second are the line's whole; while the share of it wavers, an encoder that is near
-    enough stays.
-    """
-    if (encoder.width, encoder.height) != (width, height):
-        return False
-    if share >= 1:
-        return encoder.bits == bits
-    return _NEAR <= encoder.bits / (bits * share) <= 1 / _NEAR
-
-
-def _pair_forms(asked: Collection[str]) -> dict[PictureForm, list[str]]:
-    """Pair what is made with what it is made for; without an encoder all is JPEG."""
-    made: dict[PictureForm, list[str]] = {}
-    for form in sorted(set(asked) & set(PictureForm)):
-        as_form = PictureForm(form)
-        if not can_film():
-            as_form = {
-                PictureForm.H264: PictureForm.JPEG,
-                PictureForm.H264_SMALL: PictureForm.JPEG_SMALL,
-            }.get(as_form, as_form)
-        made.setdefault(as_form, []).append(form)
-    return made
-
-
-def _form_rate(form: PictureForm, most: float) -> float:
-    if form is PictureForm.STILL:
-        return min(most, STILL_HZ)
-    return min(most, SMALL_HZ) if form in (PictureForm.H264_SMALL, PictureForm.JPEG_SMALL) else most
-
-
-def _slowdown_factor(share: float) -> int:
-    """Give how many times slower pictures come on a link with this share of room."""
-    return 1 if share >= 0.5 else 2 if share >= 0.25 else 3 if share >= 0.15 else 5
 
 
 def _place_of(source: Source) -> str:

@@ -24,6 +24,8 @@ class _Newest:
         self.stamp = (0, 0, 0)  # Number, wall and monotonic time (µs) of the newest.
         # Gives its pixels; None until the first came.
         self.decode: Callable[[], NDArray[np.uint8] | None] | None = None
+        # Gives what of it may leave the gateway; None where all of it may.
+        self.blurred: Callable[[], NDArray[np.uint8] | None] | None = None
         self.look: CameraFrame | None = None  # The newest that was decoded, shared by all who look.
 
 
@@ -75,13 +77,14 @@ class FrameSource:
         stream: str,
         stamp: tuple[int, int, int],
         decode: Callable[[], NDArray[np.uint8] | None],
+        blurred: Callable[[], NDArray[np.uint8] | None] | None = None,
     ) -> None:
         """Take a picture: number, wall time and monotonic time (µs), and what makes it RGB."""
         with self._lock:
             # Nobody holds it: the picture is not even kept.
             newest = self._of.get(stream)
             if newest is not None:
-                newest.stamp, newest.decode = stamp, decode
+                newest.stamp, newest.decode, newest.blurred = stamp, decode, blurred
                 self._arrived.notify_all()
 
     def arrived(self, stream: str, since_us: int = 0, wait_s: float = 0.0) -> int:
@@ -107,7 +110,7 @@ class FrameSource:
             if not there() and not (wait_s and self._arrived.wait_for(there, wait_s)):
                 return None
             newest = self._of[stream]
-            stamp, decode = newest.stamp, newest.decode
+            stamp, decode, blurred = newest.stamp, newest.decode, newest.blurred
             # Its moment, too: a camera that is connected anew begins to number anew.
             look = newest.look
             if look is not None and (look.seq, look.mono_us) == (stamp[0], stamp[2]):
@@ -116,6 +119,6 @@ class FrameSource:
         rgb = None if decode is None else decode()
         if rgb is None:
             return None
-        look = CameraFrame(stream, *stamp, rgb)
+        look = CameraFrame(stream, *stamp, rgb, blurred)
         newest.look = look
         return look

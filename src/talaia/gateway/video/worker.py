@@ -27,6 +27,9 @@ class PictureWorker:
         self._clock = clock
         # By stream: its newest raw picture with wall and monotonic time (µs); under `_turn`.
         self._waiting: dict[str, tuple[PictureStream, object, int, int]] = {}
+        # By stream: the thread of one that waits for a detector; under `_turn`. It would hold up
+        # all others here.
+        self._apart: dict[str, PictureWorker] = {}
         # Guards what waits, and wakes the thread.
         self._turn = threading.Condition()
         self._ended = False  # Set once, under `_turn`.
@@ -43,12 +46,27 @@ class PictureWorker:
         # Before the lock: most pictures of a fast camera end here.
         if not stream.is_due(mono_ns):
             return
+        if stream.is_blurred:
+            self._thread_apart(stream).queue_raw(stream, raw, mono_ns // 1000)
+        else:
+            self.queue_raw(stream, raw, mono_ns // 1000)
+
+    def queue_raw(self, stream: PictureStream, raw: object, mono_us: int) -> None:
+        """Take a picture that is due, in place of the one of its stream that waits."""
         with self._turn:
             # Out and in again: it goes to the end of the row, so a fast camera holds up no other.
             self._waiting.pop(stream.address, None)
-            stamp = (self._clock.wall_ns() // 1000, mono_ns // 1000)
-            self._waiting[stream.address] = (stream, raw, *stamp)
+            self._waiting[stream.address] = (stream, raw, self._clock.wall_ns() // 1000, mono_us)
             self._turn.notify()
+
+    def _thread_apart(self, stream: PictureStream) -> PictureWorker:
+        with self._turn:
+            worker = self._apart.get(stream.address)
+            if worker is None:
+                worker = self._apart[stream.address] = PictureWorker(self._sink, self._clock)
+                if not self._ended:
+                    worker.start()
+            return worker
 
     def _work_loop(self) -> None:
         while True:
@@ -63,9 +81,11 @@ class PictureWorker:
             stream.process_picture(raw, time_us, mono_us, self._sink)
 
     def close(self) -> None:
-        """End the thread."""
+        """End the thread, and those of streams that have one of their own."""
         with self._turn:
             self._ended = True
             self._turn.notify()
+        for worker in self._apart.values():
+            worker.close()
         if self._thread.is_alive():
             self._thread.join()

@@ -33,10 +33,11 @@ from talaia.gateway.watchdog.closing_site import GONE_WORDS, closing_site
 from talaia.gateway.watchdog.notices import WatchdogNotices
 from talaia.model.arguments import fields_of
 from talaia.model.yaml_text.load import load_site
+from talaia.objects.errors import DetectorError
 from talaia.wire.frames import EnclosureState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -44,8 +45,10 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import Adapter, CommandOutcome
+    from talaia.model.detection import Blur
     from talaia.model.interlocks.interlock import Step
     from talaia.model.site import Site
+    from talaia.objects.detection import Detection
     from talaia.wire.columns import Columns
     from talaia.wire.frames import FromGateway, PictureFrame
 
@@ -163,8 +166,13 @@ class _NoSamples:
         stream: str,
         stamp: tuple[int, int, int],
         decode: Callable[[], NDArray[np.uint8] | None],
+        blurred: Callable[[], NDArray[np.uint8] | None] | None = None,
     ) -> None:
         pass
+
+    def find_private(self, blur: Blur, rgb: NDArray[np.uint8]) -> Sequence[Detection]:
+        # Nobody is asked for a picture here.
+        raise DetectorError("nothing is detected here")
 
     def offer(self, picture: PictureFrame) -> None:
         pass

@@ -216,7 +216,8 @@ class Access:
             await deny_socket(socket, status=503, code="store", message=STORE_DOWN)
             return None
         # Of a stream, which site it is of is not known here; its own route looks.
-        if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
+        looked_at = {AccessNeed.SESSION, AccessNeed.SEE, AccessNeed.UNBLURRED}
+        if alive is None or need not in looked_at:
             await deny_socket(socket, status=401, code="unauthorized", message="sign in first")
             return None
         if alive.who.factor_missing:

@@ -70,6 +70,7 @@ class Pages:
             "api",
             "ws",
             "ws/media",
+            "ws/media/unblurred",
             "ws/topic",
         }:
             return problem_response(404, "unknown", "there is nothing here")

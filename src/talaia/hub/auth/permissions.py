@@ -11,7 +11,13 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from talaia.model.site import Visibility
-from talaia.model.topics import TopicRight, rule_of
+from talaia.model.topics import (
+    TopicRight,
+    blurred_cameras,
+    blurred_topics,
+    carries_pictures,
+    rule_of,
+)
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -27,6 +33,7 @@ __all__ = [
     "sees_signal",
     "sees_site",
     "sees_stream",
+    "sees_unblurred",
 ]
 
 ANY = "*"  # stands for every site, or every device of a site
@@ -38,7 +45,8 @@ class Right(StrEnum):
     ``tap`` and ``metrics`` stand beside: who has the one may have the robot's raw topics, who has
     the other may read figures for monitoring, and nothing else by it. So do ``request`` (ask for
     observations in the name of a proposal), ``approve`` (let them be observed, see all of them)
-    and ``arm`` (let the night run by itself).
+    and ``arm`` (let the night run by itself). ``unblurred`` adds to what may be seen: pictures of
+    blurred cameras as they are.
     """
 
     VIEW = "view"
@@ -48,6 +56,7 @@ class Right(StrEnum):
     REQUEST = "request"
     APPROVE = "approve"
     ARM = "arm"
+    UNBLURRED = "unblurred"
     ADMIN = "admin"
 
 
@@ -60,6 +69,7 @@ _INCLUDES = {
     Right.REQUEST: frozenset({Right.REQUEST}),
     Right.APPROVE: frozenset({Right.APPROVE}),
     Right.ARM: frozenset({Right.ARM}),
+    Right.UNBLURRED: frozenset({Right.UNBLURRED}),
     Right.ADMIN: frozenset(Right),
 }
 # Having which rights a right is given.
@@ -211,11 +221,44 @@ def sees_stream(grants: Grants, site: Site, device: str, stream: str) -> bool:
     return found.visibility is Visibility.PUBLIC or grants.has_right(Right.VIEW, site.site, device)
 
 
-def may_tap(grants: Grants, site: Site, topic: str) -> bool:
+def sees_unblurred(grants: Grants, site: Site, device: str, stream: str) -> bool:
+    """Tell whether a person may see the pictures of a blurred camera as they are."""
+    return sees_stream(grants, site, device, stream) and grants.has_right(
+        Right.UNBLURRED, site.site, device
+    )
+
+
+def may_tap(
+    grants: Grants, site: Site, topic: str, *, type_name: str = "", definition: str = ""
+) -> bool:
     """Tell whether a person may have a raw topic, by the rules of the site's description.
 
-    A topic that no rule names is for those who have the right ``tap`` on the whole site.
+    A topic that no rule names is for those who have the right ``tap`` on the whole site. Where a
+    camera is blurred, one that may show its pictures as they are is for those who may see them.
+
+    Args:
+        grants: the person's.
+        site: the description.
+        topic: absolute name.
+        type_name: of its messages; empty while it is not known.
+        definition: what that type is made of; empty while it is not known.
+
     """
+    return _is_topic_allowed(grants, site, topic) and _may_be_unblurred(
+        grants, site, topic, carries_pictures(type_name, definition)
+    )
+
+
+def _may_be_unblurred(grants: Grants, site: Site, topic: str, pictures: bool) -> bool:  # noqa: FBT001
+    if not blurred_cameras(site):
+        return True
+    device = blurred_topics(site).get(topic)
+    # Which of the robot's cameras another topic with pictures shows, nobody knows.
+    place = ANY if device is None and pictures else device
+    return place is None or grants.has_right(Right.UNBLURRED, site.site, place)
+
+
+def _is_topic_allowed(grants: Grants, site: Site, topic: str) -> bool:
     rule = rule_of(site.topics, topic)
     if rule is None:
         return grants.has_right(Right.TAP, site.site)

@@ -11,11 +11,11 @@ from talaia.hub.live.pictures.media_link import MediaLinks
 from talaia.hub.live.pictures.picture_fanout import PictureFanout
 
 if TYPE_CHECKING:
-    from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
+    from talaia.hub.features.people import PeopleFeature
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
-    from talaia.hub.live.pages.session_registry import SocketSessions
+    from talaia.hub.store.audit import Audit
 
 __all__ = ["MediaFeature"]
 
@@ -34,27 +34,28 @@ class MediaFeature(Feature):
         self,
         core: Core,
         *,
-        admission: SocketAdmission,
-        seats: SocketSessions,
+        people: PeopleFeature,
         links: OpenLinks,
         flood_guard: FloodGuard,
+        audit: Audit,
     ) -> None:
-        """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended.
+        """Let in who is of ``people``; those and ``links`` close whose right has ended.
 
-        ``flood_guard`` slows gateways that say too much.
+        ``flood_guard`` slows gateways that say too much; ``audit`` has who looked unblurred.
         """
         # One copy of each stream comes from its gateway, however many look at it.
         self.streams = PictureFanout(core.sites, core.clock, core.settings.linger_s)
         pages = PictureSockets(
-            admission=admission,
+            admission=people.admission,
             sites=core.sites,
-            seats=seats,
+            seats=people.seats,
             media=self.streams,
             clock=core.clock,
+            audit=audit,
         )
         gateways = GatewaySocket(
             "/gateway/media",
-            admission=admission,
+            admission=people.admission,
             flood_guard=flood_guard,
             server=MediaLinks(
                 sites=core.sites,

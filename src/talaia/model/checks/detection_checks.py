@@ -18,12 +18,21 @@ if TYPE_CHECKING:
     from talaia.model.interlocks.interlock import Condition
     from talaia.model.site import Device, Signal, Site, Stream
 
-__all__ = ["count_fits", "detect_fits", "hub_sight_findings", "models_findings"]
+__all__ = [
+    "blur_fits",
+    "count_fits",
+    "detect_fits",
+    "hub_sight_findings",
+    "models_findings",
+    "sky_fits",
+]
 
 _MOST_RATE = 60.0
 _LONGEST_HOLD_S = 60.0
 _MOST_CLASSES = 1000
 _SIDES = (32, 2048)
+_BLUR_SIDES = (160, 1920)
+_LONGEST_BLUR_S = 10.0
 
 
 def models_findings(site: Site) -> Iterator[Finding]:
@@ -71,11 +80,7 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
         problem = f"expected 0 to {_LONGEST_HOLD_S:g} s, found {detect.hold}"
         yield Finding(f"{where}.hold", problem, "the interlock's own dwell may be longer")
     if detect.model and detect.model not in site.object_models:
-        if not site.object_models:
-            problem = f"there is no model {detect.model!r}"
-            yield Finding(f"{where}.model", problem, "describe it in object_models")
-            return
-        yield _finding_of(UnknownWord(f"{where}.model", "model", detect.model, site.object_models))
+        yield _unknown_model(site, f"{where}.model", detect.model)
         return
     known = classes_of(site, detect.model)
     for index, label in enumerate(detect.classes):
@@ -83,6 +88,40 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
             yield _finding_of(UnknownWord(f"{where}.classes[{index}]", "class", label, known))
         elif label in detect.classes[:index]:
             yield Finding(f"{where}.classes[{index}]", f"{label!r} is there twice", "leave it out")
+
+
+def _unknown_model(site: Site, where: str, model: str) -> Finding:
+    if not site.object_models:
+        return Finding(where, f"there is no model {model!r}", "describe it in object_models")
+    return _finding_of(UnknownWord(where, "model", model, site.object_models))
+
+
+def blur_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
+    """List what is wrong with what is to be blurred on a camera."""
+    blur = stream.blur
+    if blur is None:
+        return
+    if not blur.faces and not blur.plates:
+        remedy = "write faces: true, or name a model for plates, or leave blur out"
+        yield Finding(where, "nothing is to be blurred", remedy)
+    if blur.plates and blur.plates not in site.object_models:
+        yield _unknown_model(site, f"{where}.plates", blur.plates)
+    # Written so that NaN is found as well. Nothing at all would be found with a confidence of 1.
+    for key, least, most in (
+        ("confidence", 0.05, 0.9),
+        ("looks", 0.0, _MOST_RATE),
+        ("hold", 0.0, _LONGEST_BLUR_S),
+    ):
+        found = getattr(blur, key)
+        if not least <= found <= most:
+            yield Finding(f"{where}.{key}", f"expected {least:g} to {most:g}, found {found}")
+    if blur.looks > 0 and blur.hold < 1 / blur.looks:
+        problem = f"what is found {blur.looks:g} times a second is forgotten after {blur.hold:g} s"
+        yield Finding(f"{where}.hold", problem, f"write: hold: {1.5 / blur.looks:.2g}, or more")
+    low, high = _BLUR_SIDES
+    if not low <= blur.side <= high or blur.side % 32:
+        problem = f"expected {low} to {high} pixels, a multiple of 32, found {blur.side}"
+        yield Finding(f"{where}.side", problem, "480 is usual")
 
 
 def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterator[Finding]:

@@ -18,6 +18,7 @@ from talaia.model.checks.connection_checks import (
 )
 from talaia.model.checks.derivation_checks import derivation_findings
 from talaia.model.checks.detection_checks import (
+    blur_fits,
     count_fits,
     detect_fits,
     hub_sight_findings,
@@ -194,6 +195,7 @@ def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         yield from id_fits(at, stream_id)
         yield from _check_stream(at, stream)
         yield from detect_fits(site, f"{at}.detect", stream)
+        yield from blur_fits(site, f"{at}.blur", stream)
         yield from sky_fits(f"{at}.sky", stream)
         if rules is not None:
             yield from rules.stream_findings(f"{at}.source", stream)

@@ -31,7 +31,23 @@ __all__ = [
     "SightingReport",
     "StreamError",
     "StreamSubscription",
+    "camera_address",
+    "unblurred_address",
 ]
+
+# Behind a camera's address: its pictures as they are, where others get them blurred. It is a
+# stream of its own, which a hub asks for only while somebody looks who may.
+_UNBLURRED = "!unblurred"
+
+
+def unblurred_address(camera: str) -> str:
+    """Give the address of a camera's pictures as they are (``device/stream!unblurred``)."""
+    return camera_address(camera) + _UNBLURRED
+
+
+def camera_address(stream: str) -> str:
+    """Give the camera's own address (``device/stream``) of any of its streams."""
+    return stream.partition("!")[0]
 
 
 class PictureForm(StrEnum):
@@ -49,6 +65,9 @@ class PictureForm(StrEnum):
 
 class StreamSubscription(Message, frozen=True, kw_only=True, tag="watch"):
     """The streams (``device/stream``) that anyone looks at now; all others rest.
+
+    A camera that is blurred has another one, ``device/stream!unblurred``, of its pictures as they
+    are.
 
     Attributes:
         forms: by stream: the `PictureForm`s that are wanted; a stream that is not in it is wanted

@@ -409,3 +409,34 @@ async def test_a_hundred_topics_are_asked_for_at_one_blow(fanout, gateway) -> No
         fanout.subscribe("farm", entry.topic, taker)
     assert len((await gateway.now()).topics) == 100
     assert len(gateway.asked) == 2
+
+
+async def test_a_topic_whose_type_turns_out_to_hold_pictures_ends_where_a_camera_is_blurred(
+    sites, fanout, gateway
+) -> None:
+    eye = "\n    streams: {eye: {name: E, blur: {}, source: {topic: /e, type: our_msgs/msg/Seen}}}"
+    blurred = DESCRIPTION.replace("barn: {name: Barn}", "barn:\n    name: Barn" + eye)
+    live = sites.describe_site(load_site(blurred), "c2")
+    fanout.redescribe(live or sites.find_site("farm"))
+    taker = fanout.taker(OPERATOR)
+    with pytest.raises(TapRefused):
+        fanout.subscribe("farm", "/e", taker)
+    # Nobody publishes them yet, so nothing is known of what they hold.
+    taps = [fanout.subscribe("farm", name, taker) for name in ("/late", "/hidden", "/map")]
+    more = [
+        TopicEntry(number=5, topic="/late", type="sensor_msgs/msg/Image"),
+        TopicEntry(number=6, topic="/hidden", type="our_msgs/msg/Pair"),
+    ]
+    gateway.say(TopicList(topics=[*ENTRIES, *more]))
+    definition = "std_msgs/Header header\nsensor_msgs/CompressedImage[2] shots"
+    gateway.say(TapSchema(type="our_msgs/msg/Pair", encoding="ros2msg", definition=definition))
+    gateway.publish(5, b"a face")
+    gateway.publish(6, b"another")
+    got = events(taker)
+    assert [event.tap for event in got if isinstance(event, TapEnded)] == taps[:2]
+    assert not [event for event in got if isinstance(event, TapDelivery)]
+    assert set((await gateway.now()).topics) == {"/map"}
+    # Whoever has the right has them.
+    watch = {Permission(Right.USE), Permission(Right.UNBLURRED)}
+    fanout.subscribe("farm", "/late", fanout.taker(Grants(frozenset(watch))))
+    assert set((await gateway.now()).topics) == {"/map", "/late"}

@@ -83,6 +83,8 @@ export class PageCameras extends LitElement {
             .stream=${stream.address}
             .name=${stream.name}
             .detect=${stream.detect}
+            ?blurred=${stream.blurred}
+            ?unblurrable=${stream.may_unblur}
             .online=${online}
             ?still=${showsExposures(device)}
           ></t-camera>

@@ -277,6 +277,8 @@ export class PageDevice extends LitElement {
             .stream=${stream.address}
             .name=${stream.name}
             .detect=${stream.detect}
+            ?blurred=${stream.blurred}
+            ?unblurrable=${stream.may_unblur}
             .online=${this.isOnline(detail)}
           ></t-camera>`,
         )}

@@ -129,6 +129,8 @@ export class PageActuate extends LitElement {
           .stream=${stream?.address ?? ""}
           .name=${stream?.name ?? ""}
           .detect=${stream?.detect}
+          ?blurred=${stream?.blurred}
+          ?unblurrable=${stream?.may_unblur}
           ?driving=${seat !== null && seat.machine.phase !== "idle"}
           .online=${online}
           paged

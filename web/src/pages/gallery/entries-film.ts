@@ -1,9 +1,10 @@
-/** What stands in a film's place while there is none. */
+/** What stands in a film's place while there is none, and what says that a picture is blurred. */
 
 import { html, type TemplateResult } from "lit";
 import type { FilmShape } from "../../generated/api.js";
 import type { CameraFilms } from "../history/film/film-search.js";
 import type { GalleryEntry } from "./entry.js";
+import "../../tiles/camera/blur-button.js";
 import "../history/film/film-view.js";
 
 const NOON_US = 1_780_000_000_000_000;
@@ -20,6 +21,14 @@ function renderView(us: number, change: Partial<CameraFilms>): TemplateResult {
 }
 
 export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-blur-button",
+    states: [
+      { name: "blurred", show: () => html`<t-blur-button></t-blur-button>` },
+      { name: "may be unblurred", show: () => html`<t-blur-button may></t-blur-button>` },
+      { name: "unblurred", show: () => html`<t-blur-button may unblurred></t-blur-button>` },
+    ],
+  },
   {
     tag: "t-film-view",
     states: [

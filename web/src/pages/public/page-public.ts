@@ -154,6 +154,8 @@ export class PagePublic extends LitElement {
           .stream=${stream.address}
           .name=${stream.name}
           .detect=${stream.detect}
+          ?blurred=${stream.blurred}
+          ?unblurrable=${stream.may_unblur}
           .online=${online}
           ?still=${showsExposures(device)}
         ></t-camera>`,

@@ -70,7 +70,7 @@ export class DriveBoardTile extends LitElement {
     if (wanted === "" || device === null || context === null || connection === undefined) return;
     this.controller = new DriveController(connection, context.site, device, context.online);
     const news = this.news.value;
-    this.controller.openAll({ lease: news?.leaseOf(context.site, device.id), stop: news?.stopOf(context.site, device.id) });
+    this.controller.openAll({ lease: news?.leaseOf(context.site, device.id), stop: news?.stopOf(context.site, device.id), heldStop: news?.heldStopOf(context.site, device.id) });
     const { seat } = this.controller;
     const { pictures } = context;
     const stream = device.drive?.picture ?? "";

@@ -4,7 +4,7 @@
  * Long, because a picture's whole way through the page is read together.
  */
 
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import "../../elements/camera/camera-view.js";
@@ -12,6 +12,7 @@ import type { CameraLink, CameraView } from "../../elements/camera/camera-view.j
 import type { CameraPicture } from "../../generated/wire.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media-socket.js";
 import { ContrastCheck } from "./contrast-check.js";
+import "./blur-button.js";
 import "./film-button.js";
 import { H264Player, supportsH264 } from "./h264-player.js";
 import { BoxSync, type CurrentBoxes } from "./box-sync.js";
@@ -74,9 +75,15 @@ export class CameraTile extends LitElement {
   @property({ attribute: false }) detect: DetectShape | null | undefined = null;
   /** It shows single exposures (see `showsExposures`): none is live, and one without contrast is a picture, too. */
   @property({ type: Boolean }) still = false;
+  /** Faces on its pictures are blurred for those who may not see them. */
+  @property({ type: Boolean }) blurred = false;
+  /** This person may see them. */
+  @property({ type: Boolean }) unblurrable = false;
   /** This person drives by this picture: it is never held back for what is seen on it. */
   @property({ type: Boolean }) driving = false;
 
+  /** Asked for anew with each page: nobody is shown more than they want by habit. */
+  @state() private unblurred = false;
   @state() private media: CameraLink = "connecting";
   @state() private why = "";
   @state() private takenAt: number | null = null;
@@ -129,7 +136,9 @@ export class CameraTile extends LitElement {
     this.opened = "";
   }
 
-  override willUpdate(): void {
+  override willUpdate(changed: PropertyValues<this>): void {
+    // Of another camera nothing has been asked.
+    if (changed.has("stream") || changed.has("site")) this.unblurred = false;
     this.objects.setSubject({ site: this.site, stream: this.stream, detects: this.detect ?? null });
   }
 
@@ -139,7 +148,7 @@ export class CameraTile extends LitElement {
     this.requestBoxes();
     // A camera of a site that is away is not asked for over and over.
     const { forms } = this;
-    const wanted = this.stream !== "" && this.online && forms !== null ? mediaPath(this.site, this.stream, forms) : "";
+    const wanted = this.stream !== "" && this.online && forms !== null ? mediaPath(this.site, this.stream, forms, this.unblurred && this.blurred && this.unblurrable) : "";
     if (wanted === this.opened) return;
     this.opened = wanted;
     this.closeSocket();
@@ -167,10 +176,18 @@ export class CameraTile extends LitElement {
       ?earlier=${this.seen?.standing === "earlier"}
       @t-fullscreen=${this.onFullScreenRequest}
         >${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
+          this.blurred && this.stream !== ""
+            ? html`<t-blur-button slot="tool" ?may=${this.unblurrable && this.online} ?unblurred=${this.unblurred} @t-unblur=${this.onUnblur}></t-blur-button>`
+            : nothing
+        }${
           this.online ? html`<t-film-button slot="tool" site=${this.site} stream=${this.stream}></t-film-button>` : nothing
         }</t-camera-view
       >${this.objects.renderBelow(this.driving)}`;
   }
+
+  private readonly onUnblur = (event: CustomEvent<boolean>): void => {
+    this.unblurred = event.detail;
+  };
 
   private linkNow(): CameraLink {
     if (this.stream === "") return "none";

@@ -197,11 +197,13 @@ export class CameraPart extends DevicePart {
       </div>
       ${map(
         streams,
-        ({ address, name, detect }) => html`<t-camera
+        ({ address, name, detect, blurred, may_unblur: unblurrable }) => html`<t-camera
           .site=${this.site}
           .stream=${address}
           .name=${name}
           .detect=${detect}
+          ?blurred=${blurred}
+          ?unblurrable=${unblurrable}
           .online=${this.online}
           still
         ></t-camera>`,

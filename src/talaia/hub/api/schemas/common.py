@@ -212,7 +212,11 @@ class DetectShape(Schema):
 
 
 class StreamShape(Schema):
-    """A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for."""
+    """A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for.
+
+    ``blurred``: faces and the like leave its gateway blurred; ``may_unblur``: you may see its
+    pictures as they are.
+    """
 
     id: str
     address: str
@@ -220,6 +224,8 @@ class StreamShape(Schema):
     max_rate: float
     public: bool
     detect: DetectShape | None = None
+    blurred: bool = False
+    may_unblur: bool = False
 
 
 class ArgumentShape(Schema):

@@ -26,7 +26,14 @@ from talaia.hub.api.sites.rule_views import (
     describe_pointing,
     describe_rules,
 )
-from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
+from talaia.hub.auth.permissions import (
+    Grants,
+    Right,
+    sees_device,
+    sees_signal,
+    sees_stream,
+    sees_unblurred,
+)
 from talaia.model.derived_signals import detect_of
 from talaia.model.discovery.role_proposal import meanings_of, place_arguments, roles_of
 from talaia.model.interlocks.unguarded import unguarded_devices
@@ -162,6 +169,9 @@ def _device_schema(
                 max_rate=stream.max_rate,
                 public=stream.visibility is Visibility.PUBLIC,
                 detect=_detect_schema(detect_of(site, stream)),
+                blurred=stream.blur is not None,
+                may_unblur=stream.blur is not None
+                and sees_unblurred(grants, site, device_id, stream_id),
             )
             for stream_id, stream in device.streams.items()
             if sees_stream(grants, site, device_id, stream_id)

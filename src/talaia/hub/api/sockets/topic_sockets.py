@@ -9,7 +9,6 @@ from fastapi import APIRouter, WebSocket
 
 from talaia.hub.api.access import address_of, deny_socket
 from talaia.hub.api.sockets.socket_admission import speaks_json
-from talaia.hub.auth.permissions import may_tap
 from talaia.hub.live.taps.topic_viewer import (
     DEFAULT_RATE,
     MOST_RATE,
@@ -78,7 +77,7 @@ class TopicSockets:
             live is None
             or not topic.startswith("/")
             or len(topic) > _MOST_NAME
-            or not may_tap(who.grants, live.description, topic)
+            or not self._taps.allows(who.grants, live, topic)
         ):
             message = "there is no such topic that you may tap"
             await deny_socket(socket, status=404, code="unknown", message=message)

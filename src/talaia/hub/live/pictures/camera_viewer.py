@@ -21,6 +21,7 @@ from talaia.wire.browser import (
     ViewerAttention,
 )
 from talaia.wire.errors import PeerError, UnknownKind
+from talaia.wire.frames import camera_address, unblurred_address
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, MutableMapping
@@ -72,6 +73,7 @@ class Viewer:
         now_us: Callable[[], int],
         able: Collection[str] = (),
         text: bool,
+        unblurred: bool = False,
     ) -> None:
         """Look at ``stream`` (``device/stream``) of ``site``; JSON with ``text``.
 
@@ -83,11 +85,16 @@ class Viewer:
             now_us: monotonic.
             able: what the page can show; none from one that knows JPEG only, and no problems.
             text: see above.
+            unblurred: its pictures as they are, where others get them blurred; who asks for this
+                has seen to it that ``who`` may.
 
         """
         self.who = who
         self.site = site
-        self.stream = stream
+        # By its own address, whatever was asked for: nobody gets another stream by a name.
+        self.camera = camera_address(stream)
+        # What is asked of the gateway.
+        self.stream = unblurred_address(stream) if unblurred else self.camera
         self.text = text
         # Which form it gets and when, by how it answers.
         self.flow = PicturePacing(able)

@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.live.pictures.picture_pacing import Ready
 from talaia.wire.browser import MEDIA_TO_BROWSER, CameraPicture, CameraPictureBoxes
-from talaia.wire.frames import KeyframeRequest, PictureForm, StreamSubscription
+from talaia.wire.frames import (
+    KeyframeRequest,
+    PictureForm,
+    StreamSubscription,
+    camera_address,
+    unblurred_address,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -113,7 +119,7 @@ class PictureFanout:
             return
         said = CameraPictureBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
         written: dict[bool, Frame] = {}
-        for viewer in self._viewers.get(key, ()):
+        for viewer in self._viewers_of_camera(key):
             if viewer.wants_boxes:
                 frame = written.get(viewer.text)
                 if frame is None:
@@ -201,16 +207,23 @@ class PictureFanout:
             return
         if key in self._eyes:
             wanted |= {self._eyes[key][0]}
-        boxed = any(viewer.wants_boxes for viewer in viewers)
-        if self._forms.get(key, frozenset()) == wanted and (key in self._boxed) == boxed:
+        # Of a camera, whichever of its streams is looked at.
+        camera = (key[0], camera_address(key[1]))
+        boxed = any(viewer.wants_boxes for viewer in self._viewers_of_camera(camera))
+        if self._forms.get(key, frozenset()) == wanted and (camera in self._boxed) == boxed:
             return
         self._forms[key] = wanted
         if not wanted:
             del self._forms[key]
             self._troubles.pop(key, None)
         # Before it is asked for: `watch` tells all of a site from these.
-        (self._boxed.add if boxed else self._boxed.discard)(key)
+        (self._boxed.add if boxed else self._boxed.discard)(camera)
         self.watch(key[0])
+
+    def _viewers_of_camera(self, camera: tuple[str, str]) -> list[Viewer]:
+        site, stream = camera
+        both = (camera, (site, unblurred_address(stream)))
+        return [viewer for key in both for viewer in self._viewers.get(key, ())]
 
     def _rest(self, key: tuple[str, str]) -> None:
         del self._timers[key]

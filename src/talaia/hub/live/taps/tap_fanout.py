@@ -71,7 +71,7 @@ class TapFanout:
         self._sites = sites
         self._clock = clock
         self._schema_s = schema_s
-        self.graphs = GraphWatch(sites, ask_soon=self._ask_soon, allows=_allows)
+        self.graphs = GraphWatch(sites, ask_soon=self._ask_soon, allows=self.allows)
         # What is known and tapped, by site.
         self._known: dict[str, SiteTopics] = {}
         self._takers: set[TapTaker] = set()
@@ -124,8 +124,12 @@ class TapFanout:
                 known.measured_rate(entry.topic),
             )
             for entry in sorted(known.entries.values(), key=lambda entry: entry.topic)
-            if _allows(grants, live, entry.topic)
+            if self.allows(grants, live, entry.topic)
         ]
+
+    def allows(self, grants: Grants | None, live: LiveSite, topic: str) -> bool:
+        """Tell whether somebody may tap a topic, as far as its type is known; None is the hub."""
+        return grants is None or _allows(grants, live, topic, self._known.get(live.name))
 
     async def ask_graph(
         self, site: str, grants: Grants | None, services: Collection[str]
@@ -154,7 +158,7 @@ class TapFanout:
         live, known = self._sites.find_site(site), self._known.get(site)
         entry = None if known is None else known.entries.get(topic)
         # What may not be had is as if it were not there.
-        if live is None or known is None or entry is None or not _allows(grants, live, topic):
+        if live is None or known is None or entry is None or not self.allows(grants, live, topic):
             raise TapRefused(f"there is no topic {topic!r} that you may tap")
         if entry.type not in known.schemas:
             known.types.add(entry.type)
@@ -190,7 +194,7 @@ class TapFanout:
 
         """
         live = self._sites.find_site(site)
-        if live is None or not _allows(taker.grants, live, topic):
+        if live is None or not self.allows(taker.grants, live, topic):
             raise TapRefused(f"there is no topic {topic!r} that you may tap")
         before = taker.taps.get((site, topic))
         if before is None and len(taker.taps) >= MOST_TAPS:
@@ -228,9 +232,7 @@ class TapFanout:
         """Go by another description: its rules may allow other taps."""
         known = self._known.get(now.name)
         if known is not None:
-            for tapped in list(known.tapped.values()):
-                for tap in list(tapped.taps):
-                    self._check_right(tap)
+            self._check_taps(known)
             # Rates may be others, too.
             self._ask_soon(now.name)
         self._report_topics(now.name)
@@ -273,6 +275,7 @@ class TapFanout:
                 self._receive_schema(site, known, message)
             case TopicList():
                 known.replace_entries(message.topics)
+                self._check_taps(known)
                 self._begin_taps(known)
                 self._report_topics(site)
                 self._ask_soon(site)
@@ -290,6 +293,7 @@ class TapFanout:
         waiter = self._waiters.pop((site, schema.type), None)
         if waiter is not None:
             waiter.set()
+        self._check_taps(known)
         self._begin_taps(known)
         self._ask_soon(site)
 
@@ -301,9 +305,13 @@ class TapFanout:
                 for tap in tapped.taps:
                     tap.taker.begin_tap(tap, schema)
 
+    def _check_taps(self, known: SiteTopics) -> None:
+        for tap in [tap for tapped in known.tapped.values() for tap in tapped.taps]:
+            self._check_right(tap)
+
     def _check_right(self, tap: TopicTap) -> None:
         live = self._sites.find_site(tap.site)
-        if live is None or not _allows(tap.taker.grants, live, tap.topic):
+        if live is None or not self.allows(tap.taker.grants, live, tap.topic):
             self._remove_tap(tap)
             tap.taker.forget_tap(tap, _NO_RIGHT)
 
@@ -349,5 +357,13 @@ class TapFanout:
         return 0.0 if rule is None else rule.max_rate
 
 
-def _allows(grants: Grants | None, live: LiveSite, topic: str) -> bool:
-    return grants is None or may_tap(grants, live.description, topic)
+def _allows(grants: Grants, live: LiveSite, topic: str, known: SiteTopics | None) -> bool:
+    entry = None if known is None else known.entries.get(topic)
+    schema = None if known is None else known.schema_of(topic)
+    return may_tap(
+        grants,
+        live.description,
+        topic,
+        type_name="" if entry is None else entry.type,
+        definition="" if schema is None else schema.definition,
+    )
