@@ -208,14 +208,13 @@ def test_without_detectors_no_picture_of_a_blurred_camera_leaves() -> None:
         blur.find_private(Blur(), scene(64, 48))
 
 
-async def test_a_picture_that_is_not_looked_at_in_time_stays(monkeypatch) -> None:
+async def test_a_picture_that_is_not_looked_at_in_time_stays() -> None:
     class Slow:
         async def detect_objects(self, *_: object) -> list[Detection]:
             await asyncio.Event().wait()
             raise AssertionError
 
-    monkeypatch.setattr("talaia.gateway.video.blur_detectors.LONGEST_S", 0.05)
-    found = BlurDetectors(lambda _told: Slow())  # type: ignore[arg-type,return-value]
+    found = BlurDetectors(lambda _told: Slow(), 0.05)  # type: ignore[arg-type,return-value]
     found.start()
     with pytest.raises(DetectorError, match=r"not looked at within 0\.05 s"):
         await asyncio.to_thread(found.find_private, Blur(), scene(64, 48))

@@ -34,8 +34,14 @@ MOST_PLATES = 100
 class BlurDetectors:
     """What finds faces and plates, for all cameras of a gateway."""
 
-    def __init__(self, worker: Callable[[Callable[[str, str], None]], Worker]) -> None:
-        """Begin no detector yet; ``worker`` makes them, and tells a function how they fare."""
+    def __init__(
+        self, worker: Callable[[Callable[[str, str], None]], Worker], longest_s: float = LONGEST_S
+    ) -> None:
+        """Begin no detector yet; a look that takes longer (s) is given up.
+
+        ``worker`` makes them, and tells a function how they fare.
+        """
+        self._longest_s = longest_s
         self._worker = worker(_log_status)
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -59,10 +65,11 @@ class BlurDetectors:
             raise DetectorError("the detectors do not run")
         asked = asyncio.run_coroutine_threadsafe(self._find_all(blur, rgb), loop)
         try:
-            return asked.result(LONGEST_S)
+            return asked.result(self._longest_s)
         except TimeoutError as error:
             asked.cancel()
-            raise DetectorError(f"a picture was not looked at within {LONGEST_S:g} s") from error
+            late = f"a picture was not looked at within {self._longest_s:g} s"
+            raise DetectorError(late) from error
         except CancelledError as error:
             raise DetectorError("the detectors have ended") from error
 
