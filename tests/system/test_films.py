@@ -352,4 +352,5 @@ def test_a_killed_gateway_s_film_comes_when_it_is_back(
     assert len(by_time) == film["pictures"] > 20
     assert killed_us - max(by_time) < 1_500_000
     for at, image in by_time.items():
-        assert number_in(image) == yard.number_at(at)
+        # It is timed when it comes; on a machine with much to do the next one is sent before that.
+        assert yard.number_at(at) - number_in(image) in (0, 1)
