@@ -131,6 +131,7 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _lease(world, acting, about)
         await _drive(world, acting, about)
         await _stop(world, acting, about)
+        _stop_elsewhere(world, about)
         await _command(world, acting, about)
         await _event(world, about)
         await _interlock(world, acting, about)
@@ -227,6 +228,13 @@ async def _stop(world: World, acting, about: str) -> None:
     await gateway.say(frames.ResetToken(device=device, session=ask.session, token=hidden(about)))
     await acting.hear(browser.ResetTokenUpdate, lambda key: key.device == device)
     await gateway.say(frames.StopState(device=device, latched=False, who=hidden(about)))
+
+
+def _stop_elsewhere(world: World, about: str) -> None:
+    """Tell how far a STOP got at a second gateway, which is not there: who hears it is the same."""
+    site, _, device = about.partition("/")
+    news = browser.HeldStopUpdate(site=site, device=device, id=hidden(about), held=1)
+    world.hub.hub.core.browsers.broadcast_message(news)
 
 
 async def _command(world: World, acting, about: str) -> None:

@@ -65,6 +65,12 @@ _SAID: Mapping[int, str] = {
 _ANYONE = frozenset({400, 411, 413, 421, 422})
 # What these may answer besides what follows from their method and need.
 _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
+    ("POST", "/api/boards"): frozenset({409}),
+    ("PUT", "/api/boards/{board}"): frozenset({409}),
+    ("DELETE", "/api/boards/{board}"): frozenset({409}),
+    ("PUT", "/api/boards/{board}/share"): frozenset({409}),
+    ("PUT", "/api/boards/{board}/public"): frozenset({409}),
+    ("POST", "/api/boards/{board}/versions/{number}/restore"): frozenset({409}),
     ("POST", "/api/login"): frozenset({401, 429, 503}),
     ("POST", "/api/login/passkey"): frozenset({401, 429, 503}),
     ("POST", "/api/login/passkey/options"): frozenset({401, 409, 429, 503}),

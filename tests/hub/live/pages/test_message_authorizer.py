@@ -33,6 +33,7 @@ BROADCAST = {
     browser.LeaseUpdate,
     browser.DriveUpdate,
     browser.StopUpdate,
+    browser.HeldStopUpdate,
     browser.CommandUpdate,
     browser.DeviceUpdate,
     browser.AlarmUpdate,
