@@ -139,6 +139,8 @@ async def test_a_transition_that_the_node_fails_is_told_with_the_state_it_is_in(
     await ask(bench, "deactivate")
     await bench.hub.until(lambda: states(bench)[-1] == "inactive", "inactive")
     await bench.peer.do("fail", fails=True)
+    # Its order and the gateway's come by different ways.
+    await bench.peer.until(lambda: "fail" in bench.peer.heard("did"))
     ended = await ask(bench, "activate")
     await bench.peer.do("fail", fails=False)
     assert ended.phase is CommandPhase.FAILED
