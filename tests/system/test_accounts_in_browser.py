@@ -181,7 +181,7 @@ def test_a_guest_sees_public_data_and_no_actions_beside_an_operator_who_has_them
     guests = guest.get_by_role(NAV, name="Pages").first.get_by_role("link").all_inner_texts()
     operators = operator.get_by_role(NAV, name="Pages").first
     expect(operators.get_by_role("link", name="Actuate")).to_be_visible()
-    assert guests == ["Public data", "Devices", "Real-time", "History"]
+    assert guests == ["Public data", "Boards", "Devices", "Real-time", "History"]
 
     for page in (guest, operator):
         page.goto(f"{demo.address}/sites/agv/devices/power")
