@@ -13,6 +13,7 @@ from talaia.model.checks.text_checks import check_text
 pytestmark = pytest.mark.pure
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "agv" / "site.yaml"
+COMMAND_FILE = Path(__file__).parents[2] / "wire" / "recorded" / "observatory_commands.json"
 HEAD = "talaia: 1\nsite: lab\nname: Lab\nzone: Europe/Madrid\nros2: {}\ndevices:\n  base:\n"
 NAMED = "    name: Base\n    signals:\n"
 SOURCE = "source: {topic: /odom, type: nav_msgs/msg/Odometry, field: a.b}"
@@ -96,3 +97,21 @@ def test_a_file_that_cannot_be_read_is_named_and_the_others_are_checked(
     out = capsys.readouterr()
     assert "error: cannot be read: No such file or directory" in out.err
     assert f"{EXAMPLE}: valid" in out.out
+
+
+def test_devices_of_a_file_that_a_description_takes_in_are_known_to_the_check(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "site.yaml"
+    (tmp_path / "commands.json").write_text(COMMAND_FILE.read_text())
+    file.write_text(
+        "talaia: 1\nsite: obs\nname: Obs\nzone: UTC\n"
+        "connections: {old: {kind: process, file: commands.json, prefix: talaia sim run}}\n"
+        "alarms: {open: {name: Open, kind: state, signal: dome/status, is: [opened]}}\n"
+    )
+    assert main([str(file)]) == 0, capsys.readouterr().err
+    file.write_text(file.read_text().replace("commands.json", "others.json"))
+    assert main([str(file)]) == 1
+    told = capsys.readouterr().err
+    assert "cannot be read" in told
+    assert "others.json" in told

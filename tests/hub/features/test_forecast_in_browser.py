@@ -10,27 +10,26 @@ import pytest
 from patience import until_answered
 from playwright.async_api import expect
 
+from talaia.model.yaml_text.load import dump_site, read_site
+from talaia.sim.observatory.night import at_dusk
+
 from ..chromium import sign_in
 from .test_night_in_browser import keep
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 
 SITE = "observatory"
-EXAMPLE = (Path(__file__).parents[3] / "examples" / "observatory" / "site.yaml").read_text()
+EXAMPLE = Path(__file__).parents[3] / "examples" / "observatory" / "site.yaml"
 AT = f"/api/sites/{SITE}"
 DAY_US = 86_400_000_000
 
 
-def description_where_it_is_afternoon() -> str:
-    """The example observatory, moved in longitude so that tonight lies ahead whatever time it is.
+def description_where_evening_begins() -> str:
+    """The example observatory, moved so that tonight lies ahead whatever time it is.
 
     The forecast counts from now: near the dawn of the real place nothing is left of tonight.
     """
-    hours_utc = time.time() / 3600 % 24
-    longitude = ((15 - hours_utc) * 15 + 180) % 360 - 180
-    description, moved = re.subn(r"longitude: [\d.]+", f"longitude: {longitude:.4f}", EXAMPLE)
-    assert moved == 1
-    return description
+    return dump_site(at_dusk(read_site(EXAMPLE), time.time()))
 
 
 def request_at(name: str, dec: float) -> dict[str, object]:
@@ -47,7 +46,7 @@ def request_at(name: str, dec: float) -> dict[str, object]:
 async def observatory(hub):
     """A hub with an observatory, where one waits that can be seen and one that cannot."""
     hub.dome = await hub.gateway(key=await hub.hub.gateways.registry.new_key(SITE))
-    await hub.dome.hello(description_where_it_is_afternoon(), site=SITE)
+    await hub.dome.hello(description_where_evening_begins(), site=SITE)
     admin = await hub.client("admin")
     asked = {"id": "STARS-1", "title": "Stars", "hours_allocated": 20.0, "share": 0.5}
     assert (await admin.post(f"{AT}/proposals", json=asked)).status_code == 201

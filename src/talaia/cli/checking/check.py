@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.cli.checking.mistake_texts import json_text, mistakes_text
 from talaia.extensions.declarations import AdapterExtension, DetectorExtension
 from talaia.extensions.installed import installed_extensions
+from talaia.model.checks.identifiers import finding_of
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.connection import ExtensionConnection
 from talaia.model.errors import DescriptionError
 from talaia.model.interlocks.unguarded import unguarded_notice
-from talaia.model.yaml_text.load import site_in, text_of
-from talaia.model.yaml_text.source_lines import SourcePositions
+from talaia.model.yaml_text.load import site_in, text_of, with_files
 from talaia.objects.availability import detection_availability
 
 if TYPE_CHECKING:
@@ -79,21 +79,14 @@ def check_file(path: Path) -> CheckedFile:
     text = ""
     try:
         text = text_of(path)
+        if path.suffix != ".json":
+            report = check_text(text, rules, lambda site: with_files(site, path.parent))
+            return CheckedFile(text, *report)
         # A command file of the founding observatory has no lines that mean anything here.
-        if path.suffix == ".json":
-            site = site_in(text, path)
-            findings = check_site(site, rules)
-            return CheckedFile(text, place_findings(findings, text), None if findings else site)
-        report = check_text(text)
-        if report.site is None:
-            return CheckedFile(text, report.mistakes, None)
-        # Once more, with the files that it names beside it.
         site = site_in(text, path)
+        findings = check_site(site, rules)
     except DescriptionError as error:
-        place = SourcePositions(text).position_of(error.where)
-        mistake = Mistake(error.where, *place, error.problem, error.remedy)
-        return CheckedFile(text, [mistake], None)
-    findings = check_site(site, rules)
+        findings, site = [finding_of(error)], None
     return CheckedFile(text, place_findings(findings, text), None if findings else site)
 
 

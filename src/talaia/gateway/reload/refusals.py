@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.identifiers import Finding, finding_of
 from talaia.wire.frames import ChangePhase, ChangeState, DescriptionProblem
 
 if TYPE_CHECKING:
@@ -41,5 +41,5 @@ class ChangeRefused(NamedTuple):
 
 def refusal_of(error: DescriptionError) -> ChangeRefused:
     """Make a refusal of a text that cannot be read as a description."""
-    finding = Finding(error.where, error.problem, error.remedy)
+    finding = finding_of(error)
     return ChangeRefused("the description cannot be used as written", (finding,))

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.alarms.expression import ExpressionError, parse_condition
-from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
+from talaia.model.checks.identifiers import (
+    Finding,
+    at_least,
+    check_above,
+    finding_of,
+    id_fits,
+    name_fits,
+)
 from talaia.model.derivation.plan import channel_kinds
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
@@ -103,7 +110,7 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
         case AlarmKind.ENCLOSURE:
             if alarm.enclosure and alarm.enclosure not in addresses.enclosures:
                 at = f"{where}.enclosure"
-                yield _finding_of(
+                yield finding_of(
                     UnknownWord(at, "enclosure", alarm.enclosure, addresses.enclosures)
                 )
         case AlarmKind.GATEWAY:
@@ -163,7 +170,7 @@ def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
     }.get(alarm.kind, set(SignalType))
     known = [address for address, signal in described.items() if signal.type in fitting]
     if alarm.signal not in known:
-        yield _finding_of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
+        yield finding_of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
         return
     if alarm.kind is AlarmKind.LIMIT:
         yield from _check_limits(where, alarm)
@@ -198,13 +205,13 @@ def _check_states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]
         for index, word in enumerate(words):
             if word not in signal.states:
                 at = f"{where}.{key}[{index}]"
-                yield _finding_of(UnknownWord(at, "state", word, signal.states))
+                yield finding_of(UnknownWord(at, "state", word, signal.states))
 
 
 def _check_detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     streams = addresses.streams
     if alarm.stream not in streams:
-        yield _finding_of(UnknownWord(f"{where}.stream", "stream", alarm.stream, streams))
+        yield finding_of(UnknownWord(f"{where}.stream", "stream", alarm.stream, streams))
     yield from name_fits(f"{where}.label", alarm.label)
     if not 1 <= alarm.count <= _MOST:
         yield Finding(f"{where}.count", f"expected 1 to {_MOST}, found {alarm.count}")
@@ -220,7 +227,3 @@ def _check_expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterato
         return
     if not found.signals:
         yield Finding(f"{where}.expression", "there is no signal in it", "write {device/signal}")
-
-
-def _finding_of(error: UnknownWord) -> Finding:
-    return Finding(error.where, error.problem, error.remedy)

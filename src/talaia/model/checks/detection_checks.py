@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.model.checks.identifiers import Finding, check_above, id_fits, name_fits
+from talaia.model.checks.identifiers import Finding, check_above, finding_of, id_fits, name_fits
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
 from talaia.model.detection import CLOUDS, DetectAt, DetectionSource
@@ -85,7 +85,7 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
     known = classes_of(site, detect.model)
     for index, label in enumerate(detect.classes):
         if label not in known:
-            yield _finding_of(UnknownWord(f"{where}.classes[{index}]", "class", label, known))
+            yield finding_of(UnknownWord(f"{where}.classes[{index}]", "class", label, known))
         elif label in detect.classes[:index]:
             yield Finding(f"{where}.classes[{index}]", f"{label!r} is there twice", "leave it out")
 
@@ -93,7 +93,7 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
 def _unknown_model(site: Site, where: str, model: str) -> Finding:
     if not site.object_models:
         return Finding(where, f"there is no model {model!r}", "describe it in object_models")
-    return _finding_of(UnknownWord(where, "model", model, site.object_models))
+    return finding_of(UnknownWord(where, "model", model, site.object_models))
 
 
 def blur_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
@@ -145,7 +145,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         return
     stream = device.streams.get(source.stream)
     if stream is None:
-        yield _finding_of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
+        yield finding_of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
         return
     if source.sees == CLOUDS and stream.sky is not None:
         yield from _clouds_fit(site, where, signal, stream.sky)
@@ -158,7 +158,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
     # None are known of a model that is not described; that is said at the stream.
     known = classes_of(site, detect.model)
     if known and source.sees not in known:
-        yield _finding_of(UnknownWord(f"{where}.sees", "class", source.sees, known))
+        yield finding_of(UnknownWord(f"{where}.sees", "class", source.sees, known))
 
 
 def _clouds_fit(site: Site, where: str, signal: Signal, lens: SkyLens) -> Iterator[Finding]:
@@ -214,7 +214,3 @@ def _list_conditions(where: str, conditions: tuple[Condition, ...]) -> Iterator[
         if condition.signal:
             yield f"{where}[{index}].signal", condition.signal
         yield from _list_conditions(f"{where}[{index}].all", condition.all_of)
-
-
-def _finding_of(error: UnknownWord) -> Finding:
-    return Finding(error.where, error.problem, error.remedy)

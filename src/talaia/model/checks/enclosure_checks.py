@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
+from talaia.model.checks.identifiers import (
+    Finding,
+    at_least,
+    check_above,
+    finding_of,
+    id_fits,
+    name_fits,
+)
 from talaia.model.checks.interlock_checks import step_findings
 from talaia.model.checks.outlet_checks import outlet_findings
 from talaia.model.errors import UnknownWord
@@ -53,7 +60,7 @@ def _check_enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[F
     for index, name in enumerate(enclosure.unsafe):
         if name not in site.interlocks:
             at = f"{where}.unsafe[{index}]"
-            yield _finding_of(UnknownWord(at, "interlock", name, list(site.interlocks)))
+            yield finding_of(UnknownWord(at, "interlock", name, list(site.interlocks)))
     if not enclosure.closed:
         yield Finding(f"{where}.closed", "nothing says when it is closed", "name its end switch")
     for key in ("closed", "moving", "opening"):
@@ -63,7 +70,7 @@ def _check_enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[F
     for index, step in enumerate(enclosure.abort):
         yield from step_findings(site, f"{where}.abort[{index}]", step)
     if enclosure.stop and enclosure.stop not in _command_addresses(site):
-        yield _finding_of(
+        yield finding_of(
             UnknownWord(f"{where}.stop", "command", enclosure.stop, _command_addresses(site))
         )
     if enclosure.park is not None:
@@ -104,18 +111,18 @@ def _check_follow(site: Site, where: str, follow: Follow) -> Iterator[Finding]:
     for index, name in enumerate(follow.before):
         if name not in _command_addresses(site):
             at = f"{where}.before[{index}]"
-            yield _finding_of(UnknownWord(at, "command", name, _command_addresses(site)))
+            yield finding_of(UnknownWord(at, "command", name, _command_addresses(site)))
     yield from check_above(f"{where}.wait", follow.wait, 0)
     device_id, _, command_id = follow.command.partition("/")
     if follow.command not in _command_addresses(site):
-        yield _finding_of(
+        yield finding_of(
             UnknownWord(f"{where}.command", "command", follow.command, _command_addresses(site))
         )
     else:
         arguments = site.devices[device_id].commands[command_id].arguments
         if follow.argument not in arguments:
             at = f"{where}.argument"
-            yield _finding_of(UnknownWord(at, "argument", follow.argument, list(arguments)))
+            yield finding_of(UnknownWord(at, "argument", follow.argument, list(arguments)))
     yield from check_above(f"{where}.within", follow.within, 0)
     yield from at_least(f"{where}.every", follow.every, 1)
 
@@ -131,7 +138,7 @@ def _check_pointing(
         at = f"{where}.commands.{name}"
         command = device.commands.get(name)
         if command is None:
-            yield _finding_of(UnknownWord(at, "command", name, list(device.commands)))
+            yield finding_of(UnknownWord(at, "command", name, list(device.commands)))
             continue
         # One pair, and both of it.
         pairs = [(names.ra, names.dec), (names.alt, names.az)]
@@ -142,7 +149,7 @@ def _check_pointing(
         for argument in given[0]:
             described = command.arguments.get(argument)
             if described is None or described.type is not ArgumentType.NUMBER:
-                yield _finding_of(
+                yield finding_of(
                     UnknownWord(at, "number argument", argument, list(command.arguments))
                 )
 
@@ -156,7 +163,7 @@ def sighting_findings(site: Site, where: str, sighting: Sighting) -> Iterator[Fi
             *_signal_addresses(site, SignalType.STATE),
             *_signal_addresses(site, SignalType.NUMBER),
         ]
-        yield _finding_of(UnknownWord(f"{where}.signal", "state or number", sighting.signal, known))
+        yield finding_of(UnknownWord(f"{where}.signal", "state or number", sighting.signal, known))
         return
     limits = [key for key in ("above", "below") if getattr(sighting, key) is not None]
     if signal.type is SignalType.NUMBER:
@@ -175,7 +182,7 @@ def sighting_findings(site: Site, where: str, sighting: Sighting) -> Iterator[Fi
         yield Finding(f"{where}.is", "no state is named", f"one of {states}")
     for index, word in enumerate(sighting.is_one_of):
         if word not in signal.states:
-            yield _finding_of(UnknownWord(f"{where}.is[{index}]", "state", word, signal.states))
+            yield finding_of(UnknownWord(f"{where}.is[{index}]", "state", word, signal.states))
 
 
 def _check_parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
@@ -225,7 +232,7 @@ def _check_capabilities(where: str, enclosure: Enclosure) -> Iterator[Finding]:
 def _check_signal(site: Site, where: str, address: str, kind: SignalType) -> Iterator[Finding]:
     known = _signal_addresses(site, kind)
     if address not in known:
-        yield _finding_of(UnknownWord(where, f"{kind} signal", address, known))
+        yield finding_of(UnknownWord(where, f"{kind} signal", address, known))
 
 
 def _signal_addresses(site: Site, kind: SignalType) -> list[str]:
@@ -243,7 +250,3 @@ def _command_addresses(site: Site) -> list[str]:
         for device_id, device in site.devices.items()
         for command_id in device.commands
     ]
-
-
-def _finding_of(error: UnknownWord) -> Finding:
-    return Finding(error.where, error.problem, error.remedy)

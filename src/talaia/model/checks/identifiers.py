@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from talaia.model.errors import DescriptionError
+
 __all__ = [
     "FIELD",
     "Finding",
     "at_least",
     "check_above",
     "field_fits",
+    "finding_of",
     "id_fits",
     "name_fits",
     "range_fits",
@@ -42,6 +45,11 @@ class Finding(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.where}: {self.problem}" + (f"; {self.remedy}" if self.remedy else "")
+
+
+def finding_of(error: DescriptionError) -> Finding:
+    """Give the finding that says what an error says."""
+    return Finding(error.where, error.problem, error.remedy)
 
 
 def id_fits(where: str, word: str) -> Iterator[Finding]:

@@ -6,7 +6,14 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.arguments import fields_of
-from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
+from talaia.model.checks.identifiers import (
+    Finding,
+    at_least,
+    check_above,
+    finding_of,
+    id_fits,
+    name_fits,
+)
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
 
@@ -55,14 +62,12 @@ def _check_interlock(site: Site, where: str, interlock: Interlock) -> Iterator[F
     known = [*_refusable_commands(site)]
     for index, target in enumerate(interlock.refuse):
         if target not in known:
-            yield _finding_of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
+            yield finding_of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
     # Only driving has a speed that can be cut.
     driven = [address for address in known if address.endswith("/drive")]
     for target, share in interlock.slow.items():
         if target not in driven:
-            yield _finding_of(
-                UnknownWord(f"{where}.slow.{target}", "driven device", target, driven)
-            )
+            yield finding_of(UnknownWord(f"{where}.slow.{target}", "driven device", target, driven))
         elif not 0 < share < 1:
             problem = f"expected a share above 0 and below 1, found {share}"
             yield Finding(f"{where}.slow.{target}", problem, "refuse it to let nobody drive")
@@ -92,9 +97,7 @@ def _check_condition(site: Site, where: str, condition: Condition) -> Iterator[F
     signal = signals.get(condition.signal)
     if signal is None:
         known = list(signals)
-        yield _finding_of(
-            UnknownWord(f"{where}.signal", "number or state", condition.signal, known)
-        )
+        yield finding_of(UnknownWord(f"{where}.signal", "number or state", condition.signal, known))
         return
     if condition.max_age is not None:
         yield from check_above(f"{where}.max_age", condition.max_age, 0)
@@ -135,7 +138,7 @@ def _check_second_signal(
     numbers = {name: signal for name, signal in signals.items() if signal.type is SignalType.NUMBER}
     first, second = numbers.get(condition.signal), numbers.get(address)
     if second is None:
-        yield _finding_of(UnknownWord(f"{where}.{key}", "number signal", address, list(numbers)))
+        yield finding_of(UnknownWord(f"{where}.{key}", "number signal", address, list(numbers)))
     elif first is None:
         yield Finding(f"{where}.{key}", "a state has no difference", "take two numbers")
     elif condition.minus and first.unit != second.unit:
@@ -170,7 +173,7 @@ def _check_states(where: str, condition: Condition, signal: Signal) -> Iterator[
         for index, word in enumerate(words):
             if word not in signal.states:
                 at = f"{where}.{key}[{index}]"
-                yield _finding_of(UnknownWord(at, "state", word, signal.states))
+                yield finding_of(UnknownWord(at, "state", word, signal.states))
 
 
 def _check_limits(where: str, condition: Condition) -> Iterator[Finding]:
@@ -210,7 +213,7 @@ def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
             for address in _refusable_commands(site)
             if not address.endswith(("/*", "/drive"))
         ]
-        yield _finding_of(UnknownWord(f"{where}.command", "command", step.command, known))
+        yield finding_of(UnknownWord(f"{where}.command", "command", step.command, known))
         return
     fields = fields_of(command, step.args)
     if isinstance(fields, str):
@@ -226,7 +229,3 @@ def _refusable_commands(site: Site) -> Iterator[str]:
             yield f"{device_id}/drive"
         for command_id in device.commands:
             yield f"{device_id}/{command_id}"
-
-
-def _finding_of(error: UnknownWord) -> Finding:
-    return Finding(error.where, error.problem, error.remedy)

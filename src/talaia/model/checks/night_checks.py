@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.enclosure_checks import sighting_findings
-from talaia.model.checks.identifiers import Finding, at_least, check_above
+from talaia.model.checks.identifiers import Finding, at_least, check_above, finding_of
 from talaia.model.checks.interlock_checks import step_findings
 from talaia.model.errors import UnknownWord
 from talaia.model.site import ArgumentType, SignalType
@@ -43,7 +43,7 @@ def night_findings(site: Site) -> Iterator[Finding]:
     rule = site.enclosures.get(night.enclosure)
     if rule is None:
         word = UnknownWord("$.night.enclosure", "enclosure", night.enclosure, site.enclosures)
-        yield _finding_of(word)
+        yield finding_of(word)
     elif rule.park is None or rule.parked is None:
         problem = f"nothing says how the telescope under {night.enclosure} parks, or that it has"
         remedy = f"write park and parked in enclosures.{night.enclosure}"
@@ -182,7 +182,7 @@ def _arguments_fit(
     command = _find_command(site, address)
     if command is None:
         known = _command_addresses(site)
-        yield _finding_of(UnknownWord(f"{where}.command", "command", address, known))
+        yield finding_of(UnknownWord(f"{where}.command", "command", address, known))
         return
     for key, name in {**numbers, **(others or {})}.items():
         if not name:
@@ -190,7 +190,7 @@ def _arguments_fit(
         argument = command.arguments.get(name)
         if argument is None:
             word = UnknownWord(f"{where}.{key}", "argument", name, list(command.arguments))
-            yield _finding_of(word)
+            yield finding_of(word)
         elif key in numbers and argument.type not in _NUMBERS:
             yield Finding(f"{where}.{key}", f"{name} of {address} is not a number")
 
@@ -222,7 +222,7 @@ def _signal_fits(site: Site, where: str, address: str) -> Iterator[Finding]:
     signal = site.signal(address)
     if signal is None:
         known = [f"{name}/{key}" for name, device in site.devices.items() for key in device.signals]
-        yield _finding_of(UnknownWord(where, "signal", address, known))
+        yield finding_of(UnknownWord(where, "signal", address, known))
     elif signal.type is not SignalType.NUMBER:
         yield Finding(where, f"{address} is not a number")
 
@@ -283,7 +283,3 @@ def _find_command(site: Site, address: str) -> Command | None:
 
 def _command_addresses(site: Site) -> list[str]:
     return [f"{name}/{key}" for name, device in site.devices.items() for key in device.commands]
-
-
-def _finding_of(error: UnknownWord) -> Finding:
-    return Finding(error.where, error.problem, error.remedy)

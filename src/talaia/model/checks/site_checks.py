@@ -33,6 +33,7 @@ from talaia.model.checks.identifiers import (
     at_least,
     check_above,
     field_fits,
+    finding_of,
     id_fits,
     name_fits,
     range_fits,
@@ -107,7 +108,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from id_fits("$.site", site.site)
     yield from name_fits("$.name", site.name)
     if site.zone not in known_zones():
-        yield _finding_of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
+        yield finding_of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
     yield from connection_findings(site)
     # A connection that discovers makes its devices itself.
     if not site.devices and not any(
@@ -219,7 +220,7 @@ def _check_signal(where: str, signal: Signal) -> Iterator[Finding]:
     try:
         unit_of(f"{where}.unit", signal.unit)
     except UnknownWord as error:
-        yield _finding_of(error)
+        yield finding_of(error)
     yield from validity_fits(where, signal)
     for key in ("max_rate", "deadband", "keep", "max_age"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
@@ -276,7 +277,7 @@ def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
     try:
         unit_of(f"{where}.unit", argument.unit)
     except UnknownWord as error:
-        yield _finding_of(error)
+        yield finding_of(error)
     if argument.default is None:
         return
     if argument.type in LIST_TYPES:
@@ -341,14 +342,12 @@ def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         at = f"{where}.stop.confirmed_by[{index}]"
         if numbers.get(address) is not SignalType.NUMBER:
             known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
-            yield _finding_of(UnknownWord(at, "number signal", address, known))
+            yield finding_of(UnknownWord(at, "number signal", address, known))
     if drive.picture and drive.picture not in streams:
-        yield _finding_of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
+        yield finding_of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
     if drive.position and numbers.get(drive.position) is not SignalType.POSITION:
         known = [address for address, kind in numbers.items() if kind is SignalType.POSITION]
-        yield _finding_of(
-            UnknownWord(f"{where}.position", "position signal", drive.position, known)
-        )
+        yield finding_of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
     if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
         yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
     yield from _check_keys(f"{where}.keys", drive, numbers)
@@ -375,8 +374,4 @@ def _check_keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> 
     for name, address in (("speed", keys.speed), ("turn", keys.turn)):
         if address and numbers.get(address) is not SignalType.NUMBER:
             known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
-            yield _finding_of(UnknownWord(f"{where}.{name}", "number signal", address, known))
-
-
-def _finding_of(error: DescriptionError) -> Finding:
-    return Finding(error.where, error.problem, error.remedy)
+            yield finding_of(UnknownWord(f"{where}.{name}", "number signal", address, known))

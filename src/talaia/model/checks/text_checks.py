@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.checks.extension_rules import NO_RULES
-from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.identifiers import finding_of
 from talaia.model.checks.site_checks import check_site
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import plain_of_text
@@ -13,12 +13,13 @@ from talaia.model.yaml_text.shape_errors import list_shape_errors
 from talaia.model.yaml_text.source_lines import SourcePositions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from talaia.model.checks.extension_rules import ExtensionRules
+    from talaia.model.checks.identifiers import Finding
     from talaia.model.site import Site
 
-__all__ = ["Mistake", "TextReport", "check_text", "find_mistakes", "place_findings"]
+__all__ = ["Mistake", "TextReport", "check_text", "place_findings"]
 
 
 class Mistake(NamedTuple):
@@ -51,25 +52,33 @@ class TextReport(NamedTuple):
     site: Site | None
 
 
-def check_text(text: str, rules: ExtensionRules = NO_RULES) -> TextReport:
-    """Check a description's text: its shape, and what does not fit together. See `load_site`."""
-    findings, site = find_mistakes(text, rules)
-    return TextReport(place_findings(findings, text), None if findings else site)
+def check_text(
+    text: str,
+    rules: ExtensionRules = NO_RULES,
+    complete: Callable[[Site], Site] = lambda site: site,
+) -> TextReport:
+    """Check a description's text: its shape, and what does not fit together. See `load_site`.
 
+    Args:
+        text: of the description.
+        rules: what extensions that are installed here ask for.
+        complete: takes in what the description names beside it, or raises `DescriptionError`.
 
-def find_mistakes(text: str, rules: ExtensionRules = NO_RULES) -> tuple[list[Finding], Site | None]:
-    """List all mistakes of a text; what is left of the description without those of shape."""
+    """
     try:
-        document = plain_of_text(text)
+        errors, site = list_shape_errors(plain_of_text(text))
     except DescriptionError as error:
-        return [Finding(error.where, error.problem, error.remedy)], None
-    errors, site = list_shape_errors(document)
-    findings = [Finding(error.where, error.problem, error.remedy) for error in errors]
+        return TextReport(place_findings([finding_of(error)], text), None)
+    findings = [finding_of(error) for error in errors]
     if site is not None:
+        try:
+            site = complete(site)
+        except DescriptionError as error:
+            return TextReport(place_findings([*findings, finding_of(error)], text), None)
         # Of what is left, some is only there, or only missing, because of what was found before.
         wrong = [error.where for error in errors]
         findings += [finding for finding in check_site(site, rules) if not _follows(finding, wrong)]
-    return findings, site
+    return TextReport(place_findings(findings, text), None if findings else site)
 
 
 def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from talaia.model.checks.identifiers import Finding, at_least
+from talaia.model.checks.identifiers import Finding, at_least, finding_of
 from talaia.model.errors import UnknownWord
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def topics_findings(site: Site) -> Iterator[Finding]:
         seen.add(rule.pattern)
         if rule.device and rule.device not in site.devices:
             error = UnknownWord(f"{where}.device", "device", rule.device, list(site.devices))
-            yield Finding(error.where, error.problem, error.remedy)
+            yield finding_of(error)
         yield from at_least(f"{where}.max_rate", rule.max_rate, 0)
 
 

@@ -31,6 +31,7 @@ __all__ = [
     "site_in",
     "site_of_plain",
     "text_of",
+    "with_files",
 ]
 
 MAX_BYTES = 4 * 1024 * 1024
@@ -57,7 +58,7 @@ def site_in(text: str, path: Path) -> Site:
     """
     if path.suffix == ".json":
         return site_of(text, _NO_WORD.sub("_", path.stem.lower()).strip("_0123456789") or "site")
-    return _with_files(load_site(text), path.parent)
+    return with_files(load_site(text), path.parent)
 
 
 def beside_of(site: Site, folder: Path) -> list[Path]:
@@ -76,8 +77,13 @@ _LEARNED = msgspec.json.Decoder(Site)
 _NO_WORD = re.compile(r"[^a-z0-9]+")
 
 
-def _with_files(site: Site, folder: Path) -> Site:
-    """Take in the devices of command files; what the description says of the same one wins."""
+def with_files(site: Site, folder: Path) -> Site:
+    """Take in the devices of command files; what the description says of the same one wins.
+
+    Raises:
+        DescriptionError: one cannot be read, or does not say what such a file says.
+
+    """
     for name, connection in site.connections.items():
         if not isinstance(connection, ProcessConnection) or not connection.file:
             continue

@@ -27,7 +27,7 @@ from talaia.hub.api.schemas.description_schemas import (
 )
 from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.site_checks import check_site
-from talaia.model.checks.text_checks import find_mistakes, place_findings
+from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.errors import DescriptionError
 from talaia.model.schema import site_schema
 from talaia.model.yaml_text.diff import list_differences, unified_diff
@@ -226,14 +226,16 @@ class DescriptionPages:
 
 
 def _check_text(text: str) -> list[FindingShape]:
-    findings, _ = find_mistakes(text)
-    return _place_findings(findings, text)
+    return _shapes_of(check_text(text).mistakes)
 
 
 def _place_findings(findings: Iterable[Finding], text: str) -> list[FindingShape]:
     # Where in the text the key stands that each finding is about.
-    placed = place_findings(list(findings)[:_MOST_FINDINGS], text)
-    return [FindingShape(**mistake._asdict()) for mistake in placed]
+    return _shapes_of(place_findings(findings, text))
+
+
+def _shapes_of(mistakes: list[Mistake]) -> list[FindingShape]:
+    return [FindingShape(**mistake._asdict()) for mistake in mistakes[:_MOST_FINDINGS]]
 
 
 def _problem_shapes(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:
