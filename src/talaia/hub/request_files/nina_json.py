@@ -137,13 +137,20 @@ def _read_angle(where: str, said: _Said) -> float | None:
 
 def _kinds(said: object, depth: int) -> Iterator[str]:
     """Name the instructions below here, without their namespaces."""
+    for _, kind, item in _items(said, depth):
+        yield kind
+        yield from _kinds(item.get("Items"), depth + 1)
+
+
+def _items(said: object, depth: int) -> Iterator[tuple[int, str, _Said]]:
+    """Give each instruction of a list, with its place and its kind without namespaces."""
     items = said.get("$values", []) if isinstance(said, dict) else said
     if not isinstance(items, list) or depth > _DEEPEST:
         return
-    for item in items:
+    for at, item in enumerate(items):
         if isinstance(item, dict):
-            yield str(item.get("$type", "")).partition(",")[0].rpartition(".")[2]
-            yield from _kinds(item.get("Items"), depth + 1)
+            kind = str(item.get("$type", "")).partition(",")[0]
+            yield at, kind.rpartition(".")[2], item
 
 
 def _sum_parts(where: str, place: _Said, names: tuple[str, str, str]) -> float:
@@ -155,14 +162,8 @@ def _exposures(
     where: str, said: object, *, times: int, chosen: str, depth: int
 ) -> Iterator[Configuration]:
     """Read what is taken below here; ``chosen`` is the filter that was switched to last."""
-    items = said.get("$values", []) if isinstance(said, dict) else said
-    if not isinstance(items, list) or depth > _DEEPEST:
-        return
-    for at, item in enumerate(items):
-        if not isinstance(item, dict):
-            continue
-        inside, kind = f"{where}.Items[{at}]", str(item.get("$type", "")).partition(",")[0]
-        kind = kind.rpartition(".")[2]
+    for at, kind, item in _items(said, depth):
+        inside = f"{where}.Items[{at}]"
         if kind == "SwitchFilter" and isinstance(item.get("Filter"), dict):
             chosen = str(item["Filter"].get("_name") or item["Filter"].get("Name") or "")[:40]
         elif kind == "TakeExposure":

@@ -2,15 +2,12 @@
 
 msgspec stops at the first mistake. `list_shape_errors` takes each one out of a copy, or puts
 something of the right shape in its place, and reads on, so that all are found in one run.
-
-Long, because what is mended goes by the same walk through msgspec's shapes as what is told.
 """
 
 from __future__ import annotations
 
 import copy
 import re
-from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import msgspec
@@ -58,15 +55,15 @@ class ShapeError(NamedTuple):
         error: what people are told.
         steps: keys and indices from the document to the wrong value, or to a key that is not known
             or missing.
-        kind: of the mistake: an ``unknown`` key, a ``missing`` one, or a wrong ``value``.
         shape: what is expected there, as of `msgspec.inspect`; None if that is not known.
+        is_needed: that key may not be left out.
 
     """
 
     error: DescriptionError
     steps: tuple[Step, ...]
-    kind: str
     shape: object
+    is_needed: bool
 
 
 class ShapeErrors(NamedTuple):
@@ -111,9 +108,9 @@ def _mend(document: dict[str, object], found: ShapeError) -> bool:
     stand_in = _stand_in(found.shape)
     if isinstance(holder, dict):
         # Without a needed key the next run would tell of its absence, which is nobody's mistake.
-        if found.kind == "missing" or (stand_in is not None and _is_needed(found)):
+        if found.is_needed and stand_in is not None:
             holder[last] = stand_in
-            return stand_in is not None
+            return True
         return holder.pop(last, _ANY) is not _ANY
     if isinstance(holder, list) and isinstance(last, int) and last < len(holder):
         # Not taken out: the numbers of those behind it are people's to find them by.
@@ -124,21 +121,8 @@ def _mend(document: dict[str, object], found: ShapeError) -> bool:
     return False
 
 
-def _is_needed(found: ShapeError) -> bool:
-    return found.kind == "value" and isinstance(found.shape, _Needed)
-
-
-@dataclass(frozen=True)
-class _Needed:
-    """The type of a field that may not be left out."""
-
-    type: object
-
-
 def _stand_in(shape: object) -> object:
     """Give the plainest value of a type, or None."""
-    if isinstance(shape, _Needed):
-        shape = shape.type
     if isinstance(shape, msgspec.inspect.UnionType):
         return next((made for kind in shape.types if (made := _stand_in(kind)) is not None), None)
     if isinstance(shape, msgspec.inspect.EnumType):
@@ -168,17 +152,17 @@ def shape_error(message: str, document: object) -> ShapeError:
     """Turn msgspec's sentence into ours, with the names of the mapping's keys in the path."""
     match = _AT.match(message)
     problem, path = (match["problem"], match["path"] or "$") if match else (message, "$")
-    steps, shape, value = _follow_path(path, document, problem)
+    steps, shape, value, is_needed = _follow_path(path, document, problem)
     inner = _inner_type(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType), value)
     where = path_of(steps)
     if unknown := _UNKNOWN_FIELD.search(problem):
         key = unknown[1]
         error: DescriptionError = UnknownWord(f"{where}.{key}", "key", key, _keys_of(inner))
-        return ShapeError(error, (*steps, key), "unknown", None)
+        return ShapeError(error, (*steps, key), None, is_needed=False)
     if missing := _MISSING.search(problem):
         key = missing[1]
         error = DescriptionError(where, f"the key {key!r} is missing", f"add {key}: …")
-        return ShapeError(error, (*steps, key), "missing", _field_type(inner, key))
+        return ShapeError(error, (*steps, key), *_field_type(inner, key))
     if enum := _UNKNOWN_ENUM.search(problem):
         error = UnknownWord(where, "word", enum[1], _words_of(inner))
     elif (tag := _UNKNOWN_TAG.search(problem)) and where.startswith("$.connections."):
@@ -187,7 +171,7 @@ def shape_error(message: str, document: object) -> ShapeError:
         error = _wrong_type(where, wrong["expected"], wrong["found"], value)
     else:
         error = DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
-    return ShapeError(error, steps, "value", shape)
+    return ShapeError(error, steps, shape, is_needed)
 
 
 def path_of(steps: tuple[Step, ...]) -> str:
@@ -234,21 +218,23 @@ def _words_of(shape: object) -> list[str]:
 
 def _follow_path(
     path: str, document: object, problem: str
-) -> tuple[tuple[Step, ...], object, object]:
+) -> tuple[tuple[Step, ...], object, object, bool]:
     """Walk msgspec's path, naming the mapping key it writes as ``[...]``.
+
+    Gives the path, what is expected at its end and what stands there, and whether that key is
+    needed.
 
     msgspec knows the path of types, not of keys: ``$.devices[...].signals[...].unit``. Of the
     keys at each ``[...]`` the first whose own value does not convert is the one it stopped at.
     """
     shape: object = msgspec.inspect.type_info(Site)
-    value, steps = document, list[Step]()
+    value, steps, is_needed = document, list[Step](), False
     for name, index in _STEP.findall(path):
-        if isinstance(shape, _Needed):
-            shape = shape.type
         shape = _inner_type(shape, msgspec.inspect.StructType, value)
         step: Step
+        is_needed = False
         if name:
-            shape, step = _field_type(shape, name), name
+            (shape, is_needed), step = _field_type(shape, name), name
             value = value.get(name) if isinstance(value, dict) else None
         elif index == "...":
             shape = _value_type(shape)
@@ -258,13 +244,11 @@ def _follow_path(
             shape, step = _value_type(shape), int(index)
             value = value[step] if isinstance(value, list) else None
         steps.append(step)
-    return tuple(steps), shape, value
+    return tuple(steps), shape, value, is_needed
 
 
 def _inner_type(shape: object, wanted: type | tuple[type, ...], value: object) -> object:
     """Look through ``X | None``, and ``X | Y`` by the tag that ``value`` has, to one member."""
-    if isinstance(shape, _Needed):
-        shape = shape.type
     if not isinstance(shape, msgspec.inspect.UnionType):
         return shape
     members = [member for member in shape.types if isinstance(member, wanted)]
@@ -279,18 +263,13 @@ def _inner_type(shape: object, wanted: type | tuple[type, ...], value: object) -
     return next(iter(tagged or members), shape)
 
 
-def _field_type(shape: object, name: str) -> object:
-    if not isinstance(shape, msgspec.inspect.StructType):
-        return None
-    for field in shape.fields:
-        if field.encode_name == name:
-            return _Needed(field.type) if field.required else field.type
-    return None
+def _field_type(shape: object, name: str) -> tuple[object, bool]:
+    """Give a field's type, and whether it may not be left out."""
+    fields = shape.fields if isinstance(shape, msgspec.inspect.StructType) else ()
+    return next(((f.type, f.required) for f in fields if f.encode_name == name), (None, False))
 
 
 def _value_type(shape: object) -> object:
-    if isinstance(shape, _Needed):
-        shape = shape.type
     if isinstance(shape, msgspec.inspect.DictType):
         return shape.value_type
     if isinstance(shape, msgspec.inspect.VarTupleType):
