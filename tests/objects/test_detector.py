@@ -142,6 +142,6 @@ def test_a_file_that_was_made_before_is_taken_from_there_without_a_network(tmp_p
 def tool_copy(folder: Path) -> Path:
     """Put the script where its tree has nothing yet."""
     (folder / "tools").mkdir()
-    for name in ("make_detector.py", "node.py", "onnx_file.py"):
+    for name in ("make_detector.py", "model_file.py", "node.py", "onnx_file.py"):
         (folder / "tools" / name).write_text((ROOT / "tools" / name).read_text())
     return folder / "tools/make_detector.py"
