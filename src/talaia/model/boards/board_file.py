@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 
 import msgspec
-import yaml
 
 from talaia.model.boards.board import Board, BoardTile, TilePlace
 from talaia.model.boards.board_checks import board_findings
 from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
-from talaia.model.yaml_text.document import document_of
+from talaia.model.yaml_text.document import dump_document, read_document
 
 __all__ = ["BOARD_FORMAT", "dump_board", "load_board", "read_board_json", "write_board_json"]
 
@@ -32,14 +31,7 @@ def load_board(text: str) -> Board:
     """
     if len(text.encode()) > MAX_BYTES:
         raise NotReadable("$", f"the board is longer than {MAX_BYTES // 1024} KiB")
-    try:
-        document = document_of(text)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "$"
-        raise NotReadable(where, error.problem or "is not YAML") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise NotReadable("$", f"is not YAML: {error}") from error
+    document = read_document(text)
     if not isinstance(document, dict) or document.get("board") != BOARD_FORMAT:
         problem = "this is not the file of a board"
         raise DescriptionError("$.board", problem, f"it begins with: board: {BOARD_FORMAT}")
@@ -78,9 +70,7 @@ def _keys_at(path: str) -> tuple[str, ...]:
 def dump_board(board: Board) -> str:
     """Write a board as the text of a file that `load_board` reads back to an equal one."""
     plain = {"board": BOARD_FORMAT, **msgspec.to_builtins(board)}
-    # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
-    text: str = yaml.dump(plain, Dumper=yaml.SafeDumper, sort_keys=False, width=1_000_000)
-    return text
+    return dump_document(plain)
 
 
 def read_board_json(text: str) -> Board:

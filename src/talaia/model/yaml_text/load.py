@@ -8,13 +8,12 @@ import stat
 from typing import TYPE_CHECKING
 
 import msgspec
-import yaml
 
 from talaia.model.connection import ProcessConnection
 from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Site
-from talaia.model.yaml_text.document import document_of, quoting_powers_of_ten
+from talaia.model.yaml_text.document import dump_document, read_document
 from talaia.model.yaml_text.shape_errors import shape_error
 from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
@@ -162,14 +161,7 @@ def plain_of_text(text: str) -> dict[str, object]:
     """
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
-    try:
-        document = document_of(text)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "$"
-        raise NotReadable(where, error.problem or "is not YAML") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise NotReadable("$", f"is not YAML: {error}") from error
+    document = read_document(text)
     if not isinstance(document, dict):
         raise DescriptionError(
             "$", "expected a mapping with the keys talaia, site, name and devices"
@@ -194,14 +186,4 @@ def site_of_plain(document: dict[str, object]) -> Site:
 
 def dump_site(site: Site) -> str:
     """Write a `Site` as YAML text that `load_site` reads back to an equal one."""
-    # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
-    text: str = yaml.dump(plain_of(site), Dumper=_Dumper, sort_keys=False, width=1_000_000)
-    return text
-
-
-# Each start of a gateway writes its description for the hub: libyaml takes a quarter of the time.
-class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
-    """With the words of our own reader."""
-
-
-quoting_powers_of_ten(_Dumper)
+    return dump_document(plain_of(site))
