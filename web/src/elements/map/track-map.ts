@@ -7,6 +7,7 @@ import "../forms/button.js";
 import "../feedback/loading.js";
 import type { LocalMap } from "./leaflet.js";
 import { paintMap, scaleBar, type Colours, type Pose } from "./map-painter.js";
+import { FrameSchedule } from "../base/frame-schedule.js";
 import type { TrackPoint } from "./track.js";
 
 @customElement("t-track-map")
@@ -139,7 +140,9 @@ export class TrackMap extends LitElement {
   private sizes: ResizeObserver | null = null;
   private themes: MutationObserver | null = null;
   private colours: Colours | null = null;
-  private drawing = 0;
+  private readonly frames = new FrameSchedule(() => {
+    this.paintNow();
+  });
 
   override render(): TemplateResult {
     return html`
@@ -172,8 +175,7 @@ export class TrackMap extends LitElement {
     this.local?.map.remove();
     this.local = null;
     this.ready = false;
-    cancelAnimationFrame(this.drawing);
-    this.drawing = 0;
+    this.frames.cancel();
   }
 
   override connectedCallback(): void {
@@ -234,11 +236,7 @@ export class TrackMap extends LitElement {
 
   /** Once for each painted frame of the browser, however many things changed. */
   private readonly scheduleDraw = (): void => {
-    if (this.drawing !== 0) return;
-    this.drawing = requestAnimationFrame(() => {
-      this.drawing = 0;
-      this.paintNow();
-    });
+    this.frames.schedule();
   };
 
   private paintNow(): void {

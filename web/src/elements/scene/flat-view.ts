@@ -1,5 +1,6 @@
 /** The scene from above, on a plain canvas: where a browser has no WebGL. */
 
+import { FrameSchedule } from "../base/frame-schedule.js";
 import { cloudColours } from "../../scene/colours.js";
 import type { OccupancyGrid } from "../../scene/messages.js";
 import type { FloorPose } from "../../scene/pose-command.js";
@@ -27,7 +28,9 @@ export class FlatView implements SceneDrawing {
   private preview: FloorPose | MeasuredLine | null = null;
   private tool = false;
   private dragged: { readonly x: number; readonly y: number } | null = null;
-  private request = 0;
+  private readonly painting = new FrameSchedule(() => {
+    this.paint();
+  });
 
   /** @throws Error when there is no canvas to draw on */
   constructor(
@@ -90,11 +93,7 @@ export class FlatView implements SceneDrawing {
   }
 
   readonly schedule = (): void => {
-    if (this.request !== 0) return;
-    this.request = requestAnimationFrame(() => {
-      this.request = 0;
-      this.paint();
-    });
+    this.painting.schedule();
   };
 
   pointsOf(topic: string): readonly Vector[] {
@@ -106,8 +105,7 @@ export class FlatView implements SceneDrawing {
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.request);
-    this.request = -1;
+    this.painting.close();
     this.canvas.removeEventListener("pointerdown", this.onDown);
     this.canvas.removeEventListener("pointermove", this.onMove);
     this.canvas.removeEventListener("pointerup", this.onUp);

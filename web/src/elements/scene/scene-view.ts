@@ -1,5 +1,6 @@
 /** The scene in space (three.js): loaded when a scene is first shown. It draws when something has changed, and else rests. */
 
+import { FrameSchedule } from "../base/frame-schedule.js";
 import {
   AmbientLight, ArrowHelper, AxesHelper, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Line, LineBasicMaterial, PerspectiveCamera,
   Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D,
@@ -44,7 +45,9 @@ export class SceneView implements SceneDrawing {
   private followed: Vector | null = null;
   private colours: SceneColours;
   private paintKey = "";
-  private request = 0;
+  private readonly painting = new FrameSchedule(() => {
+    this.paint();
+  });
   private options: SceneOptions = { fixed: "", follow: "", cloudBy: "height", showRobot: true, showFrames: false };
 
   /** @throws Error when the browser has no WebGL */
@@ -160,11 +163,7 @@ export class SceneView implements SceneDrawing {
 
   /** Something has changed: it is drawn with the next frame of the browser, once for all. */
   readonly schedule = (): void => {
-    if (this.request !== 0) return;
-    this.request = requestAnimationFrame(() => {
-      this.request = 0;
-      this.paint();
-    });
+    this.painting.schedule();
   };
 
   /** Frame of the robot's model; empty before there is one. */
@@ -185,8 +184,7 @@ export class SceneView implements SceneDrawing {
   }
 
   dispose(): void {
-    cancelAnimationFrame(this.request);
-    this.request = -1;
+    this.painting.close();
     this.controls.dispose();
     disposeObject(this.scene);
     this.renderer.dispose();

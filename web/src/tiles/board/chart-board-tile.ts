@@ -6,6 +6,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChartAxis, ChartSeries, FollowWindow } from "../../elements/chart/chart-model.js";
+import { seriesMarks } from "../../elements/chart/series-marks.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { formatAge } from "../../format/duration.js";
 import { stateWord } from "../../format/state-label.js";
@@ -32,27 +33,7 @@ const lineStyle = css`
     vertical-align: 0.2em;
     background: var(--t-series-1);
   }
-  .c2 {
-    background: var(--t-series-2);
-  }
-  .c3 {
-    background: var(--t-series-3);
-  }
-  .c4 {
-    background: var(--t-series-4);
-  }
-  .c5 {
-    background: var(--t-series-5);
-  }
-  .c6 {
-    background: var(--t-series-6);
-  }
-  .c7 {
-    background: var(--t-series-7);
-  }
-  .c8 {
-    background: var(--t-series-8);
-  }
+  ${seriesMarks}
   .stale {
     color: var(--t-stale);
   }

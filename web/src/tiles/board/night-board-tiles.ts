@@ -10,8 +10,7 @@ import { LoadController } from "../../controllers/load.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
-import type { DeviceShape, FrameList, RuleShape, SiteNightShape } from "../../generated/api.js";
-import type { InterlockUpdate } from "../../generated/wire.js";
+import type { DeviceShape, FrameList, SiteNightShape } from "../../generated/api.js";
 import { plannedBlocks } from "../../series/night-blocks.js";
 import { nightWindow, proposalMarks } from "../../series/plan-layout.js";
 import { nextMorning, nightSky } from "../../sky/night-sky.js";
@@ -25,7 +24,7 @@ import "../../elements/observatory/plan-timeline.js";
 import "../../elements/values/time.js";
 import { DevicePart } from "../observatory/device-part.js";
 import "../observatory/night-sky-view.js";
-import { limitLines, rulesAbout, VERDICT_KINDS, VERDICT_WORDS, verdictOf } from "../observatory/weather-verdict.js";
+import { judgeStation, VERDICT_KINDS, VERDICT_WORDS } from "../observatory/weather-verdict.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
 
 const EVERY_MS = 15_000;
@@ -77,10 +76,13 @@ export class VerdictBoardTile extends DevicePart {
   override render(): TemplateResult | typeof nothing {
     const { device, detail } = this;
     if (device === null || detail === null) return nothing;
-    const rules = rulesAbout(detail.rules, device.id);
-    const news = ({ id }: RuleShape): InterlockUpdate | undefined => this.interlocks.store?.interlockOf(this.site, id)?.news;
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal), news);
-    const { word, why } = verdictOf(this.online, rules, news, lines);
+    const { lines, verdict: { word, why } } = judgeStation({
+      rules: detail.rules,
+      device,
+      online: this.online,
+      news: ({ id }) => this.interlocks.store?.interlockOf(this.site, id)?.news,
+      known: (signal) => this.readSignal(signal),
+    });
     return html`<div role="status"><t-status kind=${VERDICT_KINDS[word]} word=${VERDICT_WORDS[word]}></t-status></div>
       <p>${word === "none" ? "No interlock of this site reads this station: nothing here decides whether a roof may open." : why}</p>
       <ul aria-label="What closes the roof">

@@ -6,12 +6,11 @@ import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { InterlockUpdate } from "../../generated/wire.js";
-import type { RuleShape, SignalRole, SignalShape } from "../../generated/api.js";
+import type { SignalRole, SignalShape } from "../../generated/api.js";
 import { NO_DEVICE, DevicePart } from "./device-part.js";
 import { summarySignals } from "../catalog.js";
 import { outletsOf } from "./roles.js";
-import { limitLines, rulesAbout, verdictOf, VERDICT_KINDS, VERDICT_WORDS } from "./weather-verdict.js";
+import { judgeStation, VERDICT_KINDS, VERDICT_WORDS } from "./weather-verdict.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/value.js";
 import "../signal-value.js";
@@ -71,10 +70,13 @@ export class DeviceSummaryValues extends DevicePart {
   private renderVerdict(): unknown {
     const { device, detail } = this;
     if (device?.kind !== "weather" || detail === null) return nothing;
-    const rules = rulesAbout(detail.rules, device.id);
-    const news = ({ id }: RuleShape): InterlockUpdate | undefined => this.interlocks.store?.interlockOf(this.site, id)?.news;
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal), news);
-    const { word } = verdictOf(this.online, rules, news, lines);
+    const { verdict: { word } } = judgeStation({
+      rules: detail.rules,
+      device,
+      online: this.online,
+      news: ({ id }) => this.interlocks.store?.interlockOf(this.site, id)?.news,
+      known: (signal) => this.readSignal(signal),
+    });
     if (word === "none") return nothing;
     return html`<t-status class="verdict" kind=${VERDICT_KINDS[word]} .word=${VERDICT_WORDS[word]}></t-status>`;
   }

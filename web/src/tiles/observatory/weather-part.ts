@@ -3,15 +3,14 @@
 import { css, html, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
-import type { InterlockUpdate } from "../../generated/wire.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderTable, tables, type TableColumn } from "../../elements/layout/data-table.js";
 import { formatDuration } from "../../format/duration.js";
-import type { RuleShape, StateMeaning } from "../../generated/api.js";
+import type { StateMeaning } from "../../generated/api.js";
 import { interlocksContext } from "../../state/contexts.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
 import { meaningOf, signalWith } from "./roles.js";
-import { limitLines, rulesAbout, verdictOf, type LimitLine, type WeatherVerdict, type VerdictWord, VERDICT_WORDS } from "./weather-verdict.js";
+import { judgeStation, type LimitLine, type WeatherVerdict, type VerdictWord, VERDICT_WORDS } from "./weather-verdict.js";
 import "../../elements/feedback/status.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
@@ -124,11 +123,14 @@ export class WeatherPart extends DevicePart {
   override render(): TemplateResult | typeof nothing {
     const { device, detail } = this;
     if (device === null || detail === null) return nothing;
-    const rules = rulesAbout(detail.rules, device.id);
     const store = this.interlocks.store;
-    const news = ({ id }: RuleShape): InterlockUpdate | undefined => store?.interlockOf(this.site, id)?.news;
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal), news);
-    const verdict = verdictOf(this.online, rules, news, lines);
+    const { rules, lines, verdict } = judgeStation({
+      rules: detail.rules,
+      device,
+      online: this.online,
+      news: ({ id }) => store?.interlockOf(this.site, id)?.news,
+      known: (signal) => this.readSignal(signal),
+    });
     const left = rules.map(({ id }) => store?.interlockOf(this.site, id)).filter((interlock) => interlock?.news.locked === true && !interlock.news.unsafe);
     const clears = Math.max(0, ...left.map((interlock) => (interlock === undefined ? 0 : (store?.remainingMs(interlock, interlock.news.clears_ms) ?? 0))));
     return html`<section class="card verdict ${verdict.word}" aria-label="Verdict" role="status">

@@ -63,6 +63,27 @@ export function rulesAbout(rules: readonly RuleShape[], device: string): readonl
   );
 }
 
+/** A weather station of a site, and what is known of it now. */
+export interface WeatherStation {
+  /** All rules of its site. */
+  readonly rules: readonly RuleShape[];
+  readonly device: { readonly id: string; readonly signals: readonly SignalShape[] };
+  readonly online: boolean;
+  readonly news: (rule: RuleShape) => InterlockUpdate | undefined;
+  readonly known: (signal: SignalShape) => KnownValue;
+}
+
+/** The rules about a station, how each of their limits stands, and what follows for the roof. */
+export function judgeStation({ rules: all, device, online, news, known }: WeatherStation): {
+  readonly rules: readonly RuleShape[];
+  readonly lines: readonly LimitLine[];
+  readonly verdict: WeatherVerdict;
+} {
+  const rules = rulesAbout(all, device.id);
+  const lines = limitLines(rules, device.id, device.signals, known, news);
+  return { rules, lines, verdict: verdictOf(online, rules, news, lines) };
+}
+
 /** Each limit that these rules set for a device's signals, with how it stands. */
 export function limitLines(
   rules: readonly RuleShape[], device: string, signals: readonly SignalShape[], known: (signal: SignalShape) => KnownValue,

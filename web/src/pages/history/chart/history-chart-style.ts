@@ -1,5 +1,6 @@
 import { css } from "lit";
 import { raisedBox, quietText } from "../../../elements/base/base-style.js";
+import { seriesMarks } from "../../../elements/chart/series-marks.js";
 
 export const historyChartStyle = css`
   :host {
@@ -108,30 +109,7 @@ export const historyChartStyle = css`
     color: var(--t-muted);
     font-variant-numeric: tabular-nums;
   }
-  .c1 {
-    background: var(--t-series-1);
-  }
-  .c2 {
-    background: var(--t-series-2);
-  }
-  .c3 {
-    background: var(--t-series-3);
-  }
-  .c4 {
-    background: var(--t-series-4);
-  }
-  .c5 {
-    background: var(--t-series-5);
-  }
-  .c6 {
-    background: var(--t-series-6);
-  }
-  .c7 {
-    background: var(--t-series-7);
-  }
-  .c8 {
-    background: var(--t-series-8);
-  }
+  ${seriesMarks}
   /* Beside a film: the cells of all signals go before how far one reaches at the cursor. */
   @container (inline-size < 46rem) {
     .spread {
