@@ -10,6 +10,7 @@ import shutil
 import socket
 import ssl
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -532,7 +533,9 @@ async def shared_world(shared_settings):
 
 @asynccontextmanager
 async def begun(settings):
-    async with RunningHub(settings, None) as hub:
+    # Its sites have a folder for meshes, empty until a test puts one there.
+    assets = settings.assets or settings.data / "assets"
+    async with RunningHub(replace(settings, assets=assets), None) as hub:
         world = World(hub)
         try:
             await world.begin()
