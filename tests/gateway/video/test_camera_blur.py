@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from detector_files import require_faces
+from patience import PATIENCE_S
 from PIL import Image
 
 from talaia.clock import SystemClock
@@ -131,7 +132,8 @@ def faces() -> Callable[[np.ndarray], list[dict[str, int]]]:
 @pytest.fixture
 async def detectors() -> Iterator[BlurDetectors]:
     require_faces()
-    found = BlurDetectors(lambda told: Worker({}, Path(), told))
+    # How long a look takes here is the machine's matter, and no part of what is held.
+    found = BlurDetectors(lambda told: Worker({}, Path(), told), PATIENCE_S)
     found.start()
     yield found
     await found.close()
