@@ -27,7 +27,7 @@ MOST_WHOLE = 2 * CORES
 MOST_LOAD = 1.5 * CORES
 # While a group runs that wants calm. It waits for half of the time itself: with what is beside it
 # held to half of the cores, a quarter of them stood idle for the first five minutes.
-MOST_CALM_LOAD = 1.1 * CORES
+MOST_CALM_LOAD = 0.9 * CORES
 # What files compute is known from one machine on one day; how many processes and threads stand in
 # line for a core is seen. With more than these for each core the next group waits: all is done no
 # sooner for it, and what has a limit in time meets it.

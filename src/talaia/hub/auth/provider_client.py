@@ -1,7 +1,9 @@
 """Asks the provider of sign-ins: what it can do, by which keys it signs, and for a code's token.
 
 It speaks to the addresses of the administrator's own file, and to those that the provider there
-names; to nobody whom a person, a gateway or a description has named.
+names; to nobody whom a person, a gateway or a description has named. Nothing else of the hub's own
+process speaks HTTP to others: what asks another address of the administrator's does it by
+`ask_address`.
 """
 
 from __future__ import annotations
@@ -17,13 +19,15 @@ from talaia.hub.errors import ProviderRefused
 from talaia.hub.settings import is_loopback
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import httpx
 
     from talaia.clock import Clock
     from talaia.hub.auth.oidc_settings import OidcSettings
     from talaia.hub.auth.oidc_states import AwaitedSignIn
 
-__all__ = ["ProviderClient"]
+__all__ = ["EndlessAnswer", "ProviderClient", "ask_address"]
 
 _TIMEOUT_S = 10.0
 # Of any answer (bytes); keys with certificates take some.
@@ -31,6 +35,51 @@ _MOST_ANSWER = 1024 * 1024
 # What the provider said of itself is asked for anew after so long.
 _KEEP_NS = 600 * SECOND
 _MOST_SECRET = 10_000
+
+
+class EndlessAnswer(OSError):
+    """Whoever was asked answers with more than anybody waits for."""
+
+
+async def ask_address(
+    url: str,
+    make_request: Callable[[httpx.AsyncClient], httpx.Request],
+    *,
+    verify: ssl.SSLContext | bool,
+    timeout_s: float,
+    most: int,
+) -> tuple[int, bytes]:
+    """Ask an address that the administrator named; give the answer's status and body.
+
+    Args:
+        url: the address.
+        make_request: of the client, for ``url``.
+        verify: what the other's certificate is held against; False where there is none.
+        timeout_s: of each step (s).
+        most: bytes of the body.
+
+    Raises:
+        EndlessAnswer: there are more.
+        OSError: nobody answers.
+
+    """
+    import httpx
+
+    # A proxy of the surroundings is the administrator's; it is none for this machine.
+    trust = not is_loopback(urlsplit(url).hostname or "")
+    try:
+        async with httpx.AsyncClient(timeout=timeout_s, verify=verify, trust_env=trust) as client:
+            # Redirects are not followed: the secret goes nowhere else.
+            answer = await client.send(make_request(client), stream=True)
+            body = b""
+            async for piece in answer.aiter_bytes():
+                body += piece
+                if len(body) > most:
+                    raise EndlessAnswer("it answers without end")
+            await answer.aclose()
+    except httpx.HTTPError as error:
+        raise OSError(str(error)) from error
+    return answer.status_code, body
 
 
 class ProviderClient:
@@ -120,8 +169,6 @@ class ProviderClient:
     async def _ask(
         self, url: str, form: dict[str, str] | None = None, *, by_post: bool = False
     ) -> dict[str, Any]:
-        import httpx
-
         settings = self.settings
         host = urlsplit(url).hostname or ""
         try:
@@ -129,27 +176,21 @@ class ProviderClient:
             # alone, needs none.
             secure = url.startswith("https:")
             verify = ssl.create_default_context(cafile=settings.ca or None) if secure else False
-            # A proxy of the surroundings is the administrator's; it is none for this machine.
-            async with httpx.AsyncClient(
-                timeout=_TIMEOUT_S, verify=verify, trust_env=not is_loopback(host)
-            ) as client:
-                request = self._make_request(client, url, form, by_post=by_post)
-                # Redirects are not followed: the secret goes nowhere else.
-                answer = await client.send(request, stream=True)
-                body = b""
-                async for piece in answer.aiter_bytes():
-                    body += piece
-                    if len(body) > _MOST_ANSWER:
-                        raise ProviderRefused(f"{host} answers without end")
-                await answer.aclose()
-            said = json.loads(body)
-        except (OSError, httpx.HTTPError, ValueError, RecursionError) as error:
-            raise ProviderRefused(f"the provider {host} does not answer as one: {error}") from error
-        if answer.status_code != 200 or not isinstance(said, dict):
-            reason = said.get("error", "") if isinstance(said, dict) else ""
-            raise ProviderRefused(
-                f"the provider {host} refuses ({answer.status_code}): {str(reason)[:100]}"
+            status, body = await ask_address(
+                url,
+                lambda client: self._make_request(client, url, form, by_post=by_post),
+                verify=verify,
+                timeout_s=_TIMEOUT_S,
+                most=_MOST_ANSWER,
             )
+            said = json.loads(body)
+        except EndlessAnswer as error:
+            raise ProviderRefused(f"{host} answers without end") from error
+        except (OSError, ValueError, RecursionError) as error:
+            raise ProviderRefused(f"the provider {host} does not answer as one: {error}") from error
+        if status != 200 or not isinstance(said, dict):
+            reason = said.get("error", "") if isinstance(said, dict) else ""
+            raise ProviderRefused(f"the provider {host} refuses ({status}): {str(reason)[:100]}")
         return said
 
     def _make_request(

@@ -18,9 +18,9 @@ import msgspec
 
 from talaia.certificate_pin import has_fingerprint, trust_only
 from talaia.hub.auth.audit_heads import read_head
+from talaia.hub.auth.provider_client import EndlessAnswer, ask_address
 from talaia.hub.notify.audit_heads import HEADS_FILE
 from talaia.hub.notify.head_file import read_head_piece, write_note
-from talaia.hub.settings import is_loopback
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -122,32 +122,28 @@ class HeadForwarder:
             ValueError: what it answers cannot be read.
 
         """
-        import httpx
-
         url = f"{self._settings.url}/api/heads"
         token = await asyncio.to_thread(self._read_token)
         verify = await asyncio.to_thread(self._make_context)
-        trusts_surroundings = not is_loopback(urlsplit(url).hostname or "")
+        said = {"token": token, "key": self._public, "lines": lines}
         try:
-            # Redirects are not followed: the token goes nowhere else.
-            async with httpx.AsyncClient(
-                timeout=_TIMEOUT_S, verify=verify, trust_env=trusts_surroundings
-            ) as client:
-                said = {"token": token, "key": self._public, "lines": lines}
-                async with client.stream("POST", url, json=said) as answer:
-                    body = b""
-                    async for part in answer.aiter_bytes():
-                        body += part
-                        if len(body) > _MOST_ANSWER:
-                            raise OSError("it answers without end")
-        except httpx.HTTPError as error:
+            status, body = await ask_address(
+                url,
+                lambda client: client.build_request("POST", url, json=said),
+                verify=verify,
+                timeout_s=_TIMEOUT_S,
+                most=_MOST_ANSWER,
+            )
+        except EndlessAnswer:
+            raise
+        except OSError as error:
             raise OSError(f"{self._settings.url} does not answer: {error}") from error
-        if answer.status_code != 200:
+        if status != 200:
             try:
                 why = msgspec.json.decode(body, type=_Refusal).message
             except msgspec.DecodeError:
                 why = "it is no hub"
-            raise OSError(f"{self._settings.url} refuses ({answer.status_code}): {why[:300]}")
+            raise OSError(f"{self._settings.url} refuses ({status}): {why[:300]}")
 
     def _read_token(self) -> str:
         with Path(self._settings.token_file).open("rb") as file:
