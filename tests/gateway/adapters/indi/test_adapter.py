@@ -60,6 +60,16 @@ class Bench:
             lambda: self.hub.hellos and all(each in self.site.devices for each in devices),
             f"{devices} in the description",
         )
+        # A new description begins the adapter anew: until the drivers have defined themselves to
+        # it, the server has none of them.
+        for device in devices:
+            await self.hub.until(
+                lambda device=device: any(
+                    self.hub.values(f"{device}/{signal}")
+                    for signal in self.site.devices[device].signals
+                ),
+                f"a value of {device}",
+            )
 
     async def ask(self, device: str, command: str, **args: object) -> str:
         self._count += 1

@@ -82,8 +82,11 @@ class AcceptQueue:
         full, taken = False, 0
         while True:
             try:
-                connection, peer = await loop.sock_accept(self._listener)
-            except ConnectionError:
+                await self._wait_for_arrival()
+                # At once: `loop.sock_accept` that is cancelled as somebody comes loses the
+                # connection, open, and whoever dialled waits for an answer until it gives up.
+                connection, peer = self._listener.accept()
+            except (ConnectionError, BlockingIOError):
                 continue  # it has gone again
             except OSError as error:
                 # No descriptors are left, or no memory. The connection still waits in the queue,
@@ -96,13 +99,12 @@ class AcceptQueue:
             if full:
                 _LOG.warning("connections are taken in again")
             full = False
+            connection.setblocking(False)
             arrival = self._silent.add_arrival(peer[0], loop.time())
             if arrival is None:
                 connection.close()
             else:
-                arrival.task = asyncio.create_task(self._shake_hands(connection, arrival))
-                self._arriving.add(arrival.task)
-                arrival.task.add_done_callback(self._arriving.discard)
+                self._take_in(connection, arrival)
             taken += 1
             if taken < _AT_ONCE:
                 continue
@@ -114,21 +116,36 @@ class AcceptQueue:
             if late > _PAUSE_S:
                 await asyncio.sleep(min(late, _LONGEST_PAUSE_S))
 
+    async def _wait_for_arrival(self) -> None:
+        """Wait until somebody stands in the kernel's queue."""
+        loop = asyncio.get_running_loop()
+        arrived = asyncio.Event()
+        loop.add_reader(self._listener, arrived.set)
+        try:
+            await arrived.wait()
+        finally:
+            loop.remove_reader(self._listener)
+
+    def _take_in(self, connection: socket.socket, arrival: Arrival) -> None:
+        task = arrival.task = asyncio.create_task(self._shake_hands(connection, arrival))
+        self._arriving.add(task)
+
+        def end_arrival(_: object) -> None:
+            self._arriving.discard(task)
+            # Not in the task itself: one that is cancelled before it began runs no line.
+            if arrival.transport is None:
+                connection.close()
+
+        task.add_done_callback(end_arrival)
+
     async def _shake_hands(self, connection: socket.socket, arrival: Arrival) -> None:
         """Shake hands; what fails there is the other side's matter."""
-        handed_over = False
-        try:
-            with contextlib.suppress(OSError, TimeoutError):
-                loop = asyncio.get_running_loop()
-                arrival.transport, protocol = await loop.connect_accepted_socket(
-                    self._protocol,
-                    connection,
-                    ssl=self._tls,
-                    ssl_handshake_timeout=_HANDSHAKE_S if self._tls is not None else None,
-                )
-                arrival.protocol = protocol if isinstance(protocol, Speaks) else None
-                handed_over = True
-        finally:
-            # Also when it is cancelled: afterwards the transport closes it.
-            if not handed_over:
-                connection.close()
+        with contextlib.suppress(OSError, TimeoutError):
+            loop = asyncio.get_running_loop()
+            arrival.transport, protocol = await loop.connect_accepted_socket(
+                self._protocol,
+                connection,
+                ssl=self._tls,
+                ssl_handshake_timeout=_HANDSHAKE_S if self._tls is not None else None,
+            )
+            arrival.protocol = protocol if isinstance(protocol, Speaks) else None
