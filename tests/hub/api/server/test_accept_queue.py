@@ -14,7 +14,7 @@ TURNS = 6
 
 
 @pytest.mark.parametrize("turns", range(TURNS))
-async def test_nobody_is_left_open_whenever_the_queue_ends(turns) -> None:
+async def test_nobody_is_left_open_whenever_the_queue_ends(turns: int) -> None:
     made: list[asyncio.BaseTransport] = []
 
     class Protocol(asyncio.Protocol):

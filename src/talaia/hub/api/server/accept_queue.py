@@ -99,7 +99,8 @@ class AcceptQueue:
             if full:
                 _LOG.warning("connections are taken in again")
             full = False
-            connection.setblocking(False)
+            # Not blocking, as the loop needs it.
+            connection.settimeout(0)
             arrival = self._silent.add_arrival(peer[0], loop.time())
             if arrival is None:
                 connection.close()
