@@ -49,6 +49,8 @@ export class LeaseMachine {
   private now_: LeaseState = { kind: "unknown" };
   private renewAt = 0;
   private handedOver = false;
+  /** My time was out before the gateway said who has it; what it says then is still the answer. */
+  private ranOut = false;
   /** Why an ask was not granted, or why the lease ended; empty when there is nothing to say. */
   trouble = "";
 
@@ -119,6 +121,8 @@ export class LeaseMachine {
   /** What the gateway says. Gives why the lease ended, when this ended it. */
   applyUpdate(word: LeaseReport, now: number): HaltReason | null {
     const mine = this.now_.kind === "mine";
+    const ranOut = this.ranOut && this.now_.kind === "unknown";
+    this.ranOut = false;
     if (word.yours && word.epoch > 0 && this.isWanted) {
       if (!mine) {
         this.renewAt = now + RENEW_MS;
@@ -144,6 +148,7 @@ export class LeaseMachine {
     }
     this.trouble = word.refused;
     this.now_ = other ? { kind: "other", holder: word.holder, forceable: word.forceable } : { kind: "free" };
+    if (ranOut && other && this.trouble === "") this.trouble = this.lostToText(word.holder);
     if (!mine) return null;
     if (this.trouble === "") this.trouble = other ? this.lostToText(word.holder) : ENDED;
     return "lease lost";
@@ -170,6 +175,7 @@ export class LeaseMachine {
     if (state.kind !== "mine") return { ask: null, ended: null };
     if (now >= state.until) {
       this.now_ = { kind: "unknown" };
+      this.ranOut = true;
       this.trouble = "Your control ran out: the gateway did not answer in time. Take it again.";
       return { ask: null, ended: "lease lost" };
     }

@@ -41,6 +41,19 @@ test("a renewal without an answer loses it when its time is out", () => {
   expect(desk.trouble).toContain("ran out");
 });
 
+test("who has it after my time was out is told, also when the gateway's word comes late", () => {
+  desk.requestLease(0);
+  desk.applyUpdate(word({ yours: true, epoch: 7, remains_ms: 3000, rival: "Grace", answer_ms: 5000 }), 0);
+  expect(desk.answerRequest(true)).toBe("accept");
+  desk.advance(3000);
+  desk.applyUpdate(word({ holder: "Grace", remains_ms: 2000 }), 3500);
+  expect(desk.trouble).toBe("You handed control to Grace.");
+  // Who had nothing is told nothing.
+  const onlooker = new LeaseMachine();
+  onlooker.applyUpdate(word({ holder: "Grace", remains_ms: 2000 }), 3500);
+  expect(onlooker.trouble).toBe("");
+});
+
 test("somebody else who has it is named, and a refusal says why", () => {
   desk.requestLease(0);
   desk.applyUpdate(word({ holder: "Grace", remains_ms: 2000, refused: "Grace is driving." }), 5);
