@@ -24,6 +24,7 @@ from talaia.hub.history.queries.downsample import (
     pixel_width,
     steps_of,
 )
+from talaia.hub.history.queries.newest import read_newest
 from talaia.hub.history.queries.series import HistoryGap, Series, empty_series
 from talaia.hub.history.queries.window import (
     FARTHEST_US,
@@ -109,32 +110,9 @@ class Reader:
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
     ) -> dict[str, tuple[int, float, str]]:
         """Find each channel's newest sample up to ``to_us``; see `HistoryStore.last_readings`."""
-        asked = [
-            (
-                address,
-                window_of(
-                    self._ledger, site=site, address=address, from_us=-FARTHEST_US, to_us=to_us
-                ),
-            )
-            for address in addresses
-        ]
-        found = {}
-        with self._engine.begin() as connection:
-            for address, known in asked:
-                if known is None:
-                    continue
-                window, held = known
-                tail = in_order(held).between_times(window.from_us, window.to_us)
-                both = concatenate_samples(
-                    [*_newest_blocks(connection, self._cache, window, tail), tail]
-                )
-                if not both.time_us.size:
-                    continue
-                # Of equal times the one that came last; the tail came after the blocks.
-                at = both.time_us.size - 1 - int(np.argmax(both.time_us[::-1]))
-                text = both.texts.get(at, "")
-                found[address] = (int(both.time_us[at]), float(both.value[at]), text)
-        return found
+        return read_newest(
+            self._engine, self._ledger, self._cache, site=site, addresses=addresses, to_us=to_us
+        )
 
     def _read_channel(
         self,
@@ -272,28 +250,3 @@ def _join_points(
     times_us: Sequence[NDArray[np.int64]], values: Sequence[NDArray[np.float64]]
 ) -> BlockSamples:
     return BlockSamples(np.concatenate(times_us), np.concatenate(values), {})
-
-
-def _newest_blocks(
-    connection: Connection, cache: BlockCache, window: StoredWindow, tail: BlockSamples
-) -> list[BlockSamples]:
-    """Read what may hold the newest sample of a window, unless the tail's newest is newer."""
-    columns = (_block.c.id, _block.c.first_us, _block.c.last_us)
-    order = (_block.c.last_us.desc(), _block.c.id.desc())
-    # All of the block that ends last is in the window: the newest is its last sample ...
-    whole = connection.execute(
-        select(*columns)
-        .where(_block.c.channel_id == window.channel, _block.c.id < window.before_block)
-        .where(_block.c.last_us <= window.to_us)
-        .order_by(*order)
-        .limit(1)
-    ).first()
-    # ... or it is in a block that goes on beyond the window's end.
-    reach = window._replace(from_us=window.to_us)
-    cut = connection.execute(select(*columns).where(*reach.overlap_conditions())).all()
-    found = [*cut, whole] if whole is not None else cut
-    if tail.time_us.size and all(row.last_us <= tail.time_us[-1] for row in found):
-        return []
-    read = kept_bodies(connection, sorted({row.id for row in found}), window.run, cache)
-    # In the order of their numbers, which is that in which they came.
-    return [in_order(read[i]).between_times(window.from_us, window.to_us) for i in sorted(read)]

@@ -1,0 +1,133 @@
+"""The newest sample of each of many channels, asked for all at once."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from sqlalchemy import select
+
+from talaia.hub.history.blocks.block import EMPTY, concatenate_samples, in_order
+from talaia.hub.history.queries.window import FARTHEST_US, StoredWindow, kept_bodies
+from talaia.hub.history.queries.window_query import window_of
+from talaia.hub.store import history_tables as tables
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from sqlalchemy import Connection, Engine
+
+    from talaia.hub.history.blocks.block import BlockSamples
+    from talaia.hub.history.blocks.cache import BlockCache
+    from talaia.hub.history.writing.block_index import BlockIndex
+
+__all__ = ["read_newest"]
+
+_block = tables.block
+# Channels in one question.
+_AT_ONCE = 500
+
+
+class _Asked(NamedTuple):
+    """A channel, and what of its window stands in memory, in order of time."""
+
+    address: str
+    window: StoredWindow
+    tail: BlockSamples
+
+
+def read_newest(
+    engine: Engine,
+    ledger: BlockIndex,
+    cache: BlockCache | None,
+    *,
+    site: str,
+    addresses: Sequence[str],
+    to_us: int,
+) -> dict[str, tuple[int, float, str]]:
+    """Find time (µs), value and text of each channel's newest sample up to ``to_us``.
+
+    A channel that has none is left out.
+    """
+    asked = list(_look_into_memory(ledger, site, addresses, to_us))
+    found = {}
+    with engine.begin() as connection:
+        # What is in memory was looked at before: blocks that were sealed since are left out, and
+        # how far that goes may differ between channels.
+        for _, same in groupby(asked, key=lambda one: one.window.before_block):
+            together = list(same)
+            for first in range(0, len(together), _AT_ONCE):
+                some = together[first : first + _AT_ONCE]
+                blocks = _newest_blocks(connection, cache, some)
+                for one in some:
+                    both = concatenate_samples([*blocks.get(one.window.channel, []), one.tail])
+                    if not both.time_us.size:
+                        continue
+                    # Of equal times the one that came last; the tail came after the blocks.
+                    at = both.time_us.size - 1 - int(np.argmax(both.time_us[::-1]))
+                    text = both.texts.get(at, "")
+                    found[one.address] = (int(both.time_us[at]), float(both.value[at]), text)
+    return found
+
+
+def _look_into_memory(
+    ledger: BlockIndex, site: str, addresses: Sequence[str], to_us: int
+) -> Iterator[_Asked]:
+    for address in addresses:
+        known = window_of(ledger, site=site, address=address, from_us=-FARTHEST_US, to_us=to_us)
+        if known is not None:
+            window, held = known
+            tail = in_order(held).between_times(window.from_us, window.to_us)
+            yield _Asked(address, window, tail)
+
+
+def _newest_blocks(
+    connection: Connection, cache: BlockCache | None, asked: Sequence[_Asked]
+) -> dict[int, list[BlockSamples]]:
+    """Read what may hold the newest sample of each window, unless its tail's newest is newer.
+
+    The windows end together and leave out the same blocks.
+    """
+    window = asked[0].window
+    # All of the block that ends last is in the window, and the newest is its last sample ...
+    wanted = _last_whole(connection, [one.window.channel for one in asked], window)
+    for one in asked:
+        ends = wanted.setdefault(one.window.channel, {})
+        if window.to_us < FARTHEST_US:
+            # ... or it is in a block that goes on beyond the window's end.
+            reach = one.window._replace(from_us=window.to_us)
+            cut = select(_block.c.id, _block.c.last_us).where(*reach.overlap_conditions())
+            ends.update({row.id: row.last_us for row in connection.execute(cut)})
+        if one.tail.time_us.size and all(end <= one.tail.time_us[-1] for end in ends.values()):
+            ends.clear()
+    every = sorted({number for numbers in wanted.values() for number in numbers})
+    read = kept_bodies(connection, every, window.run, cache)
+    return {
+        # In the order of their numbers, which is that in which they came.
+        channel: [
+            in_order(read.get(number, EMPTY)).between_times(window.from_us, window.to_us)
+            for number in sorted(numbers)
+        ]
+        for channel, numbers in wanted.items()
+    }
+
+
+def _last_whole(
+    connection: Connection, channels: Sequence[int], window: StoredWindow
+) -> dict[int, dict[int, int]]:
+    """Give for each channel the block that ends last before the window does: number to end (µs)."""
+    channel = tables.channel
+    # The database goes to the end of its index for each channel, whatever lies before it.
+    last = (
+        select(_block.c.id)
+        .where(_block.c.channel_id == channel.c.id, _block.c.id < window.before_block)
+        .where(_block.c.last_us <= window.to_us)
+        .order_by(_block.c.last_us.desc(), _block.c.id.desc())
+        .limit(1)
+    )
+    number = last.scalar_subquery().correlate(channel)
+    end = last.with_only_columns(_block.c.last_us).scalar_subquery().correlate(channel)
+    query = select(channel.c.id, number.label("number"), end.label("last_us"))
+    rows = connection.execute(query.where(channel.c.id.in_(channels)))
+    return {row.id: {row.number: row.last_us} for row in rows if row.number is not None}
