@@ -259,6 +259,10 @@ class HistoryStore:
         """Give what a channel's signal is, or was when it was last described; None: not known."""
         return self._sensors.kind_of(site, address)
 
+    async def wait_for_views(self) -> None:
+        """Wait for the SQL views of all that was described so far; see `SensorRegistry`."""
+        await self._sensors.wait_for_views()
+
     async def read_series(
         self,
         site: str,

@@ -55,6 +55,7 @@ async def feed(store, count, rate=100, first=0):
 async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url, sql) -> None:
     async with opened(url) as store:
         await store.describe_site(site_of(speed=number()))
+        await store.wait_for_views()
         assert sql("SELECT * FROM sensor_agv_base_speed") == []
         for at in range(3):
             await store.append_samples(
@@ -81,10 +82,9 @@ async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url
 
 async def test_of_very_many_sensors_the_first_have_views(url, sql, monkeypatch, caplog) -> None:
     monkeypatch.setattr(sensor_views, "MOST_VIEWS", 25)
-    # A slow server's views are waited for.
-    monkeypatch.setattr(sensor_registry, "_VIEWS_S", 60.0)
     async with opened(url) as store:
         await store.describe_site(site_of(**{f"s{each}": number() for each in range(40)}))
+        await store.wait_for_views()
     assert len(sql("SELECT view_name FROM history_sensor WHERE made_of <> ''")) == 25
     assert len(sql("SELECT view_name FROM history_sensor")) == 40
     assert "agv has many signals" in caplog.text
@@ -98,7 +98,6 @@ async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:
         go_on.wait(10)
 
     monkeypatch.setattr(sensor_registry, "show_sensors", slow)
-    monkeypatch.setattr(sensor_registry, "_VIEWS_S", 0.01)
     async with opened(url) as store:
         await store.describe_site(site_of(speed=number()))
         await feed(store, 10)
@@ -110,6 +109,7 @@ async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:
 async def test_a_view_shows_rollups_and_after_them_single_readings(url, sql) -> None:
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
         await store.describe_site(site_of(speed=number()))
+        await store.wait_for_views()
         for at in range(0, 4_000, 500):
             await feed(store, 500, first=at)
             await store.write_plain_rows()
@@ -135,6 +135,7 @@ async def test_states_texts_and_positions_have_columns_of_their_own(url, sql) ->
     names = ["base/gear", "base/mode", "base/pose.x", "base/pose.y", "base/pose.yaw"]
     async with opened(url) as store:
         await store.describe_site(site_of(gear=gear, mode=mode, pose=pose, fix=fix))
+        await store.wait_for_views()
         for at in range(3):
             time = START + at
             rows = [(0, time, float(at)), (1, time, f"line {at // 2}")]
@@ -155,6 +156,7 @@ async def test_states_texts_and_positions_have_columns_of_their_own(url, sql) ->
 async def test_hostile_names_are_only_names(url, sql) -> None:
     async with opened(url) as store:
         await store.describe_site(site_of(speed=number(HOSTILE, HOSTILE[:50])))
+        await store.wait_for_views()
         await store.append_samples(
             "agv", "b1", 0, addresses=["base/speed"], columns=batch([(0, START, 1.0)])
         )
@@ -166,14 +168,17 @@ async def test_hostile_names_are_only_names(url, sql) -> None:
 async def test_a_renamed_or_removed_sensor_keeps_its_view_and_its_history(url, sql) -> None:
     async with opened(url) as store:
         await store.describe_site(site_of(speed=number("Old name"), gone=number()))
+        await store.wait_for_views()
         await feed(store, 3, rate=1)
         await store.write_plain_rows()
         await store.describe_site(site_of(speed=number("New name")))
+        await store.wait_for_views()
         (row,) = sql("SELECT * FROM sensor_agv_base_speed")
         assert row["sensor"] == "New name"
         assert sql("SELECT * FROM sensor_agv_base_gone") == []
     async with opened(url) as store:
         await store.describe_site(site_of(velocity=number("New name")))
+        await store.wait_for_views()
         assert len(sql("SELECT * FROM sensor_agv_base_speed")) == 1
         assert sql("SELECT * FROM sensor_agv_base_velocity") == []
 
@@ -181,6 +186,7 @@ async def test_a_renamed_or_removed_sensor_keeps_its_view_and_its_history(url, s
 async def test_rows_that_rollups_stand_for_are_deleted(url, sql) -> None:
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
         await store.describe_site(site_of(speed=number()))
+        await store.wait_for_views()
         for at in range(160):
             await feed(store, 20, first=20 * at)
             await store.write_plain_rows()
@@ -202,7 +208,9 @@ async def test_what_a_sensor_was_is_known_after_it_is_gone_and_after_a_restart(u
     state = Signal(name=HOSTILE, type=SignalType.STATE, states=("off", "on"), source=SOURCE)
     async with opened(url) as store:
         await store.describe_site(site_of(mode=state, speed=number()))
+        await store.wait_for_views()
         await store.describe_site(site_of(speed=number(name="Ground speed")))
+        await store.wait_for_views()
         assert store.kind_of("agv", "base/speed").name == "Ground speed"
     async with opened(url) as store:
         assert store.kind_of("agv", "base/mode") == (HOSTILE, "", "state", ("off", "on"), -1)

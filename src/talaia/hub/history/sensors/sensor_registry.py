@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["SensorRegistry"]
 
 _LOG = logging.getLogger(__name__)
-# So long a description waits for the views of its sensors; the rest are made behind it.
-_VIEWS_S = 1.0
 
 
 class SensorRegistry:
@@ -68,10 +66,11 @@ class SensorRegistry:
         return self._kinds.get((site, address.partition(".")[0]))
 
     async def describe_site(self, site: Site, channels: Mapping[tuple[str, str], int]) -> None:
-        """Write down what a description's sensors are, and make their views.
+        """Write down what a description's sensors are; their views are made behind it.
 
-        A database that refuses views (it takes a right of its own on a server) keeps the samples
-        all the same; that is logged.
+        Gateways that join do not wait for views, see `wait_for_views`. A database that refuses
+        views (it takes a right of its own on a server) keeps the samples all the same; that is
+        logged.
 
         Args:
             site: the description.
@@ -88,8 +87,10 @@ class SensorRegistry:
         task = asyncio.create_task(self._show_sensors(site.site, missing))
         self._showing.add(task)
         task.add_done_callback(self._showing.discard)
-        # The views of many sensors take a while: the gateway's samples do not wait for them.
-        await asyncio.wait({task}, timeout=_VIEWS_S)
+
+    async def wait_for_views(self) -> None:
+        """Wait until the views of all that was described so far are made, or cannot be made."""
+        await asyncio.gather(*self._showing)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """Let signals go on under other addresses; ``moves``: new channels by former ones.

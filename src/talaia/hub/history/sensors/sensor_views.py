@@ -8,9 +8,9 @@ import logging
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import delete, insert, inspect, select, update
+from sqlalchemy import bindparam, delete, insert, inspect, select, update
 
-from talaia.hub.history.sensors.view_sql import CreateView, DropView, view_name
+from talaia.hub.history.sensors.view_sql import DropView, view_name, view_statement
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ _sensor = tables.sensor
 MOST_VIEWS = 1000
 # So many views are made, and so many sensors written down, in one transaction: others write in
 # between.
-_AT_ONCE = 20
+_AT_ONCE = 50
 _ROWS_AT_ONCE = 500
 _BETWEEN_S = 0.02
 _LONGEST_NAME = 200
@@ -157,20 +157,23 @@ def show_sensors(
             # There is one connection that writes; whoever waits for it gets it now.
             time.sleep(_BETWEEN_S)
         with engine.begin() as connection:
+            there = set(inspect(connection).get_view_names())
             for sensor in wanted[first : first + _AT_ONCE]:
-                _show(connection, site, sensor, names[sensor.address])
+                name = names[sensor.address]
+                if name in there:
+                    connection.execute(DropView(name))
+                connection.exec_driver_sql(view_statement(connection.dialect, name, sensor))
+            connection.execute(
+                update(_sensor)
+                .where(_sensor.c.site == bindparam("of"), _sensor.c.address == bindparam("which"))
+                .values(made_of=bindparam("made")),
+                [
+                    {"of": site, "which": sensor.address, "made": _made_of(sensor)}
+                    for sensor in wanted[first : first + _AT_ONCE]
+                ],
+            )
     _LOG.info("%d sensors of %s have their views", len(wanted), site)
     return len(wanted)
-
-
-def _show(connection: Connection, site: str, sensor: SensorView, name: str) -> None:
-    connection.execute(DropView(name))
-    connection.execute(CreateView(name, sensor))
-    connection.execute(
-        update(_sensor)
-        .where(_sensor.c.site == site, _sensor.c.address == sensor.address)
-        .values(made_of=_made_of(sensor))
-    )
 
 
 def _remember(connection: Connection, site: str, sensor: SensorView, name: str) -> None:

@@ -8,6 +8,7 @@ sample is in the compressed blocks, which SQL cannot look into; `talaia`'s expor
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import (
@@ -34,15 +35,20 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from sqlalchemy import CompoundSelect
+    from sqlalchemy.engine import Dialect
     from sqlalchemy.sql.compiler import SQLCompiler
 
     from talaia.model.site import Signal, Site
 
-__all__ = ["CreateView", "DropView", "SensorView", "sensors_of", "view_name"]
+__all__ = ["DropView", "SensorView", "sensors_of", "view_name", "view_statement"]
 
 # The shortest limit of the three databases is 63 bytes; the rest is for a number.
 _LONGEST = 48
 _recent, _rollup = tables.recent, tables.rollup
+# What stands in the query of a kind of sensors for what each has of its own: numbers that no other
+# part of a query has, and texts that no person's can be taken for, since only these are looked for.
+_CHANNELS = tuple(str(7_000_000_000_000_000_001 + at) for at in range(16))
+_SHOWN, _UNIT = "the sensor's own name\x1f", "the sensor's own unit\x1f"
 
 
 class SensorView(NamedTuple):
@@ -93,15 +99,43 @@ def view_name(site: str, address: str, channel: int, taken: Collection[str]) -> 
     return name
 
 
-class CreateView(ExecutableDDLElement):
-    """``CREATE VIEW`` of a sensor; each database's own dialect quotes what is in it."""
+def view_statement(dialect: Dialect, name: str, sensor: SensorView) -> str:
+    """Give ``CREATE VIEW`` of a sensor, with the database's own quotes; for `exec_driver_sql`.
 
-    inherit_cache = False
+    Sensors of one kind have one query but for their channels and texts. Putting a query together
+    takes longer than the database takes for the view, so each kind's is made once.
+    """
+    template = _compile_template(dialect, _template_of(sensor))
+    # It knows backslashes and signs of percent, where they have a meaning to database or driver.
+    compiler = dialect.statement_compiler(dialect, None)
 
-    def __init__(self, name: str, sensor: SensorView) -> None:
-        """Show ``sensor`` under ``name``."""
-        self.name = name
-        self.query = _view_query(sensor)
+    def quoted(text: str) -> str:
+        return compiler.render_literal_value(text, types.String(200))
+
+    fillings = dict(zip(_CHANNELS, map(str, sensor.channels), strict=False))
+    fillings[quoted(_SHOWN)] = quoted(sensor.shown)
+    fillings[quoted(_UNIT)] = quoted(sensor.unit)
+    # In one pass: what is filled in is not looked at again, whatever a person has called it.
+    parts = re.split(f"({'|'.join(map(re.escape, fillings))})", template)
+    body = "".join(fillings.get(part, part) for part in parts)
+    return f"CREATE VIEW {dialect.identifier_preparer.quote(name)} AS {body}"
+
+
+def _template_of(sensor: SensorView) -> SensorView:
+    channels = tuple(int(number) for number in _CHANNELS[: len(sensor.channels)])
+    return sensor._replace(
+        address="",
+        shown=_SHOWN if sensor.shown else "",
+        unit=_UNIT if sensor.unit else "",
+        decimals=-1,
+        channels=channels,
+    )
+
+
+@lru_cache(maxsize=256)
+def _compile_template(dialect: Dialect, sensor: SensorView) -> str:
+    query = _view_query(sensor)
+    return str(query.compile(dialect=dialect, compile_kwargs={"literal_binds": True}))
 
 
 class DropView(ExecutableDDLElement):
@@ -122,13 +156,6 @@ class _Time(ColumnElement[Any]):
 
     def __init__(self, time_us: ColumnElement[int]) -> None:
         self.time_us = time_us
-
-
-@compiles(CreateView)
-def _compile_create(element: CreateView, compiler: Any, **_: object) -> str:  # noqa: ANN401 - untyped there
-    name = compiler.preparer.quote(element.name)
-    body = compiler.sql_compiler.process(element.query, literal_binds=True)
-    return f"CREATE VIEW {name} AS {body}"
 
 
 @compiles(DropView)
