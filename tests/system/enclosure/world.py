@@ -11,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import fcntl
 import itertools
 import json
 import os
@@ -384,10 +385,23 @@ class World(Observatory):
             self._server.close()
         self.close()
         os.close(self._orders)
-        dismiss_watchdog(self.data / "watchdog.lock")
-        if self.small_disk:
-            subprocess.run(["umount", "-l", str(self.data)], check=False)
-        shutil.rmtree(self.folder, ignore_errors=True)
+        lock = self.data / "watchdog.lock"
+        with lock.open("ab") as held:
+            dismiss_watchdog(lock)
+            if self.small_disk:
+                subprocess.run(["umount", "-l", str(self.data)], check=False)
+            shutil.rmtree(self.folder, ignore_errors=True)
+            # One that found the disk full could not say which process it is, so nobody can ask it
+            # to end: it does so by itself when its file is gone.
+            await self.until(lambda: _is_free(held.fileno()), "the watchdog's end")
+
+
+def _is_free(lock: int) -> bool:
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
 
 
 def _mount(folder: Path) -> bool:
