@@ -7,6 +7,7 @@ row that fails is done once more, for this also runs on machines that are busy.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
@@ -32,6 +33,7 @@ ASKED = [
     if protocol in row.protocols and (protocol == "ROS 2" or row.short)
 ]
 WITHIN_S = 800.0
+ENDING_S = 20.0
 
 
 class Rows:
@@ -65,6 +67,10 @@ class Rows:
             time.sleep(0.2)
 
     def end(self) -> None:
+        # The last row's result comes before its world has ended: one that is cut short leaves a
+        # watchdog that goes on closing.
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(ENDING_S)
         if self.process.poll() is None:
             self.process.terminate()
             try:
