@@ -39,6 +39,7 @@ check: setup  ## style, types, import direction, generated files
 	$(VENV)/python tools/generate_web_types.py --check
 	$(VENV)/python tools/generate_reference.py --check
 	$(VENV)/python tools/generate_asyncapi.py --check
+	$(VENV)/python tools/generate_notice.py --check
 	$(VENV)/python tools/check_tree.py
 	$(VENV)/python tools/check_tests.py
 	$(VENV)/python tools/check_names.py
@@ -61,6 +62,7 @@ soak: setup  ## hub and gateway for 2 hours (HOURS=24 before a release), and wha
 docs: setup  ## write docs/reference from the code
 	$(VENV)/python tools/generate_reference.py
 	$(VENV)/python tools/generate_asyncapi.py
+	$(VENV)/python tools/generate_notice.py
 	$(VENV)/python tools/generate_web_types.py
 
 lock: setup  ## resolve the Python lock files anew
