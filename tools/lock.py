@@ -29,6 +29,17 @@ LOCKS = {
     ],
 }
 ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
+# What an image of `talaia generate` may install, group by group: the extras that it knows, what
+# builds http-ece (which has no wheel), and uv. In one file that travels in the wheel.
+IMAGES = ROOT / "src/talaia/deploy/images.lock"
+IMAGE_EXTRAS = (
+    "hub", "mariadb", "postgresql", "objects", "gateway", "ros2", "recording", "camera",
+)  # fmt: skip
+OTHER_GROUPS = {"build": "setuptools\n", "uv": "uv\n"}
+COMPILE = (
+    "--universal", "--generate-hashes", "--no-emit-index-url", "--no-emit-find-links",
+    "--no-annotate", "--no-header", "--quiet",
+)  # fmt: skip
 
 
 def main() -> int:
@@ -41,9 +52,7 @@ def main() -> int:
             target = ROOT / "requirements" / name
             command = [
                 sys.executable, "-m", "uv", "pip", "compile", "pyproject.toml", str(always),
-                *extras, "--universal", "--python-version", "3.11", "--generate-hashes",
-                "--no-emit-index-url", "--no-emit-find-links", "--no-annotate", "--no-header",
-                "--quiet", "--output-file", str(target),
+                *extras, *COMPILE, "--python-version", "3.11", "--output-file", str(target),
             ]  # fmt: skip
             if name != "dev.txt":
                 command += ["--constraint", str(ROOT / "requirements" / "dev.txt")]
@@ -54,7 +63,41 @@ def main() -> int:
                 return 1
             count = len(re.findall(r"(?m)^[a-z0-9].*==", text))
             print(f"{target.relative_to(ROOT)}: {count} packages")
+        write_image_lock(Path(folder))
     return 0
+
+
+def write_image_lock(folder: Path) -> None:
+    """Write what images install: each package once, with the groups that need it."""
+    groups: dict[str, set[str]] = {}
+    for group in (*IMAGE_EXTRAS, *OTHER_GROUPS):
+        if group in OTHER_GROUPS:
+            source = folder / f"{group}.in"
+            source.write_text(OTHER_GROUPS[group])
+            words = [str(source)]
+        else:
+            words = ["pyproject.toml", "--extra", group]
+        made = folder / f"{group}.txt"
+        # For the Python of images, and for that of the tests, which install by it, too.
+        more = ["--python-version", "3.11", "--constraint", str(ROOT / "requirements/dev.txt")]
+        subprocess.run(
+            [
+                sys.executable, "-m", "uv", "pip", "compile", *words, *COMPILE, *more,
+                "--output-file", str(made),
+            ],
+            check=True,
+            cwd=ROOT,
+            stdout=subprocess.DEVNULL,
+        )  # fmt: skip
+        for block in re.findall(r"(?m)^\S+==[^\\\n]*(?:\\\n +--hash=\S+ ?)+", made.read_text()):
+            groups.setdefault(block, set()).add(group)
+    blocks = sorted(f"# {' '.join(sorted(names))}\n{text}\n" for text, names in groups.items())
+    blocks.sort(key=lambda block: block.partition("\n")[2])
+    head = (
+        "# Made by `make lock`: what images of `talaia generate` install, and for which extras.\n\n"
+    )
+    IMAGES.write_text(head + "".join(blocks))
+    print(f"{IMAGES.relative_to(ROOT)}: {len(blocks)} packages")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import shutil
 import stat
@@ -17,6 +18,7 @@ from tests.system.conftest import missing
 
 from talaia.cli.main import main
 from talaia.deploy.containers import DatabaseKind
+from talaia.deploy.locks import read_image_lock
 from talaia.deploy.project import DeployOptions, File, make_deployment
 from talaia.deploy.systemd import gateway_unit, hub_unit, quoted_argument
 from talaia.model.yaml_text.load import load_site, read_site
@@ -62,16 +64,59 @@ def test_compose_itself_accepts_the_project(database: DatabaseKind, tmp_path: Pa
     assert all(each["restart"] for each in kept["services"].values())
 
 
-def test_php_my_admin_is_part_of_it_only_where_it_is_asked_for(tmp_path: Path) -> None:
-    words = ["generate", str(EXAMPLE), "--to"]
-    for folder, more in (("without", []), ("with", ["--phpmyadmin"])):
-        assert main([*words, str(tmp_path / folder), *more]) == 0
-        services = yaml.safe_load((tmp_path / folder / "compose.yaml").read_text())["services"]
-        readme = (tmp_path / folder / "README.md").read_text()
-        assert ("phpmyadmin" in services) == ("phpMyAdmin" in readme) == bool(more)
-    refused = [*words, str(tmp_path / "no"), "--database", "sqlite", "--phpmyadmin"]
-    assert main(refused) == 2
+@pytest.mark.parametrize("database", DatabaseKind)
+def test_php_my_admin_starts_only_where_its_profile_is_asked_for(database: DatabaseKind) -> None:
+    files = files_of(database)
+    services = yaml.safe_load(files["compose.yaml"].text)["services"]
+    profiles = {name: each["profiles"] for name, each in services.items() if "profiles" in each}
+    mariadb = database is DatabaseKind.MARIADB
+    assert profiles == ({"phpmyadmin": ["phpmyadmin"]} if mariadb else {})
+    assert ("--profile phpmyadmin" in files["README.md"].text) == mariadb
+    # Its image writes this file itself where it is missing, which a read-only root forbids.
+    if mariadb:
+        (mount,) = services["phpmyadmin"]["volumes"]
+        here, there, rights = mount.split(":")
+        assert (there, rights) == ("/etc/phpmyadmin/config.secret.inc.php", "ro")
+        assert files[here.removeprefix("./")].text.startswith("<?php\n$cfg['blowfish_secret'] = '")
+
+
+def test_images_of_others_stand_by_their_tags_until_their_digests_are_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    digest = "sha256:" + "0a" * 32
+    words = ["generate", str(EXAMPLE), "--to", str(tmp_path / "to"), "--ros-distro", "jazzy"]
+    pins = ["python:3.12-slim-bookworm", "ros:jazzy-ros-base", "mariadb:11.4"]
+    assert main([*words, *(word for each in pins for word in ("--pin", f"{each}@{digest}"))]) == 0
+    folder = tmp_path / "to"
+    services = yaml.safe_load((folder / "compose.yaml").read_text())["services"]
+    assert services["database"]["image"] == f"mariadb:11.4@{digest}"
+    assert services["phpmyadmin"]["image"] == "phpmyadmin:5.2"
+    for name, image in (("hub", pins[0]), ("gateway", pins[1])):
+        assert (folder / f"{name}.Dockerfile").read_text().startswith(f"FROM {image}@{digest}\n")
+    for wrong, told in (
+        ("postgres:17@" + digest, "mariadb:11.4, phpmyadmin:5.2, python:3.12-slim-bookworm, ros"),
+        ("mariadb:11.4@sha256:0a", "64 hexadecimal digits"),
+    ):
+        assert main([*words[:3], str(tmp_path / "no"), *words[4:], "--pin", wrong]) == 2
+        assert told in capsys.readouterr().err
     assert not (tmp_path / "no").exists()
+
+
+def test_what_images_install_is_locked_as_what_the_tests_run_with() -> None:
+    locked = (EXAMPLE.parents[2] / "requirements/dev.txt").read_text()
+    for package in read_image_lock():
+        name, _, hashes = package.text.partition("\n")
+        # uv alone is no part of an environment for development.
+        if package.groups != {"uv"}:
+            assert re.split(r" [;\\]", name)[0] in locked
+            assert hashes in locked
+    for database in DatabaseKind:
+        for path, file in files_of(database).items():
+            if not path.startswith("locks/"):
+                continue
+            packages = re.split(r"^(?=\S)", file.text, flags=re.MULTILINE)[1:]
+            assert packages
+            assert all("==" in each and "--hash=sha256:" in each for each in packages)
 
 
 @pytest.mark.parametrize("database", DatabaseKind)
@@ -79,21 +124,16 @@ def test_every_container_is_bounded_has_no_capability_and_writes_only_where_it_m
     database: DatabaseKind, tmp_path: Path
 ) -> None:
     words = ["generate", str(EXAMPLE), "--to", str(tmp_path), "--database", database]
-    more = ["--phpmyadmin"] if database is DatabaseKind.MARIADB else []
-    assert main([*words, *more]) == 0
+    assert main(words) == 0
     services = yaml.safe_load((tmp_path / "compose.yaml").read_text())["services"]
     for name, service in services.items():
         assert service["cap_drop"] == ["ALL"], name
         assert service["security_opt"] == ["no-new-privileges:true"], name
         assert "/tmp" in service["tmpfs"], name  # noqa: S108 - of the container
-        assert service["mem_limit"], name
-        assert service["pids_limit"] > 0, name
-        # Its image cannot do without: see there.
-        if name == "phpmyadmin":
-            assert service["cap_add"] == ["SETGID", "SETUID"]
-            continue
         assert "cap_add" not in service, name
         assert service["read_only"], name
+        assert service["mem_limit"], name
+        assert service["pids_limit"] > 0, name
         # Nobody's root: of our own images by their recipe.
         assert "build" in service or not service["user"].startswith("0"), name
     # What compose hands to a database's own user is read by that user, and here by the owner.

@@ -182,7 +182,7 @@ def test_what_could_not_be_started_and_was_stopped_meanwhile_has_ended() -> None
 
 def test_a_deployment_is_written_by_a_command_that_ends() -> None:
     run = ProgramRun()
-    words = deploy_command(HERE, "site.yaml", "to", "postgresql", tables=False, over=False)
+    words = deploy_command(HERE, "site.yaml", "to", "postgresql", over=False)
     assert words == [*HERE, "generate", "site.yaml", "--to", "to", "--database", "postgresql"]
     run.start(words)
     run.add_line("to: 14 files")

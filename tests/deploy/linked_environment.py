@@ -23,13 +23,14 @@ __all__ = ["make_linked_environment", "needed_packages"]
 _PROGRAMS = "../../../bin/"
 
 
-def make_linked_environment(place: Path, wheel: Path, wanted: str) -> None:
+def make_linked_environment(place: Path, wheel: Path, wanted: str, *more: str) -> None:
     """Make an environment at ``place`` with what ``wanted`` of ``wheel`` needs, but not itself.
 
     Args:
         place: folder that is made.
         wheel: Talaia's own.
         wanted: as `pip install` is told it, ``talaia[hub]==1.2.3``.
+        more: names of packages beside what it needs.
 
     """
     subprocess.run(
@@ -39,7 +40,7 @@ def make_linked_environment(place: Path, wheel: Path, wanted: str) -> None:
     with zipfile.ZipFile(wheel) as packed:
         (name,) = (each for each in packed.namelist() if each.endswith(".dist-info/METADATA"))
         words = Parser().parsestr(packed.read(name).decode()).get_all("Requires-Dist", [])
-    for found in needed_packages(words, wanted):
+    for found in [*needed_packages(words, wanted), *map(distribution, more)]:
         _link(found, packages)
 
 

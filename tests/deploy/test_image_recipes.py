@@ -46,6 +46,8 @@ CLEAN = {
 # What is installed is run twice and thrown away: nothing is compiled that is never imported.
 CLEAN["PIP_COMPILE"] = "0"
 FROM_INDEX = "TALAIA_PROOF_TABLE" in os.environ
+# What an image builds a package with that has no wheel.
+BUILDERS = {"hub": ("setuptools",), "gateway": ()}
 TABLE_HEAD = """# What the images' recipes install
 
 Made by `make proofs ONLY=images`: the steps of the recipes, run from the index into clean \
@@ -128,31 +130,51 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
     folder, place = tmp_path / "deployment", tmp_path / "environment"
     assert main(["generate", str(EXAMPLE), "--to", str(folder), "--wheel", str(wheel)]) == 0
     recipe = (folder / f"{image}.Dockerfile").read_text()
-    assert "COPY wheels/ /wheels/" in recipe
-    (install,) = steps(recipe)
-    assert install[:2] == ["pip", "install"]
+    assert {"COPY wheels/ /wheels/", "COPY locks/ /locks/"} <= set(recipe.splitlines())
+    *locked, own = steps(recipe)
+    assert own[:2] == ["pip", "install"]
+    # What is of others comes by its hash, and Talaia from its folder alone.
+    assert all({"--require-hashes", "-r"} <= set(each) for each in locked)
+    assert "--no-index" in own
     if FROM_INDEX:
         run(sys.executable, "-m", "venv", "--without-pip", place)
     else:
-        make_linked_environment(place, wheel, install[-1])
+        make_linked_environment(place, wheel, own[-1], *BUILDERS[image])
     pip = (sys.executable, "-m", "pip", "--python", place / "bin/python")
-    run(
-        *pip,
-        *(str(folder / "wheels") if each == "/wheels" else each for each in install[1:]),
-        *([] if FROM_INDEX else ["--no-index"]),
-    )
+    for step in (*locked, own):
+        words_here = (re.sub("^/(?=wheels|locks)", f"{folder}/", each) for each in step[1:])
+        run(*pip, *words_here, *([] if FROM_INDEX else ["--no-index"]))
     (entry,) = re.findall(r"^ENTRYPOINT (\[.*\])$", recipe, re.MULTILINE)
     program = place / "bin" / json.loads(entry)[0]
     assert run(program, "--version").strip() == f"talaia {__version__}"
     assert "usage: talaia" in run(program, *words)
     assert run(*pip, "check").startswith("No broken requirements")
+    if image == "hub":
+        # From here it packs itself, and what it writes is the wheel that it came from.
+        run(program, "generate", EXAMPLE, "--to", tmp_path / "again")
+        (packed,) = (tmp_path / "again/wheels").glob("*.whl")
+        assert content_of(packed) == content_of(wheel)
+        assert packed.name == wheel.name
     if table := os.environ.get("TALAIA_PROOF_TABLE"):
         came = run(*pip, "list", "--format", "freeze").replace("\n", "\n- ").rstrip("- \n")
         # The first of them.
         begins = image == "hub"
         with Path(table).open("w" if begins else "a") as file:
             file.write(TABLE_HEAD if begins else "")
-            file.write(f"## What came for `{install[-1]}`\n\n- {came}\n\n")
+            file.write(f"## What came for `{own[-1]}`\n\n- {came}\n\n")
+
+
+def content_of(wheel: Path) -> dict[str, str]:
+    """Give what a wheel holds, by name; its list of files stands in another order."""
+    with zipfile.ZipFile(wheel) as packed:
+        content = {
+            each: hashlib.sha256(packed.read(each)).hexdigest()
+            for each in packed.namelist()
+            if not each.endswith("/RECORD")
+        }
+        (record,) = (each for each in packed.namelist() if each.endswith("/RECORD"))
+        rows = "\n".join(sorted(packed.read(record).decode().splitlines()))
+    return {**content, "RECORD": rows}
 
 
 def python_of(version: str) -> str:
@@ -224,6 +246,7 @@ def test_the_install_steps_of_an_image_on_ros_work_and_its_gateway_sees_a_robot(
     stand_ins = {"python3": ros_own, "/wheels": str(folder / "wheels")}
     for step in steps(recipe):
         here = [f"{root}{word}" if word.startswith("/opt/") else word for word in step]
+        here = [re.sub("^/(?=locks/)", f"{folder}/", word) for word in here]
         run(*(stand_ins.get(word, word) for word in here), **places)
     (entry,) = re.findall(r"^ENTRYPOINT (\[.*\])$", recipe, re.MULTILINE)
     program = Path(f"{root}{json.loads(entry)[0]}")
@@ -255,12 +278,12 @@ def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:
     site.write_text(OLD)
     assert main(["generate", str(site), "--to", str(tmp_path / "old")]) == 0
     recipe = (tmp_path / "old/gateway.Dockerfile").read_text()
-    assert steps(recipe)[0][-1] == f"talaia[gateway,recording]=={__version__}"
+    assert steps(recipe)[-1][-1] == f"talaia[gateway,recording]=={__version__}"
     assert "python3-rospy" in recipe
     assert main(["generate", str(EXAMPLE), "--to", str(tmp_path / "new")]) == 0
     recipe = (tmp_path / "new/gateway.Dockerfile").read_text()
     # It has a camera, and whether objects are seen on its pictures may be chosen later.
-    assert steps(recipe)[0][-1] == f"talaia[gateway,ros2,objects]=={__version__}"
+    assert steps(recipe)[-1][-1] == f"talaia[gateway,ros2,objects]=={__version__}"
     assert "apt-get" not in recipe
 
 
@@ -276,4 +299,4 @@ def test_a_hubs_image_sees_objects_where_a_camera_wants_it_to(
     words = ["generate", str(site), "--to", str(tmp_path / "to"), "--database", "sqlite"]
     assert main(words) == 0
     recipe = (tmp_path / "to/hub.Dockerfile").read_text()
-    assert steps(recipe)[0][-1] == f"talaia[{extras}]=={__version__}"
+    assert steps(recipe)[-1][-1] == f"talaia[{extras}]=={__version__}"

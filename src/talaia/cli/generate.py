@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import secrets
 import shutil
 import sys
@@ -11,8 +12,15 @@ from typing import TYPE_CHECKING
 
 from talaia import __version__
 from talaia.cli.errors import CliError
+from talaia.cli.own_wheel import pack_own_wheel
 from talaia.deploy.containers import DatabaseKind
-from talaia.deploy.project import DeployOptions, File, make_deployment
+from talaia.deploy.project import (
+    DeployOptions,
+    File,
+    make_deployment,
+    named_images,
+    pin_images,
+)
 from talaia.deploy.ros_image import ROS_DISTROS
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
@@ -24,6 +32,7 @@ __all__ = ["main"]
 
 # Files of this folder are never written twice, not even by --force.
 _KEPT = "secrets/"
+_PIN = re.compile(r"[^@\s]+@sha256:[0-9a-f]{64}\Z")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -41,13 +50,10 @@ def main(argv: Sequence[str]) -> int:
             "--arch arm64: there are no wheels of ROS 2 for it; add --ros-distro "
             f"({', '.join(ROS_DISTROS)})"
         )
-    if options.phpmyadmin and options.database != DatabaseKind.MARIADB:
-        raise CliError(f"--phpmyadmin: knows mariadb only, not {options.database}")
     if options.wheel is not None and not options.wheel.is_file():
         raise CliError(f"--wheel {options.wheel}: there is no such file")
     choice = DeployOptions(
         database=DatabaseKind(options.database),
-        phpmyadmin=options.phpmyadmin,
         port=options.port,
         hosts=tuple(options.allow_host),
         version=__version__,
@@ -60,11 +66,38 @@ def main(argv: Sequence[str]) -> int:
     files = make_deployment(
         site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24)
     )
+    files = _pin_images(files, options.pin)
     _write_files(options.to, files, force=options.force)
-    if options.wheel is not None:
-        shutil.copy(options.wheel, options.to / "wheels")
+    _bring_wheel(options.to / "wheels", options.wheel)
     print(f"{options.to}: {len(files)} files; README.md there says how to start", file=sys.stderr)
     return 0
+
+
+def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
+    known = named_images(files)
+    for pin in pins:
+        if not _PIN.match(pin):
+            raise CliError(
+                f"--pin: expected IMAGE@sha256: and 64 hexadecimal digits, found {pin!r}"
+            )
+        if pin.partition("@")[0] not in known:
+            raise CliError(
+                f"--pin {pin.partition('@')[0]}: this deployment has no such image; it has "
+                f"{', '.join(known)}"
+            )
+    return pin_images(files, pins)
+
+
+def _bring_wheel(folder: Path, given: Path | None) -> None:
+    """Lay Talaia's own wheel where the images take it from."""
+    if given is not None:
+        shutil.copy(given, folder)
+    elif pack_own_wheel(folder) is None and not list(folder.glob("talaia-*.whl")):
+        print(
+            f"{folder} needs Talaia's wheel before the images are built: this Talaia runs from a "
+            f"checkout; there, run `python -m build --wheel --outdir {folder}`",
+            file=sys.stderr,
+        )
 
 
 def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
@@ -80,11 +113,6 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         choices=[database.value for database in DatabaseKind],
         default=DatabaseKind.MARIADB.value,
         help="where accounts and history are kept (mariadb)",
-    )
-    parser.add_argument(
-        "--phpmyadmin",
-        action="store_true",
-        help="with mariadb: a page to look at the tables, on that machine only",
     )
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(
@@ -116,7 +144,19 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         default="",
         help="of the gateway's machine (that of whoever builds the image)",
     )
-    parser.add_argument("--wheel", type=Path, help="Talaia's own wheel, to build the images from")
+    parser.add_argument(
+        "--wheel",
+        type=Path,
+        help="Talaia's wheel, to build the images from (this Talaia, packed from where it is "
+        "installed)",
+    )
+    parser.add_argument(
+        "--pin",
+        action="append",
+        default=[],
+        metavar="IMAGE@DIGEST",
+        help="write an image of others with its digest (postgres:17@sha256:…); may be repeated",
+    )
     parser.add_argument(
         "--force", action="store_true", help="overwrite existing files; secrets are kept"
     )

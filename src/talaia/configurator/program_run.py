@@ -29,11 +29,11 @@ def up_command(talaia: Sequence[str], file: str, data: str = "") -> list[str]:
 
 
 def deploy_command(
-    talaia: Sequence[str], file: str, folder: str, database: str, *, tables: bool, over: bool
+    talaia: Sequence[str], file: str, folder: str, database: str, *, over: bool
 ) -> list[str]:
-    """Give the words that write a deployment's folder; ``tables`` adds phpMyAdmin."""
+    """Give the words that write a deployment's folder."""
     words = [*talaia, "generate", file, "--to", folder, "--database", database]
-    return [*words, *["--phpmyadmin"] * tables, *["--force"] * over]
+    return [*words, *["--force"] * over]
 
 
 class ProgramPhase(StrEnum):

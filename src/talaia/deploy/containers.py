@@ -15,12 +15,23 @@ from typing import TYPE_CHECKING
 
 import yaml
 
+from talaia.deploy.locks import SOURCE_ONLY
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
-__all__ = ["USER", "DatabaseKind", "write_compose_file", "write_dockerfile"]
+__all__ = [
+    "TABLES_PORT",
+    "TABLES_SECRET",
+    "USER",
+    "DatabaseKind",
+    "install_steps",
+    "write_compose_file",
+    "write_dockerfile",
+    "write_steps",
+]
 
-# By minor version: to build anew brings the fixes of what lies below.
+# By tag: to build anew brings the fixes of what lies below. `--pin` adds digests.
 PYTHON_IMAGE = "python:3.12-slim-bookworm"
 IMAGES = {"mariadb": "mariadb:11.4", "postgresql": "postgres:17", "phpmyadmin": "phpmyadmin:5.2"}
 # Numbers, not names: volumes keep their owner when the image is built anew.
@@ -34,6 +45,12 @@ _HEALTH = (
 _SMALL = {"max-size": "10m", "max-file": "3"}
 # The databases' own user in both images: as root they would need capabilities to become it.
 _DATABASE_USER = "999:999"
+# The one of phpMyAdmin's Apache, which its image is also tried with.
+_WEB_USER = "33:33"
+# What phpMyAdmin seals its cookies with, as its image wants it.
+TABLES_SECRET = "phpmyadmin.php"  # noqa: S105 - a file's name
+# Where phpMyAdmin is, on the host itself.
+TABLES_PORT = 8081
 # Threads and processes of one container.
 _MOST_TASKS = 1024
 
@@ -46,12 +63,18 @@ class DatabaseKind(StrEnum):
     POSTGRESQL = "postgresql"
 
 
-def write_dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] = ()) -> str:
-    """Write an image's recipe: Talaia with what pip finds for it, and nobody's root.
+def write_dockerfile(
+    image: str, extras: Iterable[str], version: str, debian: Iterable[str] = ()
+) -> str:
+    """Write an image's recipe: Talaia, what the lock file of its name names, and nobody's root.
 
-    ``wheels/`` may hold Talaia's own wheel; where it is empty, the version is fetched by pip.
+    Args:
+        image: ``hub`` or ``gateway``; ``locks/`` holds a file of its name.
+        extras: of Talaia.
+        version: of Talaia, whose wheel is in ``wheels/``.
+        debian: packages of the system's.
+
     """
-    wanted = f"talaia[{','.join(extras)}]=={version}"
     packages = " ".join(debian)
     system = (
         f"RUN apt-get update && apt-get install -y --no-install-recommends {packages} \\\n"
@@ -59,18 +82,48 @@ def write_dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] 
         if packages
         else ""
     )
-    # A list, which the recipe runs without a shell: brackets and names stay what they are.
-    install = ["pip", "install", "--no-cache-dir", "--find-links", "/wheels", wanted]
+    wanted = f"talaia[{','.join(extras)}]=={version}"
     return f"""\
 FROM {PYTHON_IMAGE}
 {system}COPY wheels/ /wheels/
-RUN {json.dumps(install)}
+COPY locks/ /locks/
+{write_steps(install_steps(["pip"], ["--no-cache-dir"], image, wanted))}
 RUN groupadd --gid 10001 talaia && useradd --uid 10001 --gid 10001 --no-create-home talaia \\
     && install -d -o talaia -g talaia -m 0700 /data /link
 USER {USER}
 ENV PYTHONUNBUFFERED=1
 ENTRYPOINT ["talaia"]
 """
+
+
+def install_steps(
+    pip: Sequence[str], options: Sequence[str], image: str, wanted: str
+) -> list[list[str]]:
+    """Give the steps that install Talaia: by hash what is of others, and no name from an index.
+
+    Args:
+        pip: how pip is called.
+        options: of each of its installations.
+        image: whose lock file it is, as `write_dockerfile`.
+        wanted: Talaia with its extras and version.
+
+    """
+    install = [*pip, "install", *options]
+    # To build a package would bring in its builder, and run its code: one has no wheel, and is
+    # built by what the step before has installed.
+    wheels = ["--require-hashes", "--only-binary", ":all:"]
+    built = ["--no-binary", SOURCE_ONLY, "--no-build-isolation"]
+    steps = [[*install, *wheels, "-r", "/locks/build.txt"]] if image == "hub" else []
+    steps.append(
+        [*install, *wheels, *(built if image == "hub" else []), "-r", f"/locks/{image}.txt"]
+    )
+    # Without an index: what a lock lacks ends the build, and is not looked for elsewhere.
+    return [*steps, [*install, "--no-index", "--find-links", "/wheels", wanted]]
+
+
+def write_steps(steps: Iterable[Sequence[str]]) -> str:
+    """Write steps as lists, which a recipe runs without a shell: brackets stay what they are."""
+    return "\n".join(f"RUN {json.dumps(step)}" for step in steps)
 
 
 def write_compose_file(
@@ -80,7 +133,6 @@ def write_compose_file(
     port: int,
     hosts: Iterable[str],
     ros_domain: int | None,
-    phpmyadmin: bool = False,
     arch: str = "",
 ) -> str:
     """Write ``compose.yaml``.
@@ -91,7 +143,6 @@ def write_compose_file(
         port: of the dashboard, on the host.
         hosts: names under which the dashboard is reached, beside the machine's own.
         ros_domain: the ROS domain; none leaves it to the description.
-        phpmyadmin: with MariaDB, a page that shows its tables.
         arch: of the gateway's machine, ``arm64``; empty is the builder's own.
 
     """
@@ -123,7 +174,7 @@ def write_compose_file(
     if database is not DatabaseKind.SQLITE:
         added = _mariadb_services() if database is DatabaseKind.MARIADB else _postgresql_services()
         services |= added
-        if phpmyadmin:
+        if database is DatabaseKind.MARIADB:
             services["phpmyadmin"] = _phpmyadmin_service()
         volumes["database"] = {}
         secrets = {name: {"file": f"./secrets/{name}"} for name in _secret_files(database)}
@@ -251,21 +302,27 @@ def _mariadb_services() -> dict[str, object]:
 
 
 def _phpmyadmin_service() -> dict[str, object]:
-    """On this machine only; whoever signs in there gives the database's own name and password.
+    """Started only when its profile is asked for, and reached on this machine only.
 
-    Its image writes its settings as it starts, and its Apache begins as root and becomes another:
-    the two rights to do that are all that it has.
+    Whoever signs in there gives the database's own name and password.
     """
     return _base_service(
         {
             "image": IMAGES["phpmyadmin"],
+            "profiles": ["phpmyadmin"],
+            # Apache as its own user from the start: as root it would need two capabilities to
+            # become it. The port below 1024 is then open to it by the sysctl.
+            "user": _WEB_USER,
+            "sysctls": {"net.ipv4.ip_unprivileged_port_start": "0"},
             "environment": {"PMA_HOST": "database"},
-            "read_only": False,
-            "cap_add": ["SETGID", "SETUID"],
-            "ports": ["127.0.0.1:8081:80"],
+            # The image would write that file at the start, into a root that cannot be written.
+            "volumes": [f"./secrets/{TABLES_SECRET}:/etc/phpmyadmin/config.secret.inc.php:ro"],
+            "ports": [f"127.0.0.1:{TABLES_PORT}:80"],
             "depends_on": {"database": {"condition": "service_healthy"}},
         },
         "512m",
+        # Apache's locks, the sessions, and templates that phpMyAdmin compiles.
+        [f"{each}:mode=0700,uid=33,gid=33" for each in ("/run", "/sessions", "/var/www/html/tmp")],
     )
 
 

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.deploy.containers import DatabaseKind, write_compose_file, write_dockerfile
+from talaia.deploy.containers import (
+    TABLES_SECRET,
+    DatabaseKind,
+    write_compose_file,
+    write_dockerfile,
+)
+from talaia.deploy.locks import BUILD, UV, write_lock
 from talaia.deploy.readme import write_readme
 from talaia.deploy.ros_image import message_packages, write_ros_dockerfile
 from talaia.deploy.systemd import gateway_unit, hub_unit
@@ -12,12 +19,14 @@ from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.detection import DetectAt
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Mapping
 
     from talaia.model.site import Site
 
-__all__ = ["DeployOptions", "File", "make_deployment"]
+__all__ = ["DeployOptions", "File", "make_deployment", "named_images", "pin_images"]
 
+# Where a recipe or a compose file names an image of others.
+_IMAGE = re.compile(r"^(?P<before>FROM | +image: )(?P<name>\S+)$", re.MULTILINE)
 
 # rospy and what robots are told something by; to be read, a type needs no package.
 ROS1_PACKAGES = (
@@ -47,7 +56,6 @@ class DeployOptions(NamedTuple):
         version: of Talaia, for the images.
         program: absolute path of ``talaia`` on a robot's own computer.
         setup: absolute path of a ROS installation's ``setup.bash``; empty for none.
-        phpmyadmin: with MariaDB, its tables can be looked at on a page.
         ros_distro: the distribution whose image the gateway's is made from; empty takes the wheels.
         arch: of the gateway's machine as Docker calls it (``arm64``); empty is the builder's own.
 
@@ -59,7 +67,6 @@ class DeployOptions(NamedTuple):
     version: str
     program: str
     setup: str = ""
-    phpmyadmin: bool = False
     ros_distro: str = ""
     arch: str = ""
 
@@ -80,15 +87,14 @@ def make_deployment(
     database = choice.database
     # Each database has an extra of its name, with the driver.
     extras = ["hub"] if database is DatabaseKind.SQLITE else ["hub", database.value]
+    gateway_extras = _gateway_extras(site, choice)
     looks = [
         stream.detect for device in site.devices.values() for stream in device.streams.values()
     ]
     if any(detect is not None and detect.at is DetectAt.HUB for detect in looks):
         extras.append("objects")
     files = {
-        "README.md": File(
-            write_readme(site, database, choice.port, choice.setup, tables=choice.phpmyadmin)
-        ),
+        "README.md": File(write_readme(site, database, choice.port, choice.setup)),
         "site.yaml": File(description),
         "compose.yaml": File(
             write_compose_file(
@@ -98,11 +104,13 @@ def make_deployment(
                 hosts=choice.hosts,
                 ros_domain=domain,
                 arch=choice.arch,
-                phpmyadmin=choice.phpmyadmin,
             )
         ),
-        "hub.Dockerfile": File(write_dockerfile(extras, choice.version)),
-        "gateway.Dockerfile": File(_gateway_image(site, choice)),
+        "hub.Dockerfile": File(write_dockerfile("hub", extras, choice.version)),
+        "locks/hub.txt": File(write_lock(extras)),
+        "locks/build.txt": File(write_lock([BUILD])),
+        "gateway.Dockerfile": File(_gateway_image(site, choice, gateway_extras)),
+        "locks/gateway.txt": File(write_lock(gateway_extras)),
         # Keeps the folder, which the images' COPY needs.
         "wheels/.keep": File(""),
         # Neither passwords nor units go to the builder.
@@ -113,6 +121,8 @@ def make_deployment(
         ),
         "systemd/talaia-hub.service": File(hub_unit(choice.program, choice.port, choice.hosts)),
     }
+    if choice.ros_distro:
+        files["locks/uv.txt"] = File(write_lock([UV]))
     if database is not DatabaseKind.SQLITE:
         password = random()
         # Compose hands these on as they are, and in its container each is read by another user;
@@ -120,6 +130,9 @@ def make_deployment(
         files["secrets/database_password"] = File(password, 0o644)
         if database is DatabaseKind.MARIADB:
             files["secrets/database_root_password"] = File(random(), 0o644)
+            # PHP, as phpMyAdmin's image reads it; 32 letters and digits need no escape.
+            sealing = f"<?php\n$cfg['blowfish_secret'] = '{random()[:32]}';\n"
+            files[f"secrets/{TABLES_SECRET}"] = File(sealing, 0o644)
         # Letters and digits need no escape in a URL.
         url = f"{database.value}://talaia:{password}@database/talaia"
         # The hub's user in its container reads it, and only that container has it.
@@ -127,8 +140,34 @@ def make_deployment(
     return files
 
 
-def _gateway_image(site: Site, choice: DeployOptions) -> str:
-    """Write the recipe of a gateway that has what the site's connections need."""
+def named_images(files: Mapping[str, File]) -> list[str]:
+    """Name the images of others that a deployment is made of."""
+    return sorted(
+        {found["name"] for file in files.values() for found in _IMAGE.finditer(file.text)}
+    )
+
+
+def pin_images(files: Mapping[str, File], pins: Iterable[str]) -> dict[str, File]:
+    """Write a digest behind each image's tag.
+
+    Args:
+        files: of `make_deployment`.
+        pins: images with their digests, ``postgres:17@sha256:…``.
+
+    """
+    pinned = {pin.partition("@")[0]: pin for pin in pins}
+    return {
+        path: file._replace(
+            text=_IMAGE.sub(
+                lambda found: found["before"] + pinned.get(found["name"], found["name"]), file.text
+            )
+        )
+        for path, file in files.items()
+    }
+
+
+def _gateway_extras(site: Site, choice: DeployOptions) -> list[str]:
+    """Name what the site's connections, recordings and cameras need."""
     links = site.links().values()
     extras = ["gateway"]
     # In a distribution's image the ROS 2 is there, and of another Python.
@@ -141,6 +180,11 @@ def _gateway_image(site: Site, choice: DeployOptions) -> str:
         extras.append("objects")
     if site.filmed_cameras():
         extras.append("camera")
+    return extras
+
+
+def _gateway_image(site: Site, choice: DeployOptions, extras: list[str]) -> str:
+    """Write the recipe of a gateway that has what the site's connections need."""
     if choice.ros_distro:
         types = [
             named
@@ -153,5 +197,5 @@ def _gateway_image(site: Site, choice: DeployOptions) -> str:
         ]
         packages = message_packages(types)
         return write_ros_dockerfile(choice.ros_distro, extras, choice.version, packages)
-    old = any(isinstance(link, Ros1Connection) for link in links)
-    return write_dockerfile(extras, choice.version, ROS1_PACKAGES if old else ())
+    old = any(isinstance(link, Ros1Connection) for link in site.links().values())
+    return write_dockerfile("gateway", extras, choice.version, ROS1_PACKAGES if old else ())

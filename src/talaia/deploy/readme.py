@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from talaia.deploy.containers import DatabaseKind
+from talaia.deploy.containers import TABLES_PORT, DatabaseKind
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -22,8 +22,8 @@ def _plain_text(text: str) -> str:
     return _MARKS.sub(r"\\\1", shown)
 
 
-def write_readme(site: Site, database: DatabaseKind, port: int, setup: str, *, tables: bool) -> str:
-    """Write the page of one deployment; ``tables``: phpMyAdmin is part of it."""
+def write_readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
+    """Write the page of one deployment."""
     secrets = (
         ""
         if database is DatabaseKind.SQLITE
@@ -31,9 +31,10 @@ def write_readme(site: Site, database: DatabaseKind, port: int, setup: str, *, t
         "control (`.gitignore` does) and out of chats.\n"
     )
     table_note = (
-        "\nThe tables can be looked at with phpMyAdmin on http://127.0.0.1:8081 (user `talaia`, "
-        "password in `secrets/database_password`): each sensor is a view of its own name.\n"
-        if tables
+        "\n`docker compose --profile phpmyadmin up --detach` also starts phpMyAdmin, to look at "
+        f"the tables, on http://127.0.0.1:{TABLES_PORT} (user `talaia`, password in "
+        "`secrets/database_password`): each sensor is a view of its own name.\n"
+        if database is DatabaseKind.MARIADB
         else ""
     )
     ros = (
@@ -62,8 +63,11 @@ fingerprint your browser shows with the one in the hub's log, or give it yours (
 {secrets}{table_note}
 The gateway runs in the host's network, where DDS finds the robot. Its key is made at the \
 first start, by the service `enrol`, and kept in the volume `link`. To make another, remove \
-that volume. `hub.Dockerfile` fetches Talaia by its version; to use a wheel of your own, put \
-it into `wheels/`.
+that volume.
+
+Talaia's own wheel lies in `wheels/`, and the build takes it from nowhere else. What it needs is \
+installed by version and hash (`locks/`): what does not fit ends the build. The images of others \
+stand by their tags; `talaia generate --force --pin IMAGE@sha256:…` writes their digests.
 
 ## The gateway on the robot's own computer
 

@@ -6,11 +6,10 @@ Python. So one recipe serves Humble (3.10) and Jazzy (3.12), and nothing of the 
 
 from __future__ import annotations
 
-import json
 import re
 from typing import TYPE_CHECKING
 
-from talaia.deploy.containers import USER
+from talaia.deploy.containers import USER, install_steps, write_steps
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -40,29 +39,32 @@ def write_ros_dockerfile(
     Args:
         distro: of `ROS_DISTROS`.
         extras: of Talaia; those of ROS's wheels are not wanted.
-        version: of Talaia, if ``wheels/`` does not hold a wheel.
+        version: of Talaia, whose wheel is in ``wheels/``.
         packages: of messages, by their ROS names.
 
     """
     debian = " ".join(f"ros-{distro}-{name.replace('_', '-')}" for name in packages)
     wanted = f"talaia[{','.join(extras)}]=={version}"
     uv, home = "/opt/uv/bin/uv", "/opt/talaia"
-    install = ["--python", f"{home}/bin/python", "--no-cache", "--find-links", "/wheels", wanted]
-    # The distribution's Python only brings uv, which brings the gateway's.
-    steps = (
+    locked = ["--require-hashes", "--only-binary", ":all:", "-r", "/locks/uv.txt"]
+    # The distribution's Python only brings uv, which brings the gateway's: uv knows the hash of
+    # each Python that it downloads.
+    steps = [
         ["python3", "-m", "venv", "/opt/uv"],
-        ["/opt/uv/bin/pip", "install", "--no-cache-dir", "uv"],
+        ["/opt/uv/bin/pip", "install", "--no-cache-dir", *locked],
         [uv, "venv", "--python", _PYTHON, "--python-preference", "only-managed", home],
-        [uv, "pip", "install", *install],
-    )
-    run = "\n".join(f"RUN {json.dumps(step)}" for step in steps)
+        *install_steps(
+            [uv, "pip"], ["--python", f"{home}/bin/python", "--no-cache"], "gateway", wanted
+        ),
+    ]
     return f"""\
 FROM ros:{distro}-ros-base
 RUN apt-get update && apt-get install -y --no-install-recommends python3-venv {debian} \\
     && rm -rf /var/lib/apt/lists/*
 COPY wheels/ /wheels/
+COPY locks/ /locks/
 ENV UV_PYTHON_INSTALL_DIR=/opt/python
-{run}
+{write_steps(steps)}
 RUN groupadd --gid 10001 talaia && useradd --uid 10001 --gid 10001 --no-create-home talaia \\
     && install -d -o talaia -g talaia -m 0700 /data /link
 USER {USER}

@@ -139,9 +139,6 @@ class GeneratePage(Page):
         for word, name in DATABASE_NAMES.items():
             self.database.addItem(name, word)
         self.database.setAccessibleName("Database of the deployment")
-        self.tables = QCheckBox("with &phpMyAdmin")
-        self.tables.setToolTip("a page to look at the tables, on that machine only")
-        self.database.currentIndexChanged.connect(lambda _: self._offer_tables())
         self.over = QCheckBox("&Overwrite existing files")
         self.over.setToolTip("secrets are kept")
         self.make_button = make_button("&Make deployment", self.make)
@@ -157,8 +154,6 @@ class GeneratePage(Page):
         grid.addWidget(make_button("&Choose …", self._choose_folder), 1, 1)
         grid.addWidget(self.make_button, 1, 3)
         grid.addWidget(self.over, 2, 0, 1, 2)
-        grid.addWidget(self.tables, 2, 2)
-        self._offer_tables()
         card.body.addLayout(grid)
         self.made_state = make_label("", "ok", wrap=True)
         card.body.addWidget(self.made_state)
@@ -217,7 +212,6 @@ class GeneratePage(Page):
             str(self._editor.file),
             str(Path(folder).expanduser()),
             self.database.currentData(),
-            tables=self.tables.isChecked() and self.tables.isEnabled(),
             over=self.over.isChecked(),
         )
         self._begin_run(self.made, self._deploy, words)
@@ -259,10 +253,6 @@ class GeneratePage(Page):
     def _not_started(self, run: ProgramRun) -> None:
         run.not_started(self._talaia[0])
         self.show_state()
-
-    def _offer_tables(self) -> None:
-        """PhpMyAdmin knows MariaDB only."""
-        self.tables.setEnabled(self.database.currentData() == "mariadb")
 
     def _choose_folder(self) -> None:
         folder = QFileDialog.getExistingDirectory(self, "Folder of the deployment")
