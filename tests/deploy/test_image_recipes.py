@@ -46,8 +46,8 @@ CLEAN = {
 # What is installed is run twice and thrown away: nothing is compiled that is never imported.
 CLEAN["PIP_COMPILE"] = "0"
 FROM_INDEX = "TALAIA_PROOF_TABLE" in os.environ
-# What an image builds a package with that has no wheel.
-BUILDERS = {"hub": ("setuptools",), "gateway": ()}
+# What images build a package with that has no wheel.
+BUILDERS = ("setuptools",)
 TABLE_HEAD = """# What the images' recipes install
 
 Made by `make proofs ONLY=images`: the steps of the recipes, run from the index into clean \
@@ -139,7 +139,7 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
     if FROM_INDEX:
         run(sys.executable, "-m", "venv", "--without-pip", place)
     else:
-        make_linked_environment(place, wheel, own[-1], *BUILDERS[image])
+        make_linked_environment(place, wheel, own[-1], *BUILDERS)
     pip = (sys.executable, "-m", "pip", "--python", place / "bin/python")
     for step in (*locked, own):
         words_here = (re.sub("^/(?=wheels|locks)", f"{folder}/", each) for each in step[1:])

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from talaia.deploy.locks import SOURCE_ONLY
+from talaia.deploy.locks import built_packages
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -64,7 +64,7 @@ class DatabaseKind(StrEnum):
 
 
 def write_dockerfile(
-    image: str, extras: Iterable[str], version: str, debian: Iterable[str] = ()
+    image: str, extras: Sequence[str], version: str, debian: Iterable[str] = ()
 ) -> str:
     """Write an image's recipe: Talaia, what the lock file of its name names, and nobody's root.
 
@@ -82,12 +82,11 @@ def write_dockerfile(
         if packages
         else ""
     )
-    wanted = f"talaia[{','.join(extras)}]=={version}"
     return f"""\
 FROM {PYTHON_IMAGE}
 {system}COPY wheels/ /wheels/
 COPY locks/ /locks/
-{write_steps(install_steps(["pip"], ["--no-cache-dir"], image, wanted))}
+{write_steps(install_steps(["pip", "install", "--no-cache-dir"], image, extras, version))}
 RUN groupadd --gid 10001 talaia && useradd --uid 10001 --gid 10001 --no-create-home talaia \\
     && install -d -o talaia -g talaia -m 0700 /data /link
 USER {USER}
@@ -97,26 +96,27 @@ ENTRYPOINT ["talaia"]
 
 
 def install_steps(
-    pip: Sequence[str], options: Sequence[str], image: str, wanted: str
+    install: Sequence[str], image: str, extras: Sequence[str], version: str
 ) -> list[list[str]]:
     """Give the steps that install Talaia: by hash what is of others, and no name from an index.
 
     Args:
-        pip: how pip is called.
-        options: of each of its installations.
+        install: how pip's installation is called.
         image: whose lock file it is, as `write_dockerfile`.
-        wanted: Talaia with its extras and version.
+        extras: of Talaia.
+        version: of Talaia.
 
     """
-    install = [*pip, "install", *options]
-    # To build a package would bring in its builder, and run its code: one has no wheel, and is
-    # built by what the step before has installed.
-    wheels = ["--require-hashes", "--only-binary", ":all:"]
-    built = ["--no-binary", SOURCE_ONLY, "--no-build-isolation"]
-    steps = [[*install, *wheels, "-r", "/locks/build.txt"]] if image == "hub" else []
-    steps.append(
-        [*install, *wheels, *(built if image == "hub" else []), "-r", f"/locks/{image}.txt"]
-    )
+    wanted = f"talaia[{','.join(extras)}]=={version}"
+    locked = [*install, "--require-hashes", "--only-binary", ":all:"]
+    steps: list[list[str]] = []
+    # To build a package, pip would fetch its builder without hashes. So two that have no wheel
+    # are built by what a step before installs, and nothing else may be built.
+    building: list[str] = []
+    if built := built_packages(extras):
+        steps = [[*locked, "-r", "/locks/build.txt"]]
+        building = ["--no-build-isolation", *(f"--no-binary={each}" for each in built)]
+    steps.append([*locked, *building, "-r", f"/locks/{image}.txt"])
     # Without an index: what a lock lacks ends the build, and is not looked for elsewhere.
     return [*steps, [*install, "--no-index", "--find-links", "/wheels", wanted]]
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["BUILD", "SOURCE_ONLY", "UV", "LockedPackage", "read_image_lock", "write_lock"]
+__all__ = ["BUILD", "UV", "LockedPackage", "built_packages", "read_image_lock", "write_lock"]
 
 # Groups beside those of Talaia's extras: what builds a package from its source, and uv.
 BUILD, UV = "build", "uv"
-# Has no wheel anywhere. It is built by what is locked, never by what pip would fetch for it.
-SOURCE_ONLY = "http-ece"
+# They have no wheels. They are built by what is locked, never by what pip would fetch for it.
+_SOURCE_ONLY = {"empy", "http-ece"}
 # A line of the groups that need it, then the package with its hashes.
 _BLOCK = re.compile(
     r"^# (?P<groups>[a-z0-9 ]+)\n(?P<text>(?P<name>\S+?)==[^\\\n]*(?:\\\n +--hash=\S+ ?)+)$", re.M
@@ -62,3 +62,10 @@ def write_lock(groups: Iterable[str]) -> str:
     return "".join(
         f"{each.text}\n" for each in found if not each.is_conditional or each.name not in everywhere
     )
+
+
+def built_packages(groups: Iterable[str]) -> list[str]:
+    """Name what some extras need and no index has a wheel of."""
+    wanted = set(groups)
+    found = {each.name for each in read_image_lock() if each.groups & wanted}
+    return sorted(found & _SOURCE_ONLY)

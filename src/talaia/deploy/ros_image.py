@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from talaia.deploy.containers import USER, install_steps, write_steps
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
 __all__ = ["ROS_DISTROS", "message_packages", "write_ros_dockerfile"]
 
@@ -32,7 +32,7 @@ def message_packages(types: Iterable[str]) -> list[str]:
 
 
 def write_ros_dockerfile(
-    distro: str, extras: Iterable[str], version: str, packages: Iterable[str]
+    distro: str, extras: Sequence[str], version: str, packages: Iterable[str]
 ) -> str:
     """Write the recipe.
 
@@ -44,7 +44,6 @@ def write_ros_dockerfile(
 
     """
     debian = " ".join(f"ros-{distro}-{name.replace('_', '-')}" for name in packages)
-    wanted = f"talaia[{','.join(extras)}]=={version}"
     uv, home = "/opt/uv/bin/uv", "/opt/talaia"
     locked = ["--require-hashes", "--only-binary", ":all:", "-r", "/locks/uv.txt"]
     # The distribution's Python only brings uv, which brings the gateway's: uv knows the hash of
@@ -54,7 +53,10 @@ def write_ros_dockerfile(
         ["/opt/uv/bin/pip", "install", "--no-cache-dir", *locked],
         [uv, "venv", "--python", _PYTHON, "--python-preference", "only-managed", home],
         *install_steps(
-            [uv, "pip"], ["--python", f"{home}/bin/python", "--no-cache"], "gateway", wanted
+            [uv, "pip", "install", "--python", f"{home}/bin/python", "--no-cache"],
+            "gateway",
+            extras,
+            version,
         ),
     ]
     return f"""\

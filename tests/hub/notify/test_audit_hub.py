@@ -178,7 +178,6 @@ async def test_heads_gather_while_the_other_hub_is_away_and_the_loss_is_told_onc
     assert len(await kinds_of(hub, "heads not sent")) == 1
     (tmp_path / "token").write_text("tal_heads_wrong")
     back = forwarder(tmp_path, hub.origin, "tal_heads_wrong", log)
-    back._failing = away._failing
     assert not await back.send_new()
     (tmp_path / "token").write_text(made["token"])
     # A torn line and one of a key of before are passed over.

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.auth.audit_heads import AuditHead, read_head
 from talaia.hub.errors import StoreDown
+from talaia.hub.notify.head_trouble import HeadTrouble
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -60,8 +61,7 @@ class AuditHeads:
         self._every_s = every_s
         # By where it goes: row and lost notes of what is there already.
         self._sent: dict[str, tuple[int, int]] = {}
-        # Where it does not go just now; told once, and once that it does again.
-        self._failing: set[str] = set()
+        self._trouble = HeadTrouble(audit)
         # The database did not answer the last time.
         self._away = False
         self._stopping = asyncio.Event()
@@ -109,22 +109,11 @@ class AuditHeads:
             try:
                 await asyncio.to_thread(write, line)
             except OSError as error:
-                self._tell_problem(name, error.strerror or str(error))
+                self._trouble.show(name, error.strerror or str(error))
             else:
                 self._sent[name] = (row, lost)
-                self._tell_problem(name, "")
+                self._trouble.show(name, "")
         return head
-
-    def _tell_problem(self, name: str, problem: str) -> None:
-        """Tell that heads do not go somewhere, or do again; each once."""
-        if problem and name not in self._failing:
-            self._failing.add(name)
-            _LOG.error("heads of the audit log do not go to %s: %s", name, problem)
-            self._audit.append_record("heads not sent", message=f"{name}: {problem}", good=False)
-        elif not problem and name in self._failing:
-            self._failing.discard(name)
-            _LOG.warning("heads of the audit log go to %s again", name)
-            self._audit.append_record("heads sent again", message=name)
 
     async def _try_sending(self) -> None:
         try:

@@ -7,7 +7,6 @@ while the other hub is away they gather, and a line that comes twice does no har
 from __future__ import annotations
 
 import asyncio
-import logging
 import ssl
 from contextlib import suppress
 from pathlib import Path
@@ -21,6 +20,7 @@ from talaia.hub.auth.audit_heads import read_head
 from talaia.hub.auth.provider_client import EndlessAnswer, ask_address
 from talaia.hub.notify.audit_heads import HEADS_FILE
 from talaia.hub.notify.head_file import read_head_piece, write_note
+from talaia.hub.notify.head_trouble import HeadTrouble
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SENT_FILE", "HeadForwarder"]
 
-_LOG = logging.getLogger(__name__)
 # In the data folder: how far the heads were sent, and to which hub.
 SENT_FILE = "audit-sent.json"
 # Between two looks whether there are new heads (s).
@@ -67,13 +66,10 @@ class HeadForwarder:
         self._folder = folder
         self._settings = settings
         self._public = public
-        # Where an admin reads that heads do not go out.
-        self._audit = audit
+        self._trouble = HeadTrouble(audit)
         self._clock = clock
         # When the other hub last had anything of this one (monotonic); None: not since the start.
         self._heard_us: int | None = None
-        # It was told that heads do not go out, and not yet that they do again.
-        self._failing = False
 
     async def run(self) -> None:
         """Send now and then, until cancelled."""
@@ -90,9 +86,9 @@ class HeadForwarder:
             while await self._send_piece():
                 pass
         except (OSError, ssl.SSLError, ValueError) as error:
-            self._tell_problem(str(error) or type(error).__name__)
+            self._trouble.show(self._settings.url, str(error) or type(error).__name__)
             return False
-        self._tell_problem("")
+        self._trouble.show(self._settings.url, "")
         return True
 
     async def _send_piece(self) -> bool:
@@ -137,13 +133,13 @@ class HeadForwarder:
         except EndlessAnswer:
             raise
         except OSError as error:
-            raise OSError(f"{self._settings.url} does not answer: {error}") from error
+            raise OSError(f"it does not answer: {error}") from error
         if status != 200:
             try:
                 why = msgspec.json.decode(body, type=_Refusal).message
             except msgspec.DecodeError:
                 why = "it is no hub"
-            raise OSError(f"{self._settings.url} refuses ({status}): {why[:300]}")
+            raise OSError(f"it refuses ({status}): {why[:300]}")
 
     def _read_token(self) -> str:
         with Path(self._settings.token_file).open("rb") as file:
@@ -161,18 +157,8 @@ class HeadForwarder:
         address = (found.hostname or "", found.port or 443)
         shown = ssl.PEM_cert_to_DER_cert(ssl.get_server_certificate(address, timeout=_TIMEOUT_S))
         if not has_fingerprint(shown, self._settings.fingerprint):
-            raise OSError(f"{self._settings.url} shows another certificate than the one known")
+            raise OSError("it shows another certificate than the one known")
         return trust_only(shown)
-
-    def _tell_problem(self, problem: str) -> None:
-        """Tell that heads do not go out, or do again; each once."""
-        if problem and not self._failing:
-            _LOG.error("heads of the audit log were not sent to the other hub: %s", problem)
-            self._audit.append_record("heads not sent", message=problem, good=False)
-        elif not problem and self._failing:
-            _LOG.warning("heads of the audit log are sent to the other hub again")
-            self._audit.append_record("heads sent again", message=self._settings.url)
-        self._failing = bool(problem)
 
     def _read_sent(self) -> _Sent:
         fresh = _Sent(self._settings.url)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import datetime as dt
-import logging
 import socket
 from typing import TYPE_CHECKING
 
@@ -18,6 +17,7 @@ from talaia.hub.auth.audit_heads import key_name
 from talaia.hub.errors import StoreDown
 from talaia.hub.notify.audit_heads import HEADS_FILE
 from talaia.hub.notify.head_file import HeadPiece, read_head_piece, write_note
+from talaia.hub.notify.head_trouble import HeadTrouble
 from talaia.hub.notify.message import AlarmMessage
 from talaia.hub.notify.senders import Outcome
 from talaia.hub.store.alarms.notification_channels import WayKind
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["MAILED_FILE", "HeadMails"]
 
-_LOG = logging.getLogger(__name__)
 # In the data folder: how far the heads were mailed, to whom, and when.
 MAILED_FILE = "audit-mailed.json"
 # Between two looks whether a mail is due; so long until a mail that failed is tried again, too (s).
@@ -72,11 +71,8 @@ class HeadMails:
         # The ways of alarms' messages; the mail server is one of them.
         self._store = store
         self._sender = sender
-        # Where an admin reads that mails do not go out.
-        self._audit = audit
+        self._trouble = HeadTrouble(audit, done="mailed")
         self._clock = clock
-        # It was told that mails do not go out, and not yet that they do again.
-        self._failing = False
 
     async def run(self) -> None:
         """Look now and then whether a mail is due, until cancelled."""
@@ -95,7 +91,7 @@ class HeadMails:
             problem = str(error)
         if problem is None:
             return False
-        self._tell_problem(problem)
+        self._trouble.show(self._target, problem)
         return not problem
 
     async def _mail_gathered(self) -> str | None:
@@ -152,16 +148,6 @@ class HeadMails:
         # The same lines again are the same message, for a server that looks.
         key = f"audit-heads-{key_name(self._public)}-{piece.start}-{piece.end}"
         return AlarmMessage(key, f"Talaia: heads of the audit log of {host}", body, "info", ())
-
-    def _tell_problem(self, problem: str) -> None:
-        """Tell that mails do not go out, or do again; each once."""
-        if problem and not self._failing:
-            _LOG.error("heads of the audit log were not mailed: %s", problem)
-            self._audit.append_record("heads not mailed", message=problem, good=False)
-        elif not problem and self._failing:
-            _LOG.warning("heads of the audit log are mailed again")
-            self._audit.append_record("heads mailed again")
-        self._failing = bool(problem)
 
     def _read_mailed(self) -> _Mailed:
         fresh = _Mailed(self._target)

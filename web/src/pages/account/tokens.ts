@@ -9,6 +9,7 @@ import { OpenSubject } from "../../controllers/open-subject.js";
 import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderShownOnce } from "../../elements/forms/form-parts.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { sheets } from "../../elements/layout/page-sections.js";
@@ -20,7 +21,6 @@ import type { HubApi } from "../../wire/hub-api.js";
 import type { TokenWish } from "./token-form.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/forms/copy-text.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "./token-form.js";
@@ -73,12 +73,11 @@ export class AccountTokens extends LitElement {
   }
 
   private renderShown(): TemplateResult {
-    return html`<div class="fields" style="max-inline-size: 46rem">
-      <p><strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.</p>
-      <t-copy label="Token" .text=${this.made}></t-copy>
-      <p class="muted">A script sends it with each request as <code>Authorization: Bearer …</code></p>
-      <div class="actions"><t-button kind="primary" @click=${this.closeSecret}>I have kept it</t-button></div>
-    </div>`;
+    return renderShownOnce(
+      { label: "Token", secret: this.made, done: "I have kept it", onDone: this.closeSecret },
+      html`<strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.`,
+      html`<p class="muted">A script sends it with each request as <code>Authorization: Bearer …</code></p>`,
+    );
   }
 
   private renderList(rows: readonly TokenShape[]): unknown {

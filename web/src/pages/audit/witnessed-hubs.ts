@@ -11,7 +11,7 @@ import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
-import { renderFormActions } from "../../elements/forms/form-parts.js";
+import { renderFormActions, renderShownOnce } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import type { WitnessedHubShape } from "../../generated/api.js";
@@ -22,7 +22,6 @@ import { witnessState } from "./witness-state.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
-import "../../elements/forms/copy-text.js";
 import "../../elements/forms/field.js";
 import "../../elements/values/time.js";
 
@@ -80,14 +79,11 @@ export class WitnessedHubs extends LitElement {
   }
 
   private renderShown(): TemplateResult {
-    return html`<div class="fields" style="max-inline-size: 46rem">
-      <p>
-        <strong>The token is not shown again.</strong> Put it into a file on the other hub's machine, and name that file in its
-        <code>--audit-hub</code> settings. It leaves heads here and opens nothing.
-      </p>
-      <t-copy label="Token" .text=${this.made}></t-copy>
-      <div class="actions"><t-button kind="primary" @click=${this.closeSecret}>I have kept it</t-button></div>
-    </div>`;
+    return renderShownOnce(
+      { label: "Token", secret: this.made, done: "I have kept it", onDone: this.closeSecret },
+      html`<strong>The token is not shown again.</strong> Put it into a file on the other hub's machine, and name that file in its
+        <code>--audit-hub</code> settings. It leaves heads here and opens nothing.`,
+    );
   }
 
   private renderList(rows: readonly WitnessedHubShape[]): unknown {

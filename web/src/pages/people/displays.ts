@@ -10,7 +10,7 @@ import { OpenSubject } from "../../controllers/open-subject.js";
 import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
-import { renderFormActions } from "../../elements/forms/form-parts.js";
+import { renderFormActions, renderShownOnce } from "../../elements/forms/form-parts.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { sheets } from "../../elements/layout/page-sections.js";
@@ -20,7 +20,6 @@ import type { DisplayShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/forms/copy-text.js";
 import "../../elements/forms/field.js";
 import "../../elements/values/time.js";
 
@@ -101,14 +100,12 @@ export class DisplaySection extends LitElement {
   }
 
   private renderShown(): TemplateResult {
-    return html`<div class="fields" style="max-inline-size: 46rem">
-      <p>
-        <strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps
-        it from then on. Whoever has the address can look, too.
-      </p>
-      <t-copy label="Address" .text=${`${location.origin}/display#${this.made}`}></t-copy>
-      <div class="actions"><t-button kind="primary" @click=${this.closeSecret}>I have opened it</t-button></div>
-    </div>`;
+    const secret = `${location.origin}/display#${this.made}`;
+    return renderShownOnce(
+      { label: "Address", secret, done: "I have opened it", onDone: this.closeSecret },
+      html`<strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps
+        it from then on. Whoever has the address can look, too.`,
+    );
   }
 
   private renderList(rows: readonly DisplayShape[]): unknown {
