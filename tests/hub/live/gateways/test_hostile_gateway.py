@@ -10,6 +10,7 @@ import pytest
 import websockets
 
 from talaia.hub.live.gateways import frame_limits
+from talaia.hub.store.sites.site_registry import GatewayKey
 from talaia.wire.browser import EventUpdate, NightUpdate, PageCommand
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
@@ -215,10 +216,11 @@ async def test_gateway_that_dials_without_end_is_sent_away_before_it_is_heard(hu
 
 async def test_site_that_never_said_what_it_is_has_allowances_as_well(hub) -> None:
     guard = hub.hub.robot_events.flood_guard
-    assert [guard.admit_dial("other") for _ in range(300)] == [0.0] * 300
-    assert guard.admit_dial("other") >= 1.0
+    other = GatewayKey(2, "other")
+    assert [guard.admit_dial(other) for _ in range(300)] == [0.0] * 300
+    assert guard.admit_dial(other) >= 1.0
     # And no other site pays for it.
-    assert guard.admit_dial("agv") == 0.0
+    assert guard.admit_dial(GatewayKey(1, "agv")) == 0.0
 
 
 # ── in whose name its files and its night stand ──

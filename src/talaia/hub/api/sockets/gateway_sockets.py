@@ -53,7 +53,7 @@ class GatewaySocket:
         key = await self._admission.gateways.admit_gateway(socket)
         if key is None:
             return
-        if after_s := self._flood_guard.admit_dial(key.site, known=key.resumed is not None):
+        if after_s := self._flood_guard.admit_dial(key):
             said = "this gateway connects too often; come back later"
             await deny_socket(
                 socket, status=503, code="busy", message=said, retry_s=math.ceil(after_s)

@@ -58,9 +58,9 @@ class GatewayFiles:
         self._reason = self._reason or reason
         self._over.set()
 
-    async def serve_files(self, keepers: FileLinks, site: str) -> None:
+    async def serve_files(self, keepers: FileLinks, key: GatewayKey) -> None:
         """Take files until either side ends it."""
-        results = await until_first(self._read_events(keepers, site), self._over.wait())
+        results = await until_first(self._read_events(keepers, key), self._over.wait())
         reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
@@ -82,7 +82,8 @@ class GatewayFiles:
         except _GONE:
             return
 
-    async def _read_events(self, keepers: FileLinks, site: str) -> None:
+    async def _read_events(self, keepers: FileLinks, key: GatewayKey) -> None:
+        site = key.site
         # The file that is being sent on this connection: pieces name it by its id.
         offered: FileOffer | FilmOffer | ArchiveOffer | None = None
         while True:
@@ -91,7 +92,7 @@ class GatewayFiles:
                 return
             data = event.get("bytes")
             message = FILES_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
-            await keepers.flood_guard.admit_frame(site, message)
+            await keepers.flood_guard.admit_frame(key, message)
             match message:
                 case FileOffer() | FilmOffer() | ArchiveOffer():
                     offered = message
@@ -134,7 +135,7 @@ class FileLinks:
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take a gateway's recordings and pictures until it has handed over all."""
         files = GatewayFiles(socket)
-        if held_s := self.flood_guard.held_s(key.site):
+        if held_s := self.flood_guard.held_s(key):
             await files.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return
         # What a gateway that waits would hand over stands under the site's name.
@@ -142,7 +143,7 @@ class FileLinks:
             await files.send_farewell(KEPT_OUT, TRY_LATER)
             return
         with self._links.count_open(key.id, files):
-            await files.serve_files(self, key.site)
+            await files.serve_files(self, key)
 
     async def answer_offer(
         self, site: str, offer: FileOffer | FilmOffer | ArchiveOffer

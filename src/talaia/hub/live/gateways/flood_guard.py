@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.frame_limits import Verdict
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.store.sites.site_registry import GatewayKey
     from talaia.wire.message import Message
 
 __all__ = ["HELD_OFF", "TRY_LATER", "FloodGuard"]
@@ -26,8 +27,6 @@ _LOG = logging.getLogger(__name__)
 HELD_OFF = "this gateway has said more than the hub takes; come back later"
 # "Try again later" (the registry of RFC 6455).
 TRY_LATER = 1013
-# When to come back if only the log has no room for it (s).
-_ROWS_OVER_S = 10.0
 # Waited at once, at the most (s): a beat that stands behind a flood is heard all the same.
 _LONGEST_WAIT_S = 0.5
 
@@ -43,61 +42,63 @@ class FloodGuard:
         # Of sites that have a key and have not said yet what they are.
         self._undescribed: dict[str, FrameLimits] = {}
 
-    def held_s(self, site: str) -> float:
-        """Give for how long nobody is let in by the key of a site."""
-        now_ns = self._clock.monotonic_ns()
-        limits = self._limits_of(site)
-        # Comings and goings are written down as well: one that dials without end fills the log.
-        over = limits.is_over("rows", now_ns)
-        return max(limits.held_s(now_ns), _ROWS_OVER_S if over else 0.0)
+    def held_s(self, key: GatewayKey) -> float:
+        """Give for how long a gateway is not let in."""
+        return self._limits_of(key.site).held_s(self._clock.monotonic_ns(), key.lineage)
 
-    def admit_dial(self, site: str, *, known: bool = False) -> float:
+    def begin_link(self, key: GatewayKey, issued: int) -> None:
+        """Note that a gateway has the site's place; ``issued`` is the lineage of its place now."""
+        self._limits_of(key.site).begin_link(key.lineage, issued)
+
+    def admit_dial(self, key: GatewayKey) -> float:
         """Count a connection that is opened by a site's key; give when to come back (s), or 0.
 
-        ``known``: it was linked before. These are counted apart, so that a thief of the key who
-        dials without end does not keep them out.
+        Those of who was here before all others are counted apart, so that a thief of the key who
+        dials without end does not keep it out.
         """
-        kind = DIALS_BACK if known else DIALS
-        verdict = self._limits_of(site).charge(kind, self._clock.monotonic_ns())
+        limits = self._limits_of(key.site)
+        kind = DIALS_BACK if limits.recognise_oldest(key.lineage) else DIALS
+        verdict = limits.charge(kind, self._clock.monotonic_ns())
         if not verdict.slowed:
             return 0.0
         try:
-            self._report_flood(site, kind, verdict)
+            self._report_flood(key, kind, verdict)
         except PeerError:
             return HELD_S
         return max(1.0, verdict.wait_s)
 
-    async def admit_frame(self, site: str, message: Message) -> None:
+    async def admit_frame(self, key: GatewayKey, message: Message) -> None:
         """Wait until a frame may be read.
 
         Raises:
             PeerError: its gateway has gone on too long.
 
         """
-        await self.admit_kind(site, frame_kind(message))
+        await self.admit_kind(key, frame_kind(message))
 
-    async def admit_kind(self, site: str, kind: str) -> None:
+    async def admit_kind(self, key: GatewayKey, kind: str) -> None:
         """Wait until a frame of a kind may be read; see `admit_frame`."""
-        live = self._sites.find_site(site)
-        limits = self._limits_of(site)
+        live = self._sites.find_site(key.site)
+        limits = self._limits_of(key.site)
         described = 0 if live is None else live.described
         verdict = limits.charge(kind, self._clock.monotonic_ns(), described=described)
         if verdict.slowed:
-            await self._slow_down(site, kind, verdict)
+            await self._slow_down(key, kind, verdict)
         # Of the message before: what it wrote into the log.
         rows, limits.rows = limits.rows, None
         if rows is not None:
-            await self._slow_down(site, "event", rows)
+            await self._slow_down(key, "event", rows)
 
-    async def _slow_down(self, site: str, kind: str, verdict: Verdict) -> None:
-        self._report_flood(site, kind, verdict)
+    async def _slow_down(self, key: GatewayKey, kind: str, verdict: Verdict) -> None:
+        self._report_flood(key, kind, verdict)
         await asyncio.sleep(min(verdict.wait_s, _LONGEST_WAIT_S))
 
-    def _report_flood(self, site: str, kind: str, verdict: Verdict) -> None:
+    def _report_flood(self, key: GatewayKey, kind: str, verdict: Verdict) -> None:
+        site = key.site
         limits, now_ns = self._limits_of(site), self._clock.monotonic_ns()
         if verdict.cut_off:
-            limits.hold(now_ns)
-            said = f"it goes on sending too many of {kind}; nobody is let in for {HELD_S:g} s"
+            limits.hold(now_ns, key.lineage)
+            said = f"it goes on sending too many of {kind}; it is not let in for {HELD_S:g} s"
             self._report(site, "gateway cut off", said)
             raise PeerError(HELD_OFF, TRY_LATER)
         if limits.first_told(now_ns):

@@ -125,6 +125,8 @@ _MOST_OWED_S = 10.0
 LONGEST_OVER_S = 20.0
 # And so long nobody is let in by its key (s).
 HELD_S = 60.0
+# When to come back if only the log has no room for it (s).
+_ROWS_OVER_S = 10.0
 
 
 def frame_kind(message: Message) -> str:
@@ -137,7 +139,6 @@ class FrameLimits:
     """What one site's gateways have left of each allowance.
 
     Attributes:
-        held_until_ns: nobody is let in before (monotonic).
         rows: the last row that was over; taken by whoever reads the link.
 
     """
@@ -153,7 +154,11 @@ class FrameLimits:
         self._rows = rows
         self._others = others
         self._longest_over_s = longest_over_s
-        self.held_until_ns = 0
+        # Nobody is let in before (monotonic), for what the gateway of this lineage did.
+        self._held_until_ns = 0
+        self._held_by = 0
+        # The lowest lineage that was shown, and that of who was linked last.
+        self._oldest = self._linked = 0
         self.rows: Verdict | None = None
         # By kind: what is left (negative: owed), when that was reckoned, since when it is over.
         self._left: dict[str, float] = {}
@@ -184,16 +189,52 @@ class FrameLimits:
         cut_off = allowance.cuts and over_s > self._longest_over_s
         return Verdict(-left / rate, slowed=True, cut_off=cut_off)
 
-    def hold(self, now_ns: int) -> None:
-        """Let nobody in for a while."""
-        self.held_until_ns = now_ns + int(HELD_S * SECOND)
+    def recognise_oldest(self, lineage: int) -> bool:
+        """Tell whether who shows this lineage was here before all others; remember the oldest.
+
+        A thief of the key has a younger one, or none: hubs number them by time.
+        """
+        if not lineage or 0 < self._oldest < lineage:
+            return False
+        if lineage != self._oldest:
+            self._oldest = lineage
+            # What a younger one has used up is not its debt.
+            self._forget_kind(DIALS_BACK)
+        return True
+
+    def begin_link(self, shown: int, issued: int) -> None:
+        """Begin anew for who was here before all others, after another was linked.
+
+        ``shown`` is the lineage that it has shown (0: none), ``issued`` that of its place now.
+        """
+        if self.recognise_oldest(shown) and shown != self._linked:
+            for kind in [kind for kind in self._left if kind not in {DIALS, DIALS_BACK}]:
+                self._forget_kind(kind)
+            self.rows = None
+        self._linked = issued
+
+    def hold(self, now_ns: int, lineage: int) -> None:
+        """Let nobody in for a while, for what the gateway of a lineage did (0: of none)."""
+        self._held_until_ns = now_ns + int(HELD_S * SECOND)
+        self._held_by = lineage
         self._over_since.clear()
 
-    def held_s(self, now_ns: int) -> float:
-        """Give for how long nobody is let in yet; 0: whoever comes is."""
-        return max(0.0, (self.held_until_ns - now_ns) / SECOND)
+    def held_s(self, now_ns: int, lineage: int) -> float:
+        """Give for how long a gateway is not let in yet; 0: it is.
 
-    def is_over(self, kind: str, now_ns: int) -> bool:
+        Who was here before all others does not wait for what another did with its key.
+        """
+        if self.recognise_oldest(lineage) and lineage != self._held_by:
+            return 0.0
+        held_s = max(0.0, (self._held_until_ns - now_ns) / SECOND)
+        # Comings and goings are written down as well: one that dials without end fills the log.
+        return max(held_s, _ROWS_OVER_S if self._is_over("rows", now_ns) else 0.0)
+
+    def _forget_kind(self, kind: str) -> None:
+        for each in (self._left, self._reckoned, self._over_since):
+            each.pop(kind, None)
+
+    def _is_over(self, kind: str, now_ns: int) -> bool:
         """Tell whether there is none left of an allowance that is the same for every site."""
         allowance = self._rows if kind == "rows" else self._others[kind]
         passed_s = (now_ns - self._reckoned.get(kind, now_ns)) / SECOND

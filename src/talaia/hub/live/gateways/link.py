@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.gateways.clock_offset import ClockOffset
+from talaia.hub.live.gateways.frame_limits import UNKNOWN
 from talaia.hub.live.gateways.handed_down import HandedDown
 from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
-from talaia.wire.errors import UnknownKind
+from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ __all__ = ["GONE", "GatewayLink"]
 _LOG = logging.getLogger(__name__)
 # One that does not read must not hold up the end of its link (s).
 _FAREWELL_S = 0.5
+# Of messages of unknown kinds before a link is attached: a newer gateway may say some.
+_MOST_EARLY = 100
 # What a socket raises when the other side has gone or does not take anything.
 GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
@@ -33,12 +36,12 @@ GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 class GatewayLink:
     """One open link. `send` never waits; a task of its own writes, the most urgent first."""
 
-    def __init__(self, socket: WebSocket, admit_unknown: Callable[[], Awaitable[None]]) -> None:
-        """Speak over ``socket``, which is accepted already.
-
-        ``admit_unknown`` is waited for at each message of an unknown kind.
-        """
-        self._admit_unknown = admit_unknown
+    def __init__(self, socket: WebSocket) -> None:
+        """Speak over ``socket``, which is accepted already."""
+        # Waited for before a message of a kind is read. The site's own once it is attached: what
+        # another one with the site's key says, which waits, is no debt of the site's.
+        self.admit_kind: Callable[[str], Awaitable[None]] = self._admit_few
+        self._early = 0
         # Of its clock, by beats; counts those that were answered too.
         self.offset = ClockOffset()
         # The site's own once it is attached.
@@ -81,7 +84,12 @@ class GatewayLink:
             # A newer gateway may say more than this hub knows.
             except UnknownKind as error:
                 _LOG.debug("a gateway sent %s", error)
-                await self._admit_unknown()
+                await self.admit_kind(UNKNOWN)
+
+    async def _admit_few(self, kind: str) -> None:
+        self._early += 1
+        if self._early > _MOST_EARLY:
+            raise PeerError(f"too many of {kind} before it was linked", 1013)
 
     async def write_queued(self) -> None:
         """Send what is queued, for ever."""

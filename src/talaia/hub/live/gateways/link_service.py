@@ -21,7 +21,7 @@ from talaia.hub.live.gateways.description_intake import Redescription, source_of
 from talaia.hub.live.gateways.doubles.gateway_places import REPLACED
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.flood_guard import HELD_OFF, TRY_LATER
-from talaia.hub.live.gateways.frame_limits import UNKNOWN
+from talaia.hub.live.gateways.frame_limits import frame_kind
 from talaia.hub.live.gateways.hello_intake import REFUSED, receive_hello
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.gateways.link import GONE, GatewayLink
@@ -132,7 +132,7 @@ class LinkService:
 
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Serve the link of a gateway until it ends."""
-        link = GatewayLink(socket, partial(self._flood_guard.admit_kind, key.site, UNKNOWN))
+        link = GatewayLink(socket)
         # Counted from the start, so that a key that is revoked during the hello ends this link too.
         with self._links.count_open(key.id, link):
             await self._serve_link(link, key, socket.client.host if socket.client else "")
@@ -158,7 +158,7 @@ class LinkService:
         # Before anything is looked up: a rival dials again and again.
         if not await self._places.wait_place(link, key, hello, address):
             return
-        if held_s := self._flood_guard.held_s(site):
+        if held_s := self._flood_guard.held_s(key):
             await link.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
@@ -192,6 +192,9 @@ class LinkService:
                 resume=self._places.words_of(gateway),
             )
         )
+        self._flood_guard.begin_link(key, gateway.issued.lineage)
+        speaker = key._replace(resumed=gateway.issued)
+        link.admit_kind = partial(self._flood_guard.admit_kind, speaker)
         live = self._attach_link(link, hello, description, gateway)
         self._attendance.record_link(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
@@ -293,7 +296,7 @@ class LinkService:
         redescription: Redescription,
     ) -> None:
         while (message := await link.receive_message()) is not None:
-            await self._flood_guard.admit_frame(live.name, message)
+            await link.admit_kind(frame_kind(message))
             match message:
                 case frames.SampleBatch():
                     batch = lists.read_batch(message)

@@ -164,7 +164,7 @@ class MediaLinks:
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take pictures of a site until its gateway hangs up or a newer one comes."""
         camera, site = GatewayCamera(socket), key.site
-        if held_s := self._flood_guard.held_s(site):
+        if held_s := self._flood_guard.held_s(key):
             await camera.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return
         # Before the older one is closed: a thief of the key must not put out the pictures.
@@ -185,7 +185,7 @@ class MediaLinks:
                     trouble=lambda said: self._media.trouble(site, said),
                     boxes=lambda boxes: self._media.boxes(site, boxes),
                     taps=lambda said: self._receive_tap(key, camera, said),
-                    admit=partial(self._flood_guard.admit_frame, site),
+                    admit=partial(self._flood_guard.admit_frame, key),
                 )
                 await camera.serve(receivers, self._now_us)
         finally:

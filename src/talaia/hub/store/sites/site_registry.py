@@ -45,6 +45,11 @@ class GatewayKey(NamedTuple):
     challenged: bool = False
     resumed: ResumeToken | None = None
 
+    @property
+    def lineage(self) -> int:
+        """Of the place that it has shown; 0: it has shown none."""
+        return 0 if self.resumed is None else self.resumed.lineage
+
 
 class KnownGateway(NamedTuple):
     """What is known of a gateway.

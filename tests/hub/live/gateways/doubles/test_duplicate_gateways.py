@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+
+import msgspec
 import pytest
 import websockets
 
+from talaia.hub.live.gateways import frame_limits
 from talaia.wire.browser import (
     EventUpdate,
     HeldStopUpdate,
@@ -293,6 +297,24 @@ async def test_one_that_waits_and_talks_on_is_sent_away_and_costs_the_other_noth
         await thief.say(BeatReply(n=number, mono_us=1, peer_us=1))
     assert await thief.closed() == 1013
     await stands(gateway)
+
+
+async def test_what_no_hub_knows_from_one_that_waits_is_bounded_and_no_debt_of_the_site(
+    hub,
+) -> None:
+    robot, handed = await linked(hub)
+    few = frame_limits.Allowance(rate=0.001, burst=1.0)
+    limits = frame_limits.FrameLimits(longest_over_s=0.0, others={frame_limits.UNKNOWN: few})
+    hub.hub.core.sites.find_site("agv").frame_limits = limits
+    thief = await waiting(hub)
+    with contextlib.suppress(websockets.ConnectionClosed):
+        for _ in range(150):
+            await thief.connection.send(msgspec.msgpack.encode({"t": "of_a_later_version"}))
+    assert await thief.closed() == 1013
+    # The robot dials anew, and is not held off for what the thief said.
+    await robot.close()
+    back, _ = await linked(hub, handed, boot="boot-2")
+    await stands(back)
 
 
 async def test_only_so_many_wait(hub) -> None:
