@@ -79,3 +79,16 @@ describe("a link", () => {
 test("an alarm has an address on the page of alarms", () => {
   expect(alarmPath({ site: "agv", alarm: "battery_low" })).toBe("/alarms?alarm=agv/battery_low");
 });
+
+describe("links of our pages", () => {
+  const sources = import.meta.glob<string>("../../src/**/*.ts", { query: "?raw", import: "default", eager: true });
+  const written = Object.entries(sources).flatMap(([file, text]) =>
+    // What is put together is left out, and so is what the hub serves itself.
+    [...text.matchAll(/href="(\/[^"$]*)"/g)].map(([, path]) => ({ file, path: path ?? "" })),
+  );
+
+  test("lead to pages that are there", () => {
+    expect(written.length).toBeGreaterThan(5);
+    expect(written.filter(({ path }) => path !== "/" && routeOf(path).page === "missing")).toEqual([]);
+  });
+});

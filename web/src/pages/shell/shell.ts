@@ -301,7 +301,7 @@ function renderRivalry(row: SiteSummary): TemplateResult {
   return html`<t-banner kind="bad"
     >A second gateway uses the key of ${row.name}; it was last there at
     <t-time .us=${row.rival_us} .zone=${row.zone}></t-time>. Only one is linked and can drive; STOP reaches both while the
-    other waits. An admin decides under <a href="/gateways">Gateways</a>. Switch the other one off, or enrol one of them
+    other waits. An admin decides under <a href="/admin/gateways">Gateways</a>. Switch the other one off, or enrol one of them
     anew.</t-banner
   >`;
 }
