@@ -74,6 +74,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
+    # A pin of an image that is not there would be for nothing, and nobody would see it.
     known = named_images(files)
     for pin in pins:
         if not _PIN.match(pin):
@@ -90,6 +91,7 @@ def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
 
 def _bring_wheel(folder: Path, given: Path | None) -> None:
     """Lay Talaia's own wheel where the images take it from."""
+    # What a person gives is what they want in the images, whatever runs here.
     if given is not None:
         shutil.copy(given, folder)
     elif pack_own_wheel(folder) is None and not list(folder.glob("talaia-*.whl")):

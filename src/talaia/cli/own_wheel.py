@@ -40,9 +40,10 @@ def pack_own_wheel(folder: Path) -> Path | None:
         found = distribution("talaia")
     except PackageNotFoundError:
         return None
-    files = [each for each in found.files or [] if _is_packed(each)]
+    files = [file for file in found.files or [] if _is_packed(file)]
+    # The Talaia that runs may be another than the one that is installed.
     here = Path(talaia.__file__).resolve()
-    if not any(Path(str(each.locate())).resolve() == here for each in files):
+    if not any(Path(str(file.locate())).resolve() == here for file in files):
         return None
     target = folder / f"talaia-{found.version}-py3-none-any.whl"
     _write_wheel(target, found, files)
@@ -59,8 +60,9 @@ def _is_packed(file: PackagePath) -> bool:
 
 
 def _write_wheel(target: Path, found: Distribution, files: list[PackagePath]) -> None:
+    # Of the list of all files that a wheel ends with; it names no hash of itself.
     rows = []
-    (folder,) = {each.parts[0] for each in files if each.parts[0].endswith(".dist-info")}
+    (folder,) = {file.parts[0] for file in files if file.parts[0].endswith(".dist-info")}
     # Beside it first: a wheel that was begun and not ended is never built from.
     half = target.with_suffix(".half")
     with zipfile.ZipFile(half, "w", zipfile.ZIP_DEFLATED) as packed:
@@ -77,4 +79,5 @@ def _write_wheel(target: Path, found: Distribution, files: list[PackagePath]) ->
             rows.append(f"{file},sha256={digest},{len(content)}\n")
         record = f"{folder}/RECORD"
         packed.writestr(zipfile.ZipInfo(record, _WHEN), "".join([*rows, f"{record},,\n"]))
+    # At one blow: whoever builds meanwhile has the one before, or this.
     half.replace(target)

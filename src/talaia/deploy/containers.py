@@ -115,7 +115,7 @@ def install_steps(
     building: list[str] = []
     if built := built_packages(extras):
         steps = [[*locked, "-r", "/locks/build.txt"]]
-        building = ["--no-build-isolation", *(f"--no-binary={each}" for each in built)]
+        building = ["--no-build-isolation", *(f"--no-binary={package}" for package in built)]
     steps.append([*locked, *building, "-r", f"/locks/{image}.txt"])
     # Without an index: what a lock lacks ends the build, and is not looked for elsewhere.
     return [*steps, [*install, "--no-index", "--find-links", "/wheels", wanted]]
@@ -183,7 +183,9 @@ def write_compose_file(
             service["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
             service["secrets"] = ["database_url"]
         hub["depends_on"] = {"database": {"condition": "service_healthy"}}
+    # In the order in which they start, for whoever reads the file.
     services |= {"hub": hub, "enrol": enrol, "gateway": _gateway_service(ros_domain, arch)}
+    # Secrets only where there is a database: compose refuses a list of none.
     project: dict[str, object] = {"services": services, "volumes": volumes}
     if secrets:
         project["secrets"] = secrets
@@ -225,6 +227,7 @@ def _base_service(
 
 def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
     words = ["hub", "--data", "/data", "--host", "0.0.0.0", "--port", "8443"]  # noqa: S104 - a server
+    # The first is what the health check dials; without it the hub would refuse its own host.
     for host in ("127.0.0.1", *hosts):
         words += ["--allow-host", host]
     return _base_service(
@@ -248,6 +251,7 @@ def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
 
 def _gateway_service(ros_domain: int | None, arch: str) -> dict[str, object]:
     words = ["gateway", "/etc/talaia/site.yaml", "--key-file", "/link/gateway.key"]
+    # A volume: its spool, and the place that it was handed down, outlive the container.
     words += ["--data", "/data"]
     if ros_domain is not None:
         words += ["--ros-domain", str(ros_domain)]
@@ -322,7 +326,10 @@ def _phpmyadmin_service() -> dict[str, object]:
         },
         "512m",
         # Apache's locks, the sessions, and templates that phpMyAdmin compiles.
-        [f"{each}:mode=0700,uid=33,gid=33" for each in ("/run", "/sessions", "/var/www/html/tmp")],
+        [
+            f"{place}:mode=0700,uid=33,gid=33"
+            for place in ("/run", "/sessions", "/var/www/html/tmp")
+        ],
     )
 
 
@@ -356,6 +363,7 @@ def _literal_text(value: object) -> object:
     """Double every ``$``, which compose would take for a variable."""
     if isinstance(value, str):
         return value.replace("$", "$$")
+    # Keys are ours and hold none.
     if isinstance(value, dict):
         return {key: _literal_text(item) for key, item in value.items()}
     return [_literal_text(item) for item in value] if isinstance(value, list) else value

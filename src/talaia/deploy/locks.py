@@ -56,16 +56,19 @@ def read_image_lock() -> list[LockedPackage]:
 def write_lock(groups: Iterable[str]) -> str:
     """Write what `pip install --require-hashes -r` reads, for some extras."""
     wanted = set(groups)
-    found = [each for each in read_image_lock() if each.groups & wanted]
+    found = [package for package in read_image_lock() if package.groups & wanted]
     # One extra may need a package on some machines only, and another everywhere.
-    everywhere = {each.name for each in found if not each.is_conditional}
+    everywhere = {package.name for package in found if not package.is_conditional}
     return "".join(
-        f"{each.text}\n" for each in found if not each.is_conditional or each.name not in everywhere
+        f"{package.text}\n"
+        for package in found
+        if not package.is_conditional or package.name not in everywhere
     )
 
 
 def built_packages(groups: Iterable[str]) -> list[str]:
     """Name what some extras need and no index has a wheel of."""
     wanted = set(groups)
-    found = {each.name for each in read_image_lock() if each.groups & wanted}
+    # Whatever its version: the lock file has one for each Python.
+    found = {package.name for package in read_image_lock() if package.groups & wanted}
     return sorted(found & _SOURCE_ONLY)

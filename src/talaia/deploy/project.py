@@ -108,6 +108,7 @@ def make_deployment(
         ),
         "hub.Dockerfile": File(write_dockerfile("hub", extras, choice.version)),
         "locks/hub.txt": File(write_lock(extras)),
+        # Small, and the same for both images: whichever builds something takes it.
         "locks/build.txt": File(write_lock([BUILD])),
         "gateway.Dockerfile": File(_gateway_image(site, choice, gateway_extras)),
         "locks/gateway.txt": File(write_lock(gateway_extras)),
@@ -121,6 +122,7 @@ def make_deployment(
         ),
         "systemd/talaia-hub.service": File(hub_unit(choice.program, choice.port, choice.hosts)),
     }
+    # Only there a recipe brings a Python of its own.
     if choice.ros_distro:
         files["locks/uv.txt"] = File(write_lock([UV]))
     if database is not DatabaseKind.SQLITE:
@@ -155,6 +157,7 @@ def pin_images(files: Mapping[str, File], pins: Iterable[str]) -> dict[str, File
         pins: images with their digests, ``postgres:17@sha256:…``.
 
     """
+    # By the name with its tag, as recipes say it.
     pinned = {pin.partition("@")[0]: pin for pin in pins}
     return {
         path: file._replace(
@@ -169,6 +172,7 @@ def pin_images(files: Mapping[str, File], pins: Iterable[str]) -> dict[str, File
 def _gateway_extras(site: Site, choice: DeployOptions) -> list[str]:
     """Name what the site's connections, recordings and cameras need."""
     links = site.links().values()
+    # What is needed by none of its parts is no way in either.
     extras = ["gateway"]
     # In a distribution's image the ROS 2 is there, and of another Python.
     if not choice.ros_distro and any(isinstance(link, Ros2Connection) for link in links):
@@ -178,6 +182,7 @@ def _gateway_extras(site: Site, choice: DeployOptions) -> list[str]:
     # Whether objects are seen on its cameras' pictures may be chosen while it runs.
     if any(device.streams for device in site.devices.values()):
         extras.append("objects")
+    # H.264 brings a library under the GPL, which only who films takes on.
     if site.filmed_cameras():
         extras.append("camera")
     return extras

@@ -45,6 +45,7 @@ def write_ros_dockerfile(
     """
     debian = " ".join(f"ros-{distro}-{name.replace('_', '-')}" for name in packages)
     uv, home = "/opt/uv/bin/uv", "/opt/talaia"
+    # A wheel alone: nothing of the distribution's may build uv.
     locked = ["--require-hashes", "--only-binary", ":all:", "-r", "/locks/uv.txt"]
     # The distribution's Python only brings uv, which brings the gateway's: uv knows the hash of
     # each Python that it downloads.

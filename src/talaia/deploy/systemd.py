@@ -100,6 +100,7 @@ def gateway_unit(site: str, program: str, setup: str = "") -> str:
         "--data",
         f"/var/lib/talaia-gateway-{site}",
     ]
+    # The program itself where no ROS has to be read first: no shell, then.
     if setup:
         # bash gets the words as arguments of its own, so nothing in them is read as shell.
         words = ["/bin/bash", "-c", '. "$0" && exec "$@"', setup, *words]
@@ -155,6 +156,7 @@ def _unit_text(
     memory: str,
     kill: str = "",
 ) -> str:
+    # Quoted one by one: a name with a blank stays one argument.
     line = " ".join(quoted_argument(word) for word in words)
     # A description is no command line: quotes round it would be shown. StartLimitIntervalSec=0:
     # it is started again however often it fails, for nobody may be there to do it.

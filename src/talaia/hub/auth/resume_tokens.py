@@ -44,8 +44,10 @@ class ResumeTokens:
         """Give which place a gateway has shown that it had; None: it has shown none."""
         if not said.resume:
             return None
+        # Made again from the numbers that it says: nothing is kept, so nothing can be lost.
         secret = self._secret_of(gateway, said.place)
         right = resume_answer(secret, nonce=said.nonce, site=said.site, path=path)
+        # In constant time, or an answer could be guessed digit by digit.
         return said.place if hmac.compare_digest(right, said.resume) else None
 
     def _secret_of(self, gateway: int, token: ResumeToken) -> bytes:

@@ -26,6 +26,7 @@ class HeadTrouble:
     def show(self, place: str, problem: str) -> None:
         """Tell that heads do not go somewhere, or, with an empty ``problem``, do again; once."""
         if problem and place not in self._failing:
+            # By place: one that is away says nothing of the others.
             self._failing.add(place)
             _LOG.error("heads of the audit log were not %s to %s: %s", self._done, place, problem)
             message = f"{place}: {problem}"

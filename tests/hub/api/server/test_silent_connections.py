@@ -75,17 +75,21 @@ def test_crowd_that_has_just_come_is_not_taken_for_silent_and_has_an_end_all_the
 @pytest.mark.pure
 def test_unsigned_requests_of_an_address_are_bounded_and_signed_ones_are_not() -> None:
     requests = AnonymousRequests(most=2)
-    first, second = requests.count("192.0.2.7", {}), requests.count("192.0.2.7", {})
+    asker, cookie = "192.0.2.7", {"cookie": "talaia=x"}
+    first = requests.count(asker, {}, unasked=False)
+    # Where nobody looks who it is, a made-up cookie is no sign-in.
+    second = requests.count(asker, cookie, unasked=True)
     assert first.__enter__()
     assert second.__enter__()
-    with requests.count("192.0.2.7", {}) as allowed:
-        assert not allowed
-    with requests.count("192.0.2.7", {"cookie": "talaia=x"}) as allowed:
+    for headers, unasked in (({}, False), ({}, True), (cookie, True)):
+        with requests.count(asker, headers, unasked=unasked) as allowed:
+            assert not allowed
+    with requests.count(asker, cookie, unasked=False) as allowed:
         assert allowed
-    with requests.count("192.0.2.8", {}) as allowed:
+    with requests.count("192.0.2.8", {}, unasked=True) as allowed:
         assert allowed
     first.__exit__(None, None, None)
-    with requests.count("192.0.2.7", {}) as allowed:
+    with requests.count(asker, {}, unasked=False) as allowed:
         assert allowed
     second.__exit__(None, None, None)
 

@@ -13,6 +13,7 @@ from talaia.hub.api.problems import problem_response
 from talaia.hub.api.server.anonymous_requests import AnonymousRequests
 from talaia.hub.api.server.proxies import Proxies
 from talaia.hub.api.server.response_headers import guarding_headers
+from talaia.hub.policy_routes import ROUTES, AccessNeed
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -31,6 +32,10 @@ HIDDEN_TOKEN = "talaia.token"  # noqa: S105
 # Of programs that have no session: what they show stands in what they send.
 _OF_PROGRAMS = frozenset({"/api/enrol", "/api/heads"})
 _API = "/api/"
+# Sign-in and the like: what is sent there is read, whoever sends it.
+_UNASKED = frozenset(
+    route for route, need in ROUTES.items() if need is AccessNeed.OPEN and route[0] not in _SAFE
+)
 # The routes whose body holds a whole description.
 _DESCRIPTION = re.compile(r"/api/sites/[^/]+/descriptions(/check|/edit)?")
 # The host becomes a part of the Content-Security-Policy, and of the command to enrol by.
@@ -106,7 +111,9 @@ class RequestGuard:
             await _refuse_request(no, scope, receive, dressed)
             return
         client = scope.get("client")
-        with self._anonymous.count(client[0] if client else "", headers) as allowed:
+        address = client[0] if client else ""
+        unasked = (scope.get("method"), scope["path"]) in _UNASKED
+        with self._anonymous.count(address, headers, unasked=unasked) as allowed:
             if allowed:
                 await self._app(scope, receive, dressed)
             else:

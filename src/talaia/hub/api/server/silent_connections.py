@@ -86,6 +86,7 @@ class SilentConnections:
         arrival = Arrival(now_s)
         if self._is_proxy(address):
             return arrival
+        # Proxies went before: all that are behind one share its address.
         key = network_of(address)
         silent = [earlier for earlier in self._arrivals.get(key, ()) if earlier.is_silent()]
         while len(silent) >= MOST_SILENT and now_s - silent[0].began_s > SILENT_S:
@@ -94,6 +95,7 @@ class SilentConnections:
             self._arrivals[key] = silent
             return None
         self._arrivals[key] = [*silent, arrival]
+        # Of addresses, too: whoever has many must not fill memory with them.
         if len(self._arrivals) > MOST_AT_ALL:
             self._forget_spoken()
         return arrival

@@ -51,8 +51,10 @@ class GatewaySocket:
     async def serve(self, socket: WebSocket) -> None:
         """Serve a gateway, or send it away."""
         key = await self._admission.gateways.admit_gateway(socket)
+        # It was told why, and what to answer next.
         if key is None:
             return
+        # Before the upgrade: whoever dials without end is to cost no socket.
         if after_s := self._flood_guard.admit_dial(key):
             said = "this gateway connects too often; come back later"
             await deny_socket(

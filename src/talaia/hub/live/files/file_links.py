@@ -135,6 +135,7 @@ class FileLinks:
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take a gateway's recordings and pictures until it has handed over all."""
         files = GatewayFiles(socket)
+        # As on the link itself: files are no way round a hold.
         if held_s := self.flood_guard.held_s(key):
             await files.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return

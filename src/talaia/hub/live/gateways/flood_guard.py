@@ -58,6 +58,7 @@ class FloodGuard:
         """
         limits = self._limits_of(key.site)
         kind = DIALS_BACK if limits.recognise_oldest(key.lineage) else DIALS
+        # A connection that is sent away is counted as well: to refuse it costs something, too.
         verdict = limits.charge(kind, self._clock.monotonic_ns())
         if not verdict.slowed:
             return 0.0
@@ -80,11 +81,13 @@ class FloodGuard:
         """Wait until a frame of a kind may be read; see `admit_frame`."""
         live = self._sites.find_site(key.site)
         limits = self._limits_of(key.site)
+        # Who has more to say of has a larger allowance.
         described = 0 if live is None else live.described
         verdict = limits.charge(kind, self._clock.monotonic_ns(), described=described)
         if verdict.slowed:
             await self._slow_down(key, kind, verdict)
         # Of the message before: what it wrote into the log.
+        # Taken once: it is one wait, whichever connection waits it.
         rows, limits.rows = limits.rows, None
         if rows is not None:
             await self._slow_down(key, "event", rows)
@@ -101,6 +104,7 @@ class FloodGuard:
             said = f"it goes on sending too many of {kind}; it is not let in for {HELD_S:g} s"
             self._report(site, "gateway cut off", said)
             raise PeerError(HELD_OFF, TRY_LATER)
+        # Once in a while: a flood must not become one of warnings.
         if limits.first_told(now_ns):
             said = f"it sends too many of {kind}; what it says is read more slowly"
             self._report(site, "gateway slowed", said)
@@ -108,6 +112,7 @@ class FloodGuard:
     def _report(self, site: str, event: str, said: str) -> None:
         live = self._sites.find_site(site)
         if live is None:
+            # It has no pages yet on which people could be told.
             _LOG.warning("%s: %s: %s", site, event, said)
         else:
             self._reporting.report_event(live, event, message=said, good=False)

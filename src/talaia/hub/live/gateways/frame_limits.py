@@ -176,6 +176,7 @@ class FrameLimits:
         burst = allowance.burst + allowance.per_thing * described
         passed_s = (now_ns - self._reckoned.get(kind, now_ns)) / SECOND
         left = min(burst, self._left.get(kind, burst) + passed_s * rate) - 1.0
+        # Bounded, for one flood must not be paid for all night.
         left = max(left, -_MOST_OWED_S * rate)
         self._left[kind], self._reckoned[kind] = left, now_ns
         if left >= 0:
@@ -184,6 +185,7 @@ class FrameLimits:
             if left > rate:
                 self._over_since.pop(kind, None)
             return Verdict()
+        # The first moment counts: a flood with short pauses is one flood.
         since = self._over_since.setdefault(kind, now_ns)
         over_s = (now_ns - since) / SECOND
         cut_off = allowance.cuts and over_s > self._longest_over_s
@@ -208,6 +210,7 @@ class FrameLimits:
         ``shown`` is the lineage that it has shown (0: none), ``issued`` that of its place now.
         """
         if self.recognise_oldest(shown) and shown != self._linked:
+            # A list: kinds are taken out while it is gone through.
             for kind in [kind for kind in self._left if kind not in {DIALS, DIALS_BACK}]:
                 self._forget_kind(kind)
             self.rows = None
@@ -217,6 +220,7 @@ class FrameLimits:
         """Let nobody in for a while, for what the gateway of a lineage did (0: of none)."""
         self._held_until_ns = now_ns + int(HELD_S * SECOND)
         self._held_by = lineage
+        # When it comes back, the time that it is over begins anew.
         self._over_since.clear()
 
     def held_s(self, now_ns: int, lineage: int) -> float:
@@ -231,8 +235,8 @@ class FrameLimits:
         return max(held_s, _ROWS_OVER_S if self._is_over("rows", now_ns) else 0.0)
 
     def _forget_kind(self, kind: str) -> None:
-        for each in (self._left, self._reckoned, self._over_since):
-            each.pop(kind, None)
+        for ledger in (self._left, self._reckoned, self._over_since):
+            ledger.pop(kind, None)
 
     def _is_over(self, kind: str, now_ns: int) -> bool:
         """Tell whether there is none left of an allowance that is the same for every site."""
@@ -242,6 +246,7 @@ class FrameLimits:
 
     def first_told(self, now_ns: int) -> bool:
         """Tell whether people are to be told of a flood: once in a while."""
+        # As long as a hold lasts: who floods anew after it is told of anew.
         if now_ns - self._told_ns < HELD_S * SECOND:
             return False
         self._told_ns = now_ns

@@ -41,6 +41,7 @@ class GatewayLink:
         # Waited for before a message of a kind is read. The site's own once it is attached: what
         # another one with the site's key says, which waits, is no debt of the site's.
         self.admit_kind: Callable[[str], Awaitable[None]] = self._admit_few
+        # Unknown messages before it was attached.
         self._early = 0
         # Of its clock, by beats; counts those that were answered too.
         self.offset = ClockOffset()
@@ -87,6 +88,7 @@ class GatewayLink:
                 await self.admit_kind(UNKNOWN)
 
     async def _admit_few(self, kind: str) -> None:
+        # Not by the clock: what a stranger may say before it is let in is little, however slowly.
         self._early += 1
         if self._early > _MOST_EARLY:
             raise PeerError(f"too many of {kind} before it was linked", 1013)

@@ -193,6 +193,7 @@ class LinkService:
             )
         )
         self._flood_guard.begin_link(key, gateway.issued.lineage)
+        # What it says is held against the place that it has now, not the one that it has shown.
         speaker = key._replace(resumed=gateway.issued)
         link.admit_kind = partial(self._flood_guard.admit_kind, speaker)
         live = self._attach_link(link, hello, description, gateway)

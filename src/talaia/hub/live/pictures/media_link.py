@@ -164,6 +164,7 @@ class MediaLinks:
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take pictures of a site until its gateway hangs up or a newer one comes."""
         camera, site = GatewayCamera(socket), key.site
+        # Told, and not merely closed: a gateway that knows when comes back then, and not before.
         if held_s := self._flood_guard.held_s(key):
             await camera.send_farewell(HELD_OFF, TRY_LATER, held_s)
             return

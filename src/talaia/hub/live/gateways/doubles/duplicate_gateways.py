@@ -43,6 +43,7 @@ class DuplicateGateways:
         self, live: LiveSite | None, key: GatewayKey, boot: str, link: SiteLink
     ) -> LinkVerdict:
         """Tell whether the gateway of ``key`` may have the site's place now."""
+        # A place that is free is had by the key alone: nobody is displaced.
         if live is None or live.link is None or live.rivals.chosen is link:
             return LinkVerdict.TAKES
         if _comes_back(live.gateway, key, boot) or self._was_before(live, key):
@@ -54,6 +55,7 @@ class DuplicateGateways:
     def record_replacement(self, live: LiveSite, key: GatewayKey, boot: str) -> int:
         """Note that the linked one gives way; give the lineage of who takes its place (0: own)."""
         linked, chosen = live.gateway, live.rivals.chosen is not None
+        # None: it begins a line of its own, which is younger than every other.
         own = 0 if key.resumed is None else key.resumed.lineage
         if not chosen and _comes_back(linked, key, boot):
             return own
@@ -68,6 +70,7 @@ class DuplicateGateways:
 
     def _was_before(self, live: LiveSite, key: GatewayKey) -> bool:
         """Tell whether a gateway was linked before the one that is linked ever was."""
+        # By numbers of the hub alone: nothing that a gateway names itself is looked at.
         linked, shown = live.gateway, key.resumed
         if shown is None or live.rivals.is_void(shown):
             return False

@@ -53,6 +53,7 @@ class GatewayPlaces:
     ) -> bool:
         """Wait until a gateway may have its site's place; False: its link has ended."""
         while True:
+            # Anew each time: the site may have been described while it waited.
             live = self._sites.find_site(key.site)
             verdict = self._rivals.judge_link(live, key, hello.boot, link)
             if live is None or verdict is LinkVerdict.TAKES:
@@ -65,6 +66,7 @@ class GatewayPlaces:
 
     def assign_place(self, gateway: LinkedGateway, key: GatewayKey) -> None:
         """Number the place that a gateway has from now on."""
+        # Who is linked until now; without one the place is taken as it is.
         before = self._sites.find_site(key.site)
         gateway.challenged, gateway.proven = key.challenged, key.resumed or NO_PLACE
         lineage = gateway.proven.lineage

@@ -48,9 +48,11 @@ class HeldLinks:
             address=address,
             since_us=self._clock.wall_ns() // 1000,
         )
+        # Before anything is awaited: a STOP that is pressed now goes down to it as well.
         live.rivals.held.append(held)
         link.send(frames.LinkHeld(reason=HELD))
         try:
+            # Whichever ends first ends the waiting: a hang-up, silence, an admin, or its turn.
             results = await until_first(
                 self._read_all(link, live, held),
                 self._send_beats(link, held),
@@ -59,6 +61,7 @@ class HeldLinks:
                 held.turn.wait(),
             )
         finally:
+            # Out of the list first, so that pages are not told of one that has gone.
             live.rivals.held.remove(held)
             self._reporting.held_stops.forget_gateway(live, held)
             self._reporting.publish_site(live)
@@ -99,6 +102,7 @@ class HeldLinks:
             heard, held.frames = link.offset.heard, 0
             link.send(frames.Beat(n=sent, mono_us=self._clock.monotonic_ns() // 1000))
             sent += 1
+            # Half open, it would hold one of few places for good.
             if sent - heard > _MISSED_BEATS:
                 link.dismiss_gateway("it has not answered for three beats")
             await asyncio.sleep(self._beat_s)

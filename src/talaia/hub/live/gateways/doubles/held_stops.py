@@ -32,6 +32,7 @@ class HeldStops:
         """Send a STOP to all that wait for the place of a site."""
         told = False
         for held in live.rivals.held:
+            # Each time that the page repeats it, as it goes to the linked one.
             held.link.send(stop)
             # A page repeats it until the linked one answers; they are told of it once.
             if held.pressed.get(stop.device) != stop.id:
@@ -45,6 +46,7 @@ class HeldStops:
         """Keep how one that waits says that STOP stands; only where it was asked for."""
         if state.device not in held.pressed:
             return
+        # To know what is new: a beat brings it again and again.
         before = held.stops.get(state.device)
         held.stops[state.device] = state
         said = (state.latched, state.confirmed)
