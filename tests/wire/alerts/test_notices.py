@@ -56,6 +56,15 @@ def test_what_cannot_be_meant_is_refused_with_the_reason(old: bytes, new: bytes,
         parse_voevent(VOEVENT.replace(old, new))
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_entities_are_refused_however_the_notice_is_encoded(encoding: str) -> None:
+    declared = VOEVENT.replace(b"<voe:VOEvent", b"<!DOCTYPE x [<!ENTITY a 'b'>]><voe:VOEvent")
+    # Its declaration says another encoding: without one the first bytes count.
+    text = "\ufeff" * (encoding != "utf-16") + declared.decode().partition("?>")[2].lstrip()
+    with pytest.raises(PeerError, match="no entities"):
+        parse_voevent(text.encode(encoding))
+
+
 def test_a_notice_of_gcn_in_json_says_the_same() -> None:
     said = {
         "$schema": "https://gcn.nasa.gov/schema/v4.1.0/gcn/notices/einstein_probe/wxt/alert.schema.json",
