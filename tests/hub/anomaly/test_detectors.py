@@ -19,7 +19,8 @@ from talaia.hub.anomaly.ensemble import Together
 from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.rarity import Rarity
-from talaia.hub.anomaly.runner import AnomalyBegan, DetectorRunner
+from talaia.hub.anomaly.episode_runner import AnomalyBegan
+from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.anomaly.seasonal import Season
 from talaia.hub.anomaly.simple_rules import LimitsDetector, Missing, RateOfChange, Still
 from talaia.model.alarms.anomaly import Watch

@@ -50,7 +50,10 @@ class AnomaliesFeature(Feature):
         self.detectors.add_listener(reporting)
         self.detectors.add_listener(alarms)
         self.detectors.add_display(reporting)
-        self.routers = [AnomalyPages(watching=self.detectors, audit=audit).make_router()]
+        pages = AnomalyPages(
+            watching=self.detectors, history=history, audit=audit, clock=core.clock
+        )
+        self.routers = [pages.make_router()]
         self.tasks = [BackgroundTask(name="detect", run=self.detectors.run)]
 
     async def close(self) -> None:
