@@ -32,16 +32,14 @@ export class SignalShares extends LitElement {
       .name {
         overflow-wrap: anywhere;
       }
-      .bar {
+      svg {
+        inline-size: 100%;
         block-size: 0.6rem;
         border-radius: var(--t-radius-s);
         background: var(--t-line);
-        overflow: hidden;
       }
-      .bar > span {
-        display: block;
-        block-size: 100%;
-        background: var(--t-warn);
+      rect {
+        fill: var(--t-warn);
       }
       .said {
         font-variant-numeric: tabular-nums;
@@ -51,9 +49,9 @@ export class SignalShares extends LitElement {
       }
       @media (max-width: 34rem) {
         li {
-          grid-template-columns: minmax(0, 1fr) 5rem auto;
+          grid-template-columns: minmax(3rem, 1fr) auto;
         }
-        .far {
+        .name {
           grid-column: 1 / -1;
         }
       }
@@ -77,7 +75,7 @@ export class SignalShares extends LitElement {
     const way = spreads >= 0 ? "above" : "below";
     return html`<li>
       <span class="name">${this.labels.get(signal) ?? signal}</span>
-      <span class="bar" aria-hidden="true"><span style=${`inline-size: ${String(Math.round(share * 1000) / 10)}%`}></span></span>
+      <svg aria-hidden="true"><rect height="100%" width=${`${String(Math.round(share * 1000) / 10)}%`}></rect></svg>
       <span class="said">${percent} % <span class="far">${formatNumber(Math.abs(spreads), 1)} spreads ${way} its level</span></span>
     </li>`;
   }

@@ -39,6 +39,7 @@ export class LearnForm extends LitElement {
       }
       .said {
         ${quietText}
+        margin-block-start: var(--t-space-3);
       }
       .said:empty {
         display: none;

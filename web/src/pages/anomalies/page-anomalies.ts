@@ -19,6 +19,7 @@ import { formatClock } from "../../format/time.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
+import { signalLabels } from "../../state/signal-labels.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import type { SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -90,7 +91,7 @@ export class PageAnomalies extends LitElement {
     if (list.length === 0) return renderNone();
     const groups = list.filter(({ signals }) => signals.length > 0);
     const singles = list.filter(({ signals }) => signals.length === 0);
-    const labels = labelsOf(detail);
+    const labels = signalLabels(detail);
     return html`${groups.length === 0 ? nothing : this.renderGroups(detail, groups, labels, mayForgive)}
       ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)}`;
   }
@@ -163,10 +164,6 @@ function renderNone(): TemplateResult {
   return html`<t-empty heading="Nothing is watched for anomalies" icon="live">
     <p>Switch it on in the site description: services: {anomaly_detection: true}, or name detectors at signals and groups.</p>
   </t-empty>`;
-}
-
-function labelsOf(detail: SiteShape): ReadonlyMap<string, string> {
-  return new Map(detail.devices.flatMap((device) => device.signals.map((signal) => [signal.address, `${device.name}, ${signal.name}`])));
 }
 
 declare global {
