@@ -16,10 +16,10 @@ from talaia.hub.anomaly.baseline import Baseline, Quartiles, Sorted
 from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.context import Context
 from talaia.hub.anomaly.ensemble import Together
+from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.rarity import Rarity
-from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.anomaly.seasonal import Season
 from talaia.hub.anomaly.simple_rules import LimitsDetector, Missing, RateOfChange, Still

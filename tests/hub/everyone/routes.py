@@ -613,6 +613,11 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/anomalies/learned"): of_site(
         json={"address": "/base", "from_us": 1, "to_us": 2}, done=(404,)
     ),
+    ("POST", "/api/sites/{site}/anomalies/tests"): of_site(
+        json={"address": "/base", "from_us": 1, "to_us": 2}, done=(404,)
+    ),
+    ("GET", "/api/sites/{site}/anomalies/tests/{test}"): of_site(test="none", done=(404,)),
+    ("DELETE", "/api/sites/{site}/anomalies/tests/{test}"): of_site(test="none", done=(404,)),
     ("GET", "/api/sites/{site}/proposals"): of_site(),
     # These sites do not observe by themselves.
     ("POST", "/api/sites/{site}/proposals"): of_site(

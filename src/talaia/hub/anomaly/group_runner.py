@@ -14,6 +14,8 @@ from talaia.hub.anomaly.modal_group import ModalGroup
 from talaia.model.alarms.signal_groups import GROUP_DETECTOR
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded
     from talaia.model.alarms.signal_groups import GroupSignals
 
@@ -128,6 +130,14 @@ class GroupRunner(EpisodeRunner):
         self.changed = True
         # What was judged is the step before the one that this sample opened.
         return self._take_judged(step * detector.step_us, learning)
+
+    def score_row(
+        self, time_us: int, values: Sequence[float], state: int
+    ) -> AnomalyBegan | AnomalyEnded | None:
+        """Look at a whole row of the past, NaN where nothing came."""
+        learning = self.detector.learning
+        self.detector.see_row(time_us, values, state)
+        return self._take_judged(time_us, learning)
 
     def _take_judged(self, time_us: int, learning: int) -> AnomalyBegan | AnomalyEnded | None:
         detector = self.detector
