@@ -331,6 +331,17 @@ async def test_a_group_learns_from_a_run_on_its_page_and_names_what_made_an_anom
     first = group.locator("t-signal-shares li").first
     await expect(first).to_contain_text("Battery, Voltage")
     await expect(first).to_contain_text("spreads below its level")
+    trial = page.locator("t-back-test")
+    await trial.get_by_label("A: learns from (steps)").fill("120")
+    await trial.get_by_label("B: learns from (steps)").fill("120")
+    await trial.get_by_label("B: told from").fill("1")
+    await trial.get_by_role("button", name="Try both").click()
+    # Nothing is as far from usual as a bar of 1 asks for.
+    for setting, found in (("Setting A", "Battery Voltage ("), ("Setting B", "0 anomalies")):
+        result = trial.locator("t-test-result").filter(has_text=setting)
+        await expect(result).to_contain_text("done")
+        await expect(result).to_contain_text(found)
+        await expect(result).to_contain_text("s of a core")
     await page.goto(f"{hub.origin}/sites/agv/live")
     await expect(tile_of(page, "Voltage")).to_contain_text("of it by this signal")
     assert page.errors == []

@@ -1012,6 +1012,46 @@ export interface NightShape {
   readonly bytes: number;
 }
 
+/** Try a detector on stored history. */
+export interface BackTestAsk {
+  readonly address: string;
+  readonly detector?: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly bar?: number;
+  readonly learn?: number;
+  readonly minimum?: number | null;
+  readonly maximum?: number | null;
+}
+
+/** How a test stands, and what it found up to now. */
+export interface BackTestShape {
+  readonly key: string;
+  readonly address: string;
+  readonly detector: string;
+  readonly bar: number;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly state: "running" | "done" | "cancelled" | "failed";
+  readonly problem: string;
+  readonly progress: number;
+  readonly rows: number;
+  readonly cpu_s: number;
+  readonly count: number;
+  readonly anomalies: readonly PastAnomalyShape[];
+  readonly scores: readonly number[];
+  readonly learning: number;
+}
+
+/** An anomaly that would have been told. */
+export interface PastAnomalyShape {
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly score: number;
+  readonly why: string;
+  readonly shares: readonly ShareShape[];
+}
+
 /** How it ended: ``applied``, ``refused``, or ``unknown`` when nobody answered in time. */
 export interface ChangeAnswer {
   readonly phase: "applied" | "refused" | "unknown";

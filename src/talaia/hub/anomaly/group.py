@@ -280,7 +280,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         if not self.limit:
             return f"it learns for {self.learning} more rows"
         named = [
-            f"{signal.name} ({signal.share:.0%}, {format_number(abs(signal.spreads))} spreads "
+            f"{signal.name} ({signal.share:.0%}, {abs(signal.spreads):.1f} spreads "
             f"{'above' if signal.spreads >= 0 else 'below'} its level)"
             for signal in self.list_shares()[:3]
             if signal.share >= 0.1

@@ -23,10 +23,12 @@ import { signalLabels } from "../../state/signal-labels.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import type { SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { BackTestsApi } from "../../wire/back-tests-api.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";
 import "../history/chart/anomaly-scores.js";
+import "./back-test.js";
 import "./learn-form.js";
 
 const SHOWN_US = 3600e6;
@@ -61,6 +63,8 @@ export class PageAnomalies extends LitElement {
   private readonly detail = new LoadController<SiteShape>(this);
   private readonly detectors = new AnomalyDetectorsController(this);
   private readonly painter = new PaintScheduler();
+  private tests: BackTestsApi | null = null;
+  private testsOf = "";
 
   constructor() {
     super();
@@ -88,12 +92,25 @@ export class PageAnomalies extends LitElement {
     if (this.detectors.state === "failed") return renderAdvice(adviceFor(this.detectors.renderError, "the anomaly detectors"), this.retry);
     if (!this.detectors.hasList) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
     const { list, mayForgive } = this.detectors.book;
-    if (list.length === 0) return renderNone();
+    if (list.length === 0) return html`${renderNone()} ${this.renderTrial(detail, [])}`;
     const groups = list.filter(({ signals }) => signals.length > 0);
     const singles = list.filter(({ signals }) => signals.length === 0);
     const labels = signalLabels(detail);
     return html`${groups.length === 0 ? nothing : this.renderGroups(detail, groups, labels, mayForgive)}
-      ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)}`;
+      ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)} ${mayForgive ? this.renderTrial(detail, groups) : nothing}`;
+  }
+
+  private renderTrial(detail: SiteShape, groups: readonly Detector[]): TemplateResult | typeof nothing {
+    if (this.api === undefined || !this.detectors.book.mayForgive) return nothing;
+    if (this.tests === null || this.testsOf !== this.site) {
+      this.tests = new BackTestsApi(this.api, this.site);
+      this.testsOf = this.site;
+    }
+    return html`<section class="sheet" aria-labelledby="trial">
+      <h2 id="trial">Try a detector on the past</h2>
+      <p class="muted">What it would have said of stored history, by two settings. It looks at one sample a second; nothing is switched on and nobody is told.</p>
+      <t-back-test .site=${this.site} .zone=${detail.zone} .groups=${groups} .signals=${numbersOf(detail)} .hub=${this.tests}></t-back-test>
+    </section>`;
   }
 
   private renderGroups(detail: SiteShape, groups: readonly Detector[], labels: ReadonlyMap<string, string>, mayForgive: boolean): TemplateResult {
@@ -158,6 +175,18 @@ function renderSingle(site: string, detail: SiteShape, { address, name, on, lear
     <t-status kind=${kind} word=${word}></t-status>
     ${anomaly === null ? nothing : html`<span class="why">${on ? "Since" : "Last at"} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why}</span>`}
   </li>`;
+}
+
+const numbers = new WeakMap<SiteShape, ReadonlyMap<string, string>>();
+
+function numbersOf(detail: SiteShape): ReadonlyMap<string, string> {
+  const known = numbers.get(detail);
+  if (known !== undefined) return known;
+  const labels = signalLabels(detail);
+  const found = detail.devices.flatMap((device) => device.signals.filter(({ type }) => type === "number").map(({ address }): [string, string] => [address, labels.get(address) ?? address]));
+  const made = new Map(found);
+  numbers.set(detail, made);
+  return made;
 }
 
 function renderNone(): TemplateResult {
