@@ -58,7 +58,7 @@ def main() -> int:
     parser.add_argument("--detectors", default=",".join(TRIED), help="separated by commas")
     options = parser.parse_args()
     series, good = nab.load(options.where), True
-    print("| detector | shipped bar | score | found | false | bars of other folders | found | false |")
+    print("| detector | bar | score | found | false | bars of other folders | found | false |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|")
     for name in options.detectors.split(","):
         scores, _ = anomaly.run(KINDS[name].make, series)

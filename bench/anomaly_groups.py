@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.cli.anomalies.judges import DETECTORS, make_judge
 from talaia.cli.anomalies.signal_rows import SignalRows
 from talaia.hub.anomaly.base import dump_detector
-from talaia.hub.anomaly.modal_group import ModalGroup
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -1012,46 +1012,6 @@ export interface NightShape {
   readonly bytes: number;
 }
 
-/** Try a detector on stored history. */
-export interface BackTestAsk {
-  readonly address: string;
-  readonly detector?: string;
-  readonly from_us: number;
-  readonly to_us: number;
-  readonly bar?: number;
-  readonly learn?: number;
-  readonly minimum?: number | null;
-  readonly maximum?: number | null;
-}
-
-/** How a test stands, and what it found up to now. */
-export interface BackTestShape {
-  readonly key: string;
-  readonly address: string;
-  readonly detector: string;
-  readonly bar: number;
-  readonly from_us: number;
-  readonly to_us: number;
-  readonly state: "running" | "done" | "cancelled" | "failed";
-  readonly problem: string;
-  readonly progress: number;
-  readonly rows: number;
-  readonly cpu_s: number;
-  readonly count: number;
-  readonly anomalies: readonly PastAnomalyShape[];
-  readonly scores: readonly number[];
-  readonly learning: number;
-}
-
-/** An anomaly that would have been told. */
-export interface PastAnomalyShape {
-  readonly from_us: number;
-  readonly to_us: number;
-  readonly score: number;
-  readonly why: string;
-  readonly shares: readonly ShareShape[];
-}
-
 /** How it ended: ``applied``, ``refused``, or ``unknown`` when nobody answered in time. */
 export interface ChangeAnswer {
   readonly phase: "applied" | "refused" | "unknown";
@@ -1847,6 +1807,37 @@ export interface AnomalyShape {
   readonly shares: readonly ShareShape[];
 }
 
+/** Try a detector on stored history. */
+export interface BackTestAsk {
+  readonly address: string;
+  readonly detector?: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly bar?: number;
+  readonly learn?: number;
+  readonly minimum?: number | null;
+  readonly maximum?: number | null;
+}
+
+/** How a test stands, and what it found up to now. */
+export interface BackTestShape {
+  readonly key: string;
+  readonly address: string;
+  readonly detector: string;
+  readonly bar: number;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly state: "running" | "done" | "cancelled" | "failed";
+  readonly problem: string;
+  readonly progress: number;
+  readonly rows: number;
+  readonly cpu_s: number;
+  readonly count: number;
+  readonly anomalies: readonly PastAnomalyShape[];
+  readonly scores: readonly number[];
+  readonly learning: number;
+}
+
 /** What the detector made of it. */
 export interface ForgiveAnswer {
   readonly learned: boolean;
@@ -1872,6 +1863,15 @@ export interface LearnAsk {
   readonly from_us: number;
   readonly to_us: number;
   readonly comment?: string;
+}
+
+/** An anomaly that would have been told. */
+export interface PastAnomalyShape {
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly score: number;
+  readonly why: string;
+  readonly shares: readonly ShareShape[];
 }
 
 /** What one signal of a group has to do with an anomaly. */

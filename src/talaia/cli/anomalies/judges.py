@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.cli.errors import CliError
-from talaia.hub.anomaly.group import FEWEST_LEARNED, MOST_SIGNALS, most_learned
+from talaia.hub.anomaly.groups.group import FEWEST_LEARNED, MOST_SIGNALS, most_learned
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
 from talaia.hub.anomaly.kinds import KINDS
-from talaia.hub.anomaly.modal_group import ModalGroup
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

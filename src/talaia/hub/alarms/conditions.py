@@ -218,15 +218,13 @@ class AlarmCondition:
     def _judge_anomaly(
         self, readings: Mapping[str, ConditionReading], seen: tuple[DetectedThing, ...]
     ) -> ConditionVerdict:
-        group, address = self._group, self.alarm.signal
-        name = self._signals[address].name if group is None else group.name
+        name = self._signals[self.alarm.signal].name if self._group is None else self._group.name
         # One that goes on counts even while the channel is silent.
         for anomaly in seen:
             if anomaly.score >= self.alarm.score:
                 return ConditionVerdict(
                     Truth.HOLDS, f"{name} is unusual: {anomaly.why}".rstrip(": ")
                 )
-        # A group is judged by those of its signals that come.
         if all(self.current_value(channel, readings) is None for channel in self.channels):
             return self._unknown_verdict(self.channels[0], readings)
         return ConditionVerdict(Truth.FALSE, f"{name} is as usual")

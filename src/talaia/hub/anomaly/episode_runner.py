@@ -10,8 +10,8 @@ from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from talaia.hub.anomaly.groups.whitening import SignalShare
     from talaia.hub.anomaly.kinds import RegisteredDetector
-    from talaia.hub.anomaly.whitening import SignalShare
 
 __all__ = [
     "SCORES",

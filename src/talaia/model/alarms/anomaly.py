@@ -53,7 +53,8 @@ class Watch(Shape, frozen=True, kw_only=True):
     detector: DetectorKind
     bar: float = 0.0
     rest: int = 100
-    k: float = 1.5
+    # Tukey's 1.5 is for looking at a sample of values; of a stream it calls far too much.
+    k: float = 6.0
     after: float = 0.0
     within: float = 0.0
     most: float = 0.0

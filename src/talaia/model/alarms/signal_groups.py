@@ -73,17 +73,17 @@ def groups_of(site: Site) -> tuple[list[GroupSignals], int]:
         The groups, and how many the switch leaves out since there are too many signals.
 
     """
-    found = [each for key in site.anomaly_groups if (each := group_named(site, key)) is not None]
+    found = [group for key in site.anomaly_groups if (group := group_named(site, key)) is not None]
     left_out, count = 0, 0
     for device in _devices_of_switch(site):
-        each = group_named(site, device)
-        if each is None:
+        group = group_named(site, device)
+        if group is None:
             continue
-        count += len(each.signals)
+        count += len(group.signals)
         if count > MOST_IN_GROUPS:
             left_out += 1
         else:
-            found.append(each)
+            found.append(group)
     return found, left_out
 
 

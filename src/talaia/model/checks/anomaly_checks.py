@@ -153,7 +153,7 @@ def _check_members(site: Site, where: str, group: SignalGroup) -> Iterator[Findi
     count = len(group.signals)
     if group.device:
         of_device = site.devices[group.device].signals.values()
-        count = sum(each.primary and each.type == "number" for each in of_device)
+        count = sum(signal.primary and signal.type == "number" for signal in of_device)
     if not FEWEST_IN_GROUP <= count <= MOST_IN_GROUP:
         problem = f"expected {FEWEST_IN_GROUP} to {MOST_IN_GROUP} numbers, found {count}"
         remedy = "of a device those of the first page count (primary)" if group.device else ""

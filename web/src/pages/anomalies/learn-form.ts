@@ -104,7 +104,7 @@ export class LearnForm extends LitElement {
     const { hub, site } = this;
     if (hub === null) return;
     this.learned = "";
-    const group = this.groups.find((each) => each.address === address);
+    const group = this.groups.find((known) => known.address === address);
     await this.action.run("learn from this stretch", async () => {
       this.learned = learnedText(group === undefined ? address : subjectOf(group), await hub.learnUsual(site, address, span, comment));
     });

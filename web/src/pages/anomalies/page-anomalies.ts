@@ -23,7 +23,7 @@ import { signalLabels } from "../../state/signal-labels.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import type { SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { BackTestsApi } from "../../wire/back-tests-api.js";
+import { BackTestsApi } from "./back-tests-api.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request
 
 from talaia.hub.anomaly.episode_runner import score_address
-from talaia.hub.anomaly.group_runner import GroupRunner
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.api.access import address_of, live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
@@ -147,7 +147,7 @@ def _anomaly_schema(watched: EpisodeRunner) -> AnomalyShape:
         step_s=watched.group.group.step if isinstance(watched, GroupRunner) else 0.0,
         mode=watched.mode,
         shares=[
-            ShareShape(signal=watched.members[each.place], share=each.share, spreads=each.spreads)
-            for each in watched.shares
+            ShareShape(signal=watched.members[one.place], share=one.share, spreads=one.spreads)
+            for one in watched.shares
         ],
     )

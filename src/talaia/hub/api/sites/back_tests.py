@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import msgspec
 from fastapi import APIRouter, Request
 
-from talaia.hub.anomaly.group_runner import GroupRunner
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.api.access import live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.anomaly_schemas import ShareShape
-from talaia.hub.api.schemas.back_test_schemas import (
+from talaia.hub.api.schemas.anomaly_schemas import (
     BackTestAsk,
     BackTestShape,
     PastAnomalyShape,
+    ShareShape,
 )
 from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.detection.back_test import (
@@ -33,7 +33,7 @@ from talaia.model.checks.anomaly_checks import anomaly_findings, group_findings
 if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
-    from talaia.hub.anomaly.whitening import SignalShare
+    from talaia.hub.anomaly.groups.whitening import SignalShare
     from talaia.hub.live.detection.back_test import BackTest, BackTests, PastTrial
     from talaia.model.site import Site
 
@@ -142,8 +142,8 @@ def _group_trial(site: Site, asked: BackTestAsk) -> GroupTrial:
 
 def _shares(runner: EpisodeRunner, shares: list[SignalShare]) -> list[ShareShape]:
     return [
-        ShareShape(signal=runner.members[each.place], share=each.share, spreads=each.spreads)
-        for each in shares
+        ShareShape(signal=runner.members[one.place], share=one.share, spreads=one.spreads)
+        for one in shares
     ]
 
 
@@ -164,13 +164,13 @@ def _test_schema(test: BackTest) -> BackTestShape:
         count=test.count,
         anomalies=[
             PastAnomalyShape(
-                from_us=each.from_us,
-                to_us=each.to_us,
-                score=each.score,
-                why=each.why,
-                shares=_shares(runner, each.shares),
+                from_us=found.from_us,
+                to_us=found.to_us,
+                score=found.score,
+                why=found.why,
+                shares=_shares(runner, found.shares),
             )
-            for each in test.anomalies
+            for found in test.anomalies
         ],
         scores=test.scores,
         learning=test.learning,

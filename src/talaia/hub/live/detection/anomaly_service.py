@@ -22,7 +22,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
 from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded, score_address
-from talaia.hub.anomaly.group_runner import GroupRunner
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.guarded import GuardedDetector
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.live.detection.score_writer import ScoreWriter
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
-    from talaia.hub.anomaly.modal_group import ModalGroup
+    from talaia.hub.anomaly.groups.modal_group import ModalGroup
     from talaia.hub.live.pages.fanout import Fanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalySink, DetectorSink, History
@@ -252,7 +252,7 @@ class AnomalyService:
                 turn = runner.score_sample(place, time_us, value)
             except (ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
                 _LOG.exception("the group %s begins anew", runner.address)
-                others = [each for each in watch.groups if each is not runner]
+                others = [group for group in watch.groups if group is not runner]
                 watch.take_groups([*others, GroupRunner(runner.group)])
                 return
             # A score is of a step, and most samples complete none.

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.hub.anomaly.episode_runner import AnomalyBegan, EpisodeRunner
-    from talaia.hub.anomaly.group_runner import GroupRunner
+    from talaia.hub.anomaly.groups.group_runner import GroupRunner
+    from talaia.hub.anomaly.groups.whitening import SignalShare
     from talaia.hub.anomaly.runner import DetectorRunner
-    from talaia.hub.anomaly.whitening import SignalShare
     from talaia.hub.ports import History
 
 __all__ = [

@@ -60,12 +60,12 @@ async def read_past_rows(
         until = min(end, begin + length)
         series = await history.read_series(site, addresses, begin, until - 1, width=_AT_ONCE // 2)
         shorter = max(step_us, length // 4 // step_us * step_us)
-        if length > max(step_us, _SHORTEST_US) and not all(each.exact for each in series):
+        if length > max(step_us, _SHORTEST_US) and not all(one.exact for one in series):
             # More came than is read at once: thinned samples would be others than those live.
             length = shorter
             continue
-        yield _rows_of([(each.time_us, each.value) for each in series], begin, until, step_us)
-        if max((each.time_us.size for each in series), default=0) < _AT_ONCE // 8:
+        yield _rows_of([(one.time_us, one.value) for one in series], begin, until, step_us)
+        if max((one.time_us.size for one in series), default=0) < _AT_ONCE // 8:
             length = min(_LONGEST_US // step_us * step_us, length * 2)
         begin = until
 

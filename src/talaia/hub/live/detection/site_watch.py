@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from talaia.hub.anomaly.group_runner import GroupRunner
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted_detectors
 from talaia.hub.live.detection.thinning import Thinning

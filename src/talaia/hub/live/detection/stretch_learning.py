@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from talaia.hub.anomaly.group import FEWEST_LEARNED, most_learned
-from talaia.hub.anomaly.group_runner import new_modal_group
+from talaia.hub.anomaly.groups.group import FEWEST_LEARNED, most_learned
+from talaia.hub.anomaly.groups.group_runner import new_modal_group
 from talaia.hub.live.detection.past_rows import read_past_rows
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from talaia.hub.anomaly.modal_group import ModalGroup
+    from talaia.hub.anomaly.groups.modal_group import ModalGroup
     from talaia.hub.ports import History
     from talaia.model.alarms.signal_groups import GroupSignals
 

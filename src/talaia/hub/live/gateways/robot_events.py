@@ -243,9 +243,9 @@ class RobotEvents:
             mode=watched.mode,
             shares=[
                 page.AnomalyShare(
-                    signal=watched.members[each.place], share=each.share, spreads=each.spreads
+                    signal=watched.members[one.place], share=one.share, spreads=one.spreads
                 )
-                for each in watched.shares
+                for one in watched.shares
             ],
         )
         # Encoded once in each form, for all pages.

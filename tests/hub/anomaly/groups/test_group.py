@@ -9,8 +9,8 @@ from hypothesis import given, settings, strategies as st
 from many_examples import examples
 
 from talaia.hub.anomaly.base import dump_detector, load_detector
-from talaia.hub.anomaly.group import MOST_SIGNALS, GroupDetector
-from talaia.hub.anomaly.modal_group import ModalGroup
+from talaia.hub.anomaly.groups.group import MOST_SIGNALS, GroupDetector
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
 
 pytestmark = pytest.mark.pure
 

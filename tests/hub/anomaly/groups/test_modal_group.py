@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from talaia.hub.anomaly.base import dump_detector, load_detector
-from talaia.hub.anomaly.modal_group import ModalGroup
-from talaia.hub.anomaly.mode_search import find_modes
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
+from talaia.hub.anomaly.groups.mode_search import find_modes
 
 pytestmark = pytest.mark.pure
 

@@ -1,5 +1,7 @@
 """Several signals judged together: how far all of them are from what they usually are together.
 
+Long, because learning, judging and forgiving work on one state.
+
 The distance is Hotelling's T² (Hotelling 1947, "Multivariate quality control"): with ``d`` the
 departures of the signals and ``S`` their usual covariance, ``T² = dᵀ S⁻¹ d``. Signals that
 usually go together and now go apart are far away though each of them is where it often is.
@@ -21,8 +23,8 @@ import msgspec
 import numpy as np
 
 from talaia.hub.anomaly.base import Floats, format_number
-from talaia.hub.anomaly.held_values import NEVER, HeldValues
-from talaia.hub.anomaly.whitening import (
+from talaia.hub.anomaly.groups.held_values import NEVER, HeldValues
+from talaia.hub.anomaly.groups.whitening import (
     SignalShare,
     inverse_root,
     share_distance,

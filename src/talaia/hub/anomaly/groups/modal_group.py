@@ -2,6 +2,8 @@
 
 A charging robot is not unusual, though nothing of it is as when it drives. The way of running is
 told by a state, or found among the rows of the learning stretch.
+
+Long, because modes that are told and modes that are found share how rows come and are judged.
 """
 
 from __future__ import annotations
@@ -12,18 +14,18 @@ import msgspec
 import numpy as np
 
 from talaia.hub.anomaly.base import Floats  # noqa: TC001 - msgspec reads the annotations
-from talaia.hub.anomaly.group import (
+from talaia.hub.anomaly.groups.group import (
     FEWEST_LEARNED,
     GroupDetector,
     most_learned,
 )
-from talaia.hub.anomaly.held_values import NEVER, HeldValues
-from talaia.hub.anomaly.mode_search import assign_modes, find_modes, scale_levels
+from talaia.hub.anomaly.groups.held_values import NEVER, HeldValues
+from talaia.hub.anomaly.groups.mode_search import assign_modes, find_modes, scale_levels
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.anomaly.whitening import SignalShare
+    from talaia.hub.anomaly.groups.whitening import SignalShare
 
 __all__ = ["MOST_MODES", "ModalGroup"]
 

@@ -9,8 +9,8 @@ import msgspec
 from talaia.hub.anomaly.base import AnomalyDetector, dump_detector, load_detector
 from talaia.hub.anomaly.episode_runner import EpisodeRunner
 from talaia.hub.anomaly.episodes import Episodes
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
 from talaia.hub.anomaly.kinds import RegisteredDetector
-from talaia.hub.anomaly.modal_group import ModalGroup
 from talaia.model.alarms.signal_groups import GROUP_DETECTOR
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ class GroupRunner(EpisodeRunner):
 
     def leaders(self) -> tuple[str, ...]:
         """Name the signals that made the newest anomaly so."""
-        return tuple(each.name for each in self.shares if each.share >= NAMED_SHARE)
+        return tuple(one.name for one in self.shares if one.share >= NAMED_SHARE)
 
     def dismiss_peak(self) -> bool:
         """Learn that the newest peak was no anomaly; false while it learns."""

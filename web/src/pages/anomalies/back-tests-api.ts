@@ -1,7 +1,7 @@
 /** Back-tests at the hub: what a detector would have said of stored history. */
 
-import type { BackTestAsk, BackTestShape } from "../generated/api.js";
-import type { HubApi } from "./hub-api.js";
+import type { BackTestAsk, BackTestShape } from "../../generated/api.js";
+import type { HubApi } from "../../wire/hub-api.js";
 
 export class BackTestsApi {
   constructor(
