@@ -168,7 +168,7 @@ def test_limits_are_those_of_a_person_and_learn_nothing():
 
 
 def test_quartiles_are_those_of_the_window():
-    detector = Quartiles()
+    detector = Quartiles(k=1.5)
     feed(detector, [float(at % 5) for at in range(100)])
     # Quartiles 1 and 3: the fences stand at -2 and 6.
     assert detector.see(10**9, 5.9) < 0.5

@@ -60,6 +60,16 @@ def test_going_from_one_way_of_running_to_another_is_usual_and_a_fault_in_one_is
     assert len(group.members) == 2
 
 
+def test_a_state_that_comes_late_blunts_nothing():
+    """The robot drives for three steps before its state says so, and stands as long before."""
+    group = new_group(by_state=True)
+    rows = robot_rows(1920)
+    late = [(rows[max(0, at - 3)][0], row) for at, (_, row) in enumerate(rows)]
+    assert not any(feed(group, late[:1800]))
+    worse = [(state, row) for (state, _), (_, row) in zip(late, dragging(rows), strict=True)]
+    assert any(feed(group, worse[1800:], 1800))
+
+
 def test_what_leads_is_named_in_the_way_of_running_that_it_is_in():
     group = new_group(by_state=True)
     rows = robot_rows(2000)
