@@ -17,6 +17,7 @@ class StoredSamples:
     """Answers `History.read_series` of arrays; of too many samples it gives every second one."""
 
     def __init__(self, **columns) -> None:
+        """Keep the times and the values of each address."""
         self.columns = columns
         self.asked = []
 
