@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.cli.anomalies.judges import DETECTORS, make_judge
 from talaia.cli.anomalies.signal_rows import SignalRows
 from talaia.hub.anomaly.base import dump_detector
-from talaia.hub.anomaly.group import GroupDetector
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -124,7 +124,7 @@ def print_cost() -> bool:
     chance = random.Random(1)  # noqa: S311 - noise
     names = [f"signal {at}" for at in range(SIGNALS)]
     tracemalloc.start()
-    groups = [GroupDetector(signals=names, learn_rows=LEARNED) for _ in range(GROUPS)]
+    groups = [ModalGroup(signals=names, learn_rows=LEARNED) for _ in range(GROUPS)]
     spent, most = 0.0, 0.0
     for second in range(LEARNED + 1 + LOOKED):
         values = [chance.gauss(0.0, 1.0) for _ in range(SIGNALS)]

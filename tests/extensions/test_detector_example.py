@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from talaia.extensions.installed import installed_extensions
+from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.guarded import GuardedDetector
-from talaia.hub.anomaly.runner import AnomalyBegan, DetectorRunner
+from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.model.alarms.anomaly import DetectorKind, Watch
 from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import dump_site, load_site

@@ -165,6 +165,11 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # Each signal is looked at besides; what may not be seen is as if it were not there.
         ("GET", "/api/sites/{site}/anomalies"): AccessNeed.SEE,
         ("POST", "/api/sites/{site}/anomalies/forgiven"): AccessNeed.USE,
+        ("POST", "/api/sites/{site}/anomalies/learned"): AccessNeed.USE,
+        # They compute at the hub for minutes; each signal is looked at besides.
+        ("POST", "/api/sites/{site}/anomalies/tests"): AccessNeed.USE,
+        ("GET", "/api/sites/{site}/anomalies/tests/{test}"): AccessNeed.USE,
+        ("DELETE", "/api/sites/{site}/anomalies/tests/{test}"): AccessNeed.USE,
     },
     "sightings": {
         # Each camera is looked at besides; what may not be seen is as if it were not there.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Collection, Mapping, Sequence
 
-    from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.hub.anomaly.episode_runner import EpisodeRunner
     from talaia.hub.history.queries.channels import StoredChannel
     from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
     from talaia.hub.history.queries.outliers import Outliers
@@ -226,7 +226,7 @@ class AnomalySink(Protocol):
 class DetectorSink(Protocol):
     """Who shows how detectors stand: pages."""
 
-    def report_detector(self, site: str, watched: DetectorRunner) -> None:
+    def report_detector(self, site: str, watched: EpisodeRunner) -> None:
         """Take how a detector of a site stands now; must not wait and not raise."""
         ...
 

@@ -12,7 +12,7 @@ class AiServices(Shape, frozen=True, kw_only=True):
 
     Attributes:
         anomaly_detection: every number of the first page without detectors of its own is watched
-            by ``together``, at most one sample a second.
+            by ``together``, at most one sample a second, and those of each device together.
         object_detection: every camera without `Detect` of its own gets the default one: persons,
             bicycles, cars, cats and dogs are counted, at the gateway.
 

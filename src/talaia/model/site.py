@@ -14,7 +14,7 @@ import msgspec
 
 from talaia.model.ai_services import AiServices  # noqa: TC001 - msgspec reads it
 from talaia.model.alarms.alarm import Alarm  # noqa: TC001 - msgspec reads it
-from talaia.model.alarms.anomaly import Watch  # noqa: TC001 - msgspec reads it
+from talaia.model.alarms.anomaly import SignalGroup, Watch  # noqa: TC001 - msgspec reads them
 from talaia.model.base import Shape
 from talaia.model.boards.board import Board  # noqa: TC001 - msgspec reads it
 from talaia.model.closed_lists import (
@@ -74,8 +74,7 @@ __all__ = [
     "parts_of",
 ]
 
-# Some thirty years: a number that JSON has, unlike infinity.
-NEVER_STALE_S = 1e9
+NEVER_STALE_S = 1e9  # Some thirty years: a number that JSON has, unlike infinity.
 
 
 class Signal(Shape, frozen=True, kw_only=True):
@@ -169,8 +168,7 @@ class Stop(Shape, frozen=True, kw_only=True):
 
     Attributes:
         topic: a ``std_msgs/msg/Bool`` topic that is true while stopped; empty if there is none.
-        confirmed_by: addresses of number signals that must all be within ``below`` of zero
-            for the robot to count as stopped.
+        confirmed_by: addresses of numbers that must all be within ``below`` of zero: it stands.
         below: see ``confirmed_by``, in the signals' units.
 
     """
@@ -186,8 +184,8 @@ class Keys(Shape, frozen=True, kw_only=True):
     Attributes:
         mode: see `KeyMode`.
         speed_step: what one ``w`` adds and one ``x`` takes away (m/s). With it, characters are
-            counted: as many are sent as reach what is asked for, and never more than
-            ``max_speed`` allows. Without it a press is one character, however far it is pressed.
+            counted: as many are sent as reach what is asked for, never beyond ``max_speed``.
+            Without it a press is one character, however far it is pressed.
         turn_step: the same of ``a`` and ``d`` (rad/s).
         speed: address of a number signal with the device's own speed (m/s); while it is fresh it
             bounds what is sent as the count does.
@@ -271,8 +269,8 @@ class Command(Shape, frozen=True, kw_only=True):
     Attributes:
         target: the ROS service, topic or action; the node whose parameters are set; the INDI
             property; the Alpaca method (``dome/0/openshutter``); the arguments of a command as one
-            line, without a shell, where ``{field}``
-            stands for an argument; or what an extension is to do, in its own words.
+            line, without a shell, where ``{field}`` stands for an argument; or what an extension
+            is to do, in its own words.
         type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
         role: what it does, by which pages find it: ``dome.open``, ``telescope.goto``; ``auto``
             takes what Talaia proposes, ``none`` has no role.
@@ -367,6 +365,7 @@ class Site(Shape, frozen=True, kw_only=True):
         night: how it observes by itself; it does not where it is left out. See `NightSection`.
         services: what the hub works out from the site's data; see `AiServices`.
         alarms: by name; see `Alarm`.
+        anomaly_groups: signals that are judged together, by name; see `SignalGroup`.
         object_models: detectors of one's own, by name; see `ObjectModel`.
         topics: who may have which raw topics of the robot; the first rule that fits counts.
             Without one: admins, and those with the right ``tap``. See `TopicRule`.
@@ -388,6 +387,7 @@ class Site(Shape, frozen=True, kw_only=True):
     night: NightSection | None = None
     services: AiServices | None = None
     alarms: dict[str, Alarm] = {}
+    anomaly_groups: dict[str, SignalGroup] = {}
     object_models: dict[str, ObjectModel] = {}
     topics: tuple[TopicRule, ...] = ()
     boards: dict[str, Board] = {}
@@ -473,8 +473,8 @@ class Site(Shape, frozen=True, kw_only=True):
         }
         watched = {a for one in self.interlocks.values() for c in one.when for a in c.signals()}
         for enclosure in self.enclosures.values():
-            watched |= {sensor.signal for sensor in (*enclosure.closed, *enclosure.moving)}
-            watched |= {sensor.signal for sensor in enclosure.opening}
+            sensors = (*enclosure.closed, *enclosure.moving, *enclosure.opening)
+            watched |= {sensor.signal for sensor in sensors}
             # Segments and the flap, too: the roof is closed only when they are.
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
             if enclosure.parked is not None:

@@ -11,7 +11,12 @@ The messages stand in `browser_messages`, by subject; this is the one place to i
 
 from __future__ import annotations
 
-from talaia.wire.browser_messages.alarm_updates import AlarmUpdate, AnomalyUpdate, SightingUpdate
+from talaia.wire.browser_messages.alarm_updates import (
+    AlarmUpdate,
+    AnomalyShare,
+    AnomalyUpdate,
+    SightingUpdate,
+)
 from talaia.wire.browser_messages.camera import (
     BoxesRequest,
     CameraPicture,
@@ -90,6 +95,7 @@ __all__ = [
     "TOPIC_TO_BROWSER",
     "TO_BROWSER",
     "AlarmUpdate",
+    "AnomalyShare",
     "AnomalyUpdate",
     "BoxesRequest",
     "CameraPicture",

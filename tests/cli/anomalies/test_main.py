@@ -157,7 +157,9 @@ def test_files_that_are_missing_or_no_text_are_named(tmp_path):
 
 def test_what_cannot_be_asked_for_is_told(tmp_path):
     path = write_table(tmp_path, pump_lines())
-    with pytest.raises(CliError, match="--learn-rows: expected 60 to 10000 for 'group', found 5"):
+    with pytest.raises(
+        CliError, match="--learn-rows: expected 60 to 30000 for 'group' with 2 signals, found 5"
+    ):
         backtest(path, "--learn-rows", "5")
     with pytest.raises(BadRows, match="there is no column 'speed'; there are 'datetime', 'flow'"):
         backtest(path, "--signals", "speed")

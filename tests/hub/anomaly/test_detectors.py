@@ -16,10 +16,11 @@ from talaia.hub.anomaly.baseline import Baseline, Quartiles, Sorted
 from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.context import Context
 from talaia.hub.anomaly.ensemble import Together
+from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.rarity import Rarity
-from talaia.hub.anomaly.runner import AnomalyBegan, DetectorRunner
+from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.anomaly.seasonal import Season
 from talaia.hub.anomaly.simple_rules import LimitsDetector, Missing, RateOfChange, Still
 from talaia.model.alarms.anomaly import Watch
@@ -167,7 +168,7 @@ def test_limits_are_those_of_a_person_and_learn_nothing():
 
 
 def test_quartiles_are_those_of_the_window():
-    detector = Quartiles()
+    detector = Quartiles(k=1.5)
     feed(detector, [float(at % 5) for at in range(100)])
     # Quartiles 1 and 3: the fences stand at -2 and 6.
     assert detector.see(10**9, 5.9) < 0.5

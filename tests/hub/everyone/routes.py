@@ -93,6 +93,11 @@ def of_site(**ask: object) -> Recipe:
     return Recipe(make, ("agv", "moon"))
 
 
+async def _of_test(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    # None was begun, which only those are told who may begin one.
+    return Ask({"site": about, "test": "none"}, done=(404,))
+
+
 async def _history(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     channel = {"agv": "base/open", "moon": "rover/open"}[about]
     return Ask({"site": about}, {"channel": channel, "from_us": NOW, "to_us": NOW + 1})
@@ -610,6 +615,14 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/anomalies/forgiven"): of_site(
         json={"address": "base/open", "detector": "change"}, done=(404,)
     ),
+    ("POST", "/api/sites/{site}/anomalies/learned"): of_site(
+        json={"address": "/base", "from_us": 1, "to_us": 2}, done=(404,)
+    ),
+    ("POST", "/api/sites/{site}/anomalies/tests"): of_site(
+        json={"address": "/base", "from_us": 1, "to_us": 2}, done=(404,)
+    ),
+    ("GET", "/api/sites/{site}/anomalies/tests/{test}"): Recipe(_of_test, ("agv", "moon")),
+    ("DELETE", "/api/sites/{site}/anomalies/tests/{test}"): Recipe(_of_test, ("agv", "moon")),
     ("GET", "/api/sites/{site}/proposals"): of_site(),
     # These sites do not observe by themselves.
     ("POST", "/api/sites/{site}/proposals"): of_site(

@@ -280,3 +280,69 @@ async def test_the_gallery_shows_the_detectors_in_each_state(hub, chromium):
     # Nothing is wider than a phone.
     assert await section.evaluate("each => each.scrollWidth <= each.clientWidth")
     assert errors == []
+
+
+GROUPED = """
+anomaly_groups:
+  body:
+    name: The body
+    signals: [base/speed, base/turn_rate, power/voltage]
+"""
+
+
+async def test_a_group_learns_from_a_run_on_its_page_and_names_what_made_an_anomaly_so(
+    hub, chromium
+):
+    gateway = await hub.gateway()
+    await gateway.hello(DESCRIPTION + GROUPED)
+    chance = np.random.default_rng(1)
+    second, begin = 1_000_000, time.time_ns() // 1000 - 300_000_000
+
+    async def send(seconds: range, voltage: float) -> None:
+        for at in seconds:
+            load, turn, noise = chance.normal(size=3)
+            now = begin + at * second
+            await gateway.samples(
+                ("base/speed", now, 0.5 + 0.05 * load),
+                ("base/turn_rate", now, 0.01 * turn),
+                ("power/voltage", now, voltage - 0.1 * load + 0.01 * noise),
+            )
+
+    await send(range(200), 12.0)
+    page = await sign_in(chromium, hub, "operator")
+    await page.goto(f"{hub.origin}/sites/agv/anomalies")
+    group = page.locator("t-detector").filter(has_text="The body")
+    await expect(group).to_contain_text("3 signals once a second")
+    await expect(group.locator("t-status")).to_contain_text("learning")
+    form = page.locator("t-learn-form")
+    begins = form.get_by_label("From")
+    hour_ago = await begins.input_value()
+    button = form.get_by_role("button", name="Learn from it")
+    await begins.fill("yesterday")
+    await button.click()
+    await expect(form).to_contain_text("Write it like 2026-03-29 14:05:09.")
+    # The hour that stands there by itself holds the run.
+    await begins.fill(hour_ago)
+    await button.click()
+    await expect(form).to_contain_text("The body has learned from 200 steps")
+    await expect(group.locator("t-status")).to_contain_text("as usual")
+    await send(range(200, 260), 10.0)
+    await expect(group.locator("t-status")).to_contain_text("anomaly")
+    first = group.locator("t-signal-shares li").first
+    await expect(first).to_contain_text("Battery, Voltage")
+    await expect(first).to_contain_text("spreads below its level")
+    trial = page.locator("t-back-test")
+    await trial.get_by_label("A: learns from (steps)").fill("120")
+    await trial.get_by_label("B: learns from (steps)").fill("120")
+    await trial.get_by_label("B: told from").fill("1")
+    await trial.get_by_role("button", name="Try both").click()
+    # Nothing is as far from usual as a bar of 1 asks for.
+    for setting, found in (("Setting A", "Battery Voltage ("), ("Setting B", "0 anomalies")):
+        result = trial.locator("t-test-result").filter(has_text=setting)
+        await expect(result).to_contain_text("done")
+        await expect(result).to_contain_text(found)
+        await expect(result).to_contain_text("s of a core")
+    await page.goto(f"{hub.origin}/sites/agv/live")
+    await expect(tile_of(page, "Voltage")).to_contain_text("of it by this signal")
+    assert page.errors == []
+    await gateway.close()

@@ -70,3 +70,64 @@ def test_a_text_is_not_watched():
 def test_every_detector_of_the_description_is_one_of_the_hubs():
     own = set(DetectorKind) - {DetectorKind.EXTENSION}
     assert {str(each) for each in own} == set(KINDS)
+
+
+CURRENT = """
+      current:
+        name: Current
+        unit: A
+        source: {topic: /battery, type: sensor_msgs/msg/BatteryState, field: current}
+      mode:
+        name: Mode
+        type: state
+        states: [docked, driving]
+        source: {topic: /mode, type: std_msgs/msg/UInt8, field: data}
+"""
+
+
+def in_group(keys: str) -> list[tuple[str, str]]:
+    return findings(CURRENT + f"anomaly_groups:\n  power: {{{keys}}}\n")
+
+
+def test_signals_are_judged_together_where_a_description_says_so():
+    assert in_group("signals: [power/voltage, power/current], state: power/mode") == []
+    assert in_group("device: power, modes: 4, name: All of the battery") == []
+
+
+@pytest.mark.parametrize(
+    ("keys", "where", "problem"),
+    [
+        ("", "", "either signals or a device"),
+        ("device: power, signals: [power/voltage, power/current]", "", "either signals or"),
+        ("device: pover", ".device", "unknown device 'pover'"),
+        ("signals: [power/voltage, power/curent]", ".signals[1]", "unknown number 'power/curent'"),
+        ("signals: [power/voltage, power/mode]", ".signals[1]", "unknown number 'power/mode'"),
+        ("signals: [power/voltage, power/voltage]", ".signals[1]", "stands here twice"),
+        ("signals: [power/voltage]", "", "expected 2 to 64 numbers, found 1"),
+        ("device: power, state: power/current", ".state", "unknown state 'power/current'"),
+        ("device: power, state: power/mode, modes: 2", ".modes", "not both"),
+        ("device: power, modes: 17", ".modes", "expected 1 to 16"),
+        ("device: power, step: 0.1", ".step", "expected 1 to 3600 s"),
+        ("device: power, learn: 59", ".learn", "expected 60 to 30000 steps"),
+        ("device: power, bar: 0", ".bar", "more than 0, at most 1"),
+    ],
+)
+def test_what_does_not_fit_in_a_group_is_said_with_its_place(keys, where, problem):
+    ((at, said),) = in_group(keys)
+    assert at == f"$.anomaly_groups.power{where}"
+    assert problem in said
+
+
+def test_all_groups_together_keep_a_bounded_number_of_values_while_they_learn():
+    group = "{device: power, learn: 30000, modes: 16}"
+    rows = "\n".join(f"  group{at}: {group}" for at in range(5))
+    ((at, said),) = findings(CURRENT + f"anomaly_groups:\n{rows}\n")
+    assert at == "$.anomaly_groups"
+    assert "4800000 numbers while they learn" in said
+
+
+def test_an_alarm_may_be_about_a_group_and_no_other_kind_may():
+    group = CURRENT + "anomaly_groups: {all: {device: power}}\nalarms:\n  unusual: {name: U, "
+    assert findings(group + "kind: anomaly, signal: /all}") == []
+    ((where, _),) = findings(group + "kind: stale, signal: /all}")
+    assert where == "$.alarms.unusual.signal"

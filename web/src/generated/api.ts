@@ -1784,7 +1784,7 @@ export interface AnomalyList {
   readonly skipped: number;
 }
 
-/** One detector at work on a signal. */
+/** One detector at work on a signal, or on a group of signals. */
 export interface AnomalyShape {
   readonly address: string;
   readonly detector: string;
@@ -1800,6 +1800,42 @@ export interface AnomalyShape {
   readonly learns: boolean;
   readonly learning: number;
   readonly late: number;
+  readonly title: string;
+  readonly signals: readonly string[];
+  readonly step_s: number;
+  readonly mode: string;
+  readonly shares: readonly ShareShape[];
+}
+
+/** Try a detector on stored history. */
+export interface BackTestAsk {
+  readonly address: string;
+  readonly detector?: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly bar?: number;
+  readonly learn?: number;
+  readonly minimum?: number | null;
+  readonly maximum?: number | null;
+}
+
+/** How a test stands, and what it found up to now. */
+export interface BackTestShape {
+  readonly key: string;
+  readonly address: string;
+  readonly detector: string;
+  readonly bar: number;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly state: "running" | "done" | "cancelled" | "failed";
+  readonly problem: string;
+  readonly progress: number;
+  readonly rows: number;
+  readonly cpu_s: number;
+  readonly count: number;
+  readonly anomalies: readonly PastAnomalyShape[];
+  readonly scores: readonly number[];
+  readonly learning: number;
 }
 
 /** What the detector made of it. */
@@ -1812,6 +1848,37 @@ export interface ForgiveAsk {
   readonly address: string;
   readonly detector: string;
   readonly comment?: string;
+}
+
+/** What the group learned from a stretch. */
+export interface LearnAnswer {
+  readonly rows: number;
+  readonly modes: readonly string[];
+  readonly still: readonly string[];
+}
+
+/** Say that a stretch of the history shows a group of signals as it usually is. */
+export interface LearnAsk {
+  readonly address: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly comment?: string;
+}
+
+/** An anomaly that would have been told. */
+export interface PastAnomalyShape {
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly score: number;
+  readonly why: string;
+  readonly shares: readonly ShareShape[];
+}
+
+/** What one signal of a group has to do with an anomaly. */
+export interface ShareShape {
+  readonly signal: string;
+  readonly share: number;
+  readonly spreads: number;
 }
 
 /** One key that an extension takes. */

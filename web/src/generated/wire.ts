@@ -11,6 +11,14 @@ export type CommandPhase = "accepted" | "running" | "succeeded" | "failed" | "re
 /** What the executor of a night does. */
 export type NightPhase = "disarmed" | "waiting" | "opening" | "observing" | "closed" | "calibrating" | "parking" | "fault";
 
+/** What one signal of a group has to do with an anomaly. */
+export interface AnomalyShare {
+  readonly t: "anomaly_share";
+  readonly signal: string;
+  readonly share: number;
+  readonly spreads: number;
+}
+
 /** One thing on a picture; places are parts of its width and height, from the upper left. */
 export interface DetectedObject {
   readonly t: "thing";
@@ -339,6 +347,8 @@ export interface AnomalyUpdate {
   readonly why: string;
   readonly forgiven: boolean;
   readonly learning: number;
+  readonly mode: string;
+  readonly shares: readonly (AnomalyShare)[];
 }
 
 /** Something happened at a site that people should know of. */
@@ -628,7 +638,7 @@ export const DEFAULTS = {
   device_news: { why: "", since_us: 0 },
   alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
   sighting: { ended_us: 0 },
-  anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, learning: 0 },
+  anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, learning: 0, mode: "", shares: [] },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   night: { armed_by: "", armed_until: 0.0, why: "", since: 0.0, request: "", step: "", frames_done: 0, frames: 0, site_time: 0.0, speed: 0.0 },
   night_plan: {},

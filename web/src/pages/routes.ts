@@ -45,6 +45,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   },
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
+  anomalies: { tag: "t-page-anomalies", title: "Anomalies", load: () => import("./anomalies/page-anomalies.js") },
   sightings: { tag: "t-page-sightings", title: "Sightings", load: () => import("./sightings/page-sightings.js") },
   ways: { tag: "t-page-ways", title: "Notification", load: () => import("./notification-channels/page-notification-channels.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },

@@ -16,6 +16,7 @@ export type PageName =
   | "account"
   | "live"
   | "topics"
+  | "anomalies"
   | "scene"
   | "history"
   | "recordings"
@@ -50,7 +51,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -106,7 +107,7 @@ export function boardKeyOf(path: string): string {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
+  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }

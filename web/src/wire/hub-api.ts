@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -19,7 +19,7 @@ export class Refused extends Error {
 export class Unreachable extends Error {}
 
 /** A stretch of time: µs since the epoch, UTC. */
-interface TimeWindow {
+export interface TimeWindow {
   readonly fromUs: number;
   readonly toUs: number;
 }
@@ -169,6 +169,12 @@ export class HubApi {
   async dismissAnomaly(site: string, address: string, detector: string): Promise<boolean> {
     const path = `/api/sites/${encodeURIComponent(site)}/anomalies/forgiven`;
     return (await this.request<{ learned: boolean }>("POST", path, { address, detector })).learned;
+  }
+
+  /** Lets a group of signals learn what is usual from a stretch of the history. */
+  learnUsual(site: string, address: string, { fromUs, toUs }: TimeWindow, comment = ""): Promise<LearnAnswer> {
+    const path = `/api/sites/${encodeURIComponent(site)}/anomalies/learned`;
+    return this.request("POST", path, { address, from_us: fromUs, to_us: toUs, comment });
   }
 
   /** What happened in a window (µs), newest first. */

@@ -1,20 +1,21 @@
 import { expect, test } from "vitest";
 import type { AnomalyUpdate } from "../../src/generated/wire.js";
 import { anomalyMarks } from "../../src/elements/chart/anomaly-marks.js";
-import { AnomalyDetectors } from "../../src/state/anomaly-detectors.js";
+import { AnomalyDetectors, shareOf } from "../../src/state/anomaly-detectors.js";
 import type { AnomalyShape } from "../../src/generated/api.js";
 
 function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
   return {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.3, scores: "power/voltage~together",
-    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0, ...change,
+    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0,
+    title: "", signals: [], step_s: 0, mode: "", shares: [], ...change,
   };
 }
 
 function news(change: Partial<AnomalyUpdate> = {}): AnomalyUpdate {
   return {
     t: "anomaly", site: "agv", device: "power", address: "power/voltage", detector: "together",
-    on: false, from_us: 0, to_us: 0, score: 0, why: "", forgiven: false, learning: 0, ...change,
+    on: false, from_us: 0, to_us: 0, score: 0, why: "", forgiven: false, learning: 0, mode: "", shares: [], ...change,
   };
 }
 
@@ -84,11 +85,27 @@ test("the list is another whenever a detector stands otherwise, and no longer th
 test("an anomaly that a person has said is none looks well on a chart, and one that is on goes on", () => {
   expect(
     anomalyMarks([
-      { scores: "a~still", fromUs: 1, toUs: 2, why: "", forgiven: true },
-      { scores: "a~still", fromUs: 5, toUs: Infinity, why: "", forgiven: false },
+      { scores: "a~still", fromUs: 1, toUs: 2, why: "", title: "", shares: [], forgiven: true },
+      { scores: "a~still", fromUs: 5, toUs: Infinity, why: "", title: "", shares: [], forgiven: false },
     ]),
   ).toEqual([
     { timeUs: 1, untilUs: 2, good: true },
     { timeUs: 5, untilUs: Infinity, good: false },
   ]);
+});
+
+test("a group's anomaly is one of the signals that had a part in it, and of no other", () => {
+  const shares = [
+    { signal: "power/voltage", share: 0.9, spreads: -4 },
+    { signal: "base/speed", share: 0.04, spreads: 1 },
+  ];
+  const group = info({ address: "/body", detector: "group", scores: "/body~group", title: "The body", signals: ["power/voltage", "base/speed"], from_us: 3, to_us: 4, shares });
+  const held = book(group);
+  expect(held.anomalies("power/voltage")).toMatchObject([{ fromUs: 3, title: "The body" }]);
+  expect(held.anomalies("base/speed")).toEqual([]);
+  expect(held.anomalies("/body")).toHaveLength(1);
+  held.applyUpdate(news({ address: "/body", detector: "group", device: "", on: true, from_us: 9, mode: "driving", shares: [{ t: "anomaly_share", signal: "base/speed", share: 1, spreads: 7 }] }));
+  expect(held.detectorsOf("/body")).toMatchObject([{ mode: "driving", on: true }]);
+  expect(held.anomalies("base/speed")).toMatchObject([{ fromUs: 9, title: "The body" }]);
+  expect(held.anomalies("base/speed").map((anomaly) => shareOf(anomaly, "base/speed"))).toEqual([1]);
 });

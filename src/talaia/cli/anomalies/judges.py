@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.cli.errors import CliError
-from talaia.hub.anomaly.group import FEWEST_LEARNED, MOST_LEARNED, MOST_SIGNALS, GroupDetector
+from talaia.hub.anomaly.groups.group import FEWEST_LEARNED, MOST_SIGNALS, most_learned
+from talaia.hub.anomaly.groups.modal_group import ModalGroup
 from talaia.hub.anomaly.kinds import KINDS
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class GroupJudge:
     def __init__(self, signals: Sequence[str], learn_rows: int) -> None:
         """Learn from the first ``learn_rows`` rows."""
         # A table's rows are its steps, however far they lie apart.
-        self._group = GroupDetector(signals=list(signals), learn_rows=learn_rows, step_us=0)
+        self._group = ModalGroup(signals=list(signals), learn_rows=learn_rows, step_us=0)
 
     def judge_row(self, time_us: int, values: Sequence[float]) -> RowVerdict:
         """See `RowJudge.judge_row`."""
@@ -104,9 +105,10 @@ def make_judge(detector: str, signals: Sequence[str], learn_rows: int) -> RowJud
             " with --signals"
         )
     if detector == _GROUP:
-        if not FEWEST_LEARNED <= learn_rows <= MOST_LEARNED:
+        if not FEWEST_LEARNED <= learn_rows <= most_learned(len(signals)):
             raise CliError(
-                f"--learn-rows: expected {FEWEST_LEARNED} to {MOST_LEARNED} for {detector!r},"
+                f"--learn-rows: expected {FEWEST_LEARNED} to {most_learned(len(signals))} for"
+                f" {detector!r} with {len(signals)} signals,"
                 f" found {learn_rows}"
             )
         return GroupJudge(signals, learn_rows)

@@ -81,6 +81,7 @@ class AlarmCondition:
             self.happening = (alarm.signal, "")
         elif alarm.kind is AlarmKind.DETECTION:
             self.happening = (alarm.stream, alarm.label)
+        self._group = addresses.groups.get(alarm.signal)
         # Their names, units and greatest ages, by address.
         self._signals = {channel: addresses.signals[channel] for channel in self.channels}
         # Parsed once, judged at every sample; only of the kind EXPRESSION.
@@ -217,16 +218,15 @@ class AlarmCondition:
     def _judge_anomaly(
         self, readings: Mapping[str, ConditionReading], seen: tuple[DetectedThing, ...]
     ) -> ConditionVerdict:
-        address = self.alarm.signal
-        name = self._signals[address].name
+        name = self._signals[self.alarm.signal].name if self._group is None else self._group.name
         # One that goes on counts even while the channel is silent.
         for anomaly in seen:
             if anomaly.score >= self.alarm.score:
                 return ConditionVerdict(
                     Truth.HOLDS, f"{name} is unusual: {anomaly.why}".rstrip(": ")
                 )
-        if self.current_value(address, readings) is None:
-            return self._unknown_verdict(address, readings)
+        if all(self.current_value(channel, readings) is None for channel in self.channels):
+            return self._unknown_verdict(self.channels[0], readings)
         return ConditionVerdict(Truth.FALSE, f"{name} is as usual")
 
     def _judge_detection(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.anomaly.runner import score_address
+from talaia.hub.anomaly.episode_runner import score_address
 from talaia.model.alarms.anomaly import DetectorKind, Watch
+from talaia.model.alarms.signal_groups import GROUP_DETECTOR, groups_of
 from talaia.model.site import Channel, SignalType
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ def wanted_detectors(site: Site) -> tuple[list[Wish], int]:
 def score_channels(site: Site, beside: int) -> tuple[Channel, ...]:
     """List the channels of a site's scores, as many as there are numbers for.
 
+    Those of groups belong to no device: `sees_signal` looks at the signals of the group.
+
     Args:
         site: its description.
         beside: how many channels it has of its own; these come first.
@@ -66,4 +69,7 @@ def score_channels(site: Site, beside: int) -> tuple[Channel, ...]:
         for watch in wish.watches:
             address = score_address(wish.address, watch.detector_name())
             found.append(Channel(address, device, signal, "", text=False))
+    for group in groups_of(site)[0]:
+        address = score_address(group.address, GROUP_DETECTOR)
+        found.append(Channel(address, "", group.key, "", text=False))
     return tuple(found[: max(0, _MOST_CHANNELS - beside)])

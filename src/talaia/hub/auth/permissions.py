@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from talaia.model.alarms.signal_groups import group_named
 from talaia.model.site import Visibility
 from talaia.model.topics import (
     TopicRight,
@@ -203,7 +204,16 @@ def _narrower_name(one: str, other: str) -> str | None:
 
 
 def sees_signal(grants: Grants, site: Site, device: str, signal: str) -> bool:
-    """Tell whether a person may see a signal; False when there is none."""
+    """Tell whether a person may see a signal; False when there is none.
+
+    Without a device it is a group of signals (`group_address`): who sees all of them sees it, for
+    what is said of a group tells of each of them.
+    """
+    if not device:
+        group = group_named(site, signal)
+        return group is not None and all(
+            sees_signal(grants, site, *address.split("/", 1)) for address in group.signals
+        )
     described = site.devices.get(device)
     found = described.signals.get(signal) if described else None
     # What is not there looks like what may not be seen.

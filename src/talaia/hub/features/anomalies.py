@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.anomalies import AnomalyPages
+from talaia.hub.api.sites.back_tests import BackTestPages
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.detection.anomaly_service import AnomalyService
+from talaia.hub.live.detection.back_test import BackTests
 from talaia.hub.store.sites.detector_state import DetectorState
 
 if TYPE_CHECKING:
@@ -50,9 +52,15 @@ class AnomaliesFeature(Feature):
         self.detectors.add_listener(reporting)
         self.detectors.add_listener(alarms)
         self.detectors.add_display(reporting)
-        self.routers = [AnomalyPages(watching=self.detectors, audit=audit).make_router()]
+        pages = AnomalyPages(
+            watching=self.detectors, history=history, audit=audit, clock=core.clock
+        )
+        self._tests = BackTests(history)
+        tests = BackTestPages(self._tests, core.clock)
+        self.routers = [pages.make_router(), tests.make_router()]
         self.tasks = [BackgroundTask(name="detect", run=self.detectors.run)]
 
     async def close(self) -> None:
         """Write down what detectors have learned."""
+        await self._tests.close()
         await self.detectors.close()

@@ -1,4 +1,4 @@
-"""What of a signal is watched for anomalies: which detectors, told from where on."""
+"""What is watched for anomalies, of one signal or of several: which detectors, from where on."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import msgspec
 from talaia.model.base import Shape
 from talaia.model.connection import ExtensionScalar  # noqa: TC001 - msgspec reads it
 
-__all__ = ["MOST_LETTERS", "OPTIONS", "DetectorKind", "Watch"]
+__all__ = ["MOST_LETTERS", "OPTIONS", "DetectorKind", "SignalGroup", "Watch"]
 
 # Of the name of a detector that an extension brings.
 MOST_LETTERS = 20
@@ -53,7 +53,8 @@ class Watch(Shape, frozen=True, kw_only=True):
     detector: DetectorKind
     bar: float = 0.0
     rest: int = 100
-    k: float = 1.5
+    # Tukey's 1.5 is for looking at a sample of values; of a stream it calls far too much.
+    k: float = 6.0
     after: float = 0.0
     within: float = 0.0
     most: float = 0.0
@@ -70,6 +71,31 @@ class Watch(Shape, frozen=True, kw_only=True):
         """Tell apart by all that is said, for what is kept by what watches."""
         # `keys` is a dict, for which msgspec's own hash would fail.
         return hash(msgspec.msgpack.encode(self))
+
+
+class SignalGroup(Shape, frozen=True, kw_only=True):
+    """Signals that are judged together; see `GroupDetector` at the hub.
+
+    Attributes:
+        name: what people call it; left out, its short name.
+        signals: their addresses, ``device/signal``; numbers only.
+        device: instead of these: the numbers of this device that stand on the first page.
+        state: address of a state signal: what is usual is learned for each of its states.
+        modes: without ``state``: at most so many ways of running are found by themselves.
+        learn: it learns what is usual from so many steps, in each way of running.
+        step: the signals are looked at together once in so long (s).
+        bar: a score (0 to 1) from here on is an anomaly.
+
+    """
+
+    name: str = ""
+    signals: tuple[str, ...] = ()
+    device: str = ""
+    state: str = ""
+    modes: int = 1
+    learn: int = 3600
+    step: float = 1.0
+    bar: float = 0.5
 
 
 # Which keys mean something to which detector, besides `Watch.bar` and `Watch.rest`.

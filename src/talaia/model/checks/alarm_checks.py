@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.alarms.expression import ExpressionError, parse_condition
+from talaia.model.alarms.signal_groups import groups_of
 from talaia.model.checks.identifiers import (
     Finding,
     at_least,
@@ -55,6 +56,7 @@ class Addresses:
         signals: the signal of each channel.
         streams: every camera.
         enclosures: their short names.
+        groups: the groups of signals that are judged together, by their addresses.
         kinds: what each channel is in an expression: a state compares as the text of its name.
 
     """
@@ -65,6 +67,7 @@ class Addresses:
             channel.address: site.devices[channel.device].signals[channel.signal]
             for channel in site.channels()
         }
+        self.groups = {group.address: group for group in groups_of(site)[0]}
         self.kinds = channel_kinds(site)
         self.enclosures = list(site.enclosures)
         self.streams = [
@@ -127,6 +130,10 @@ def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
         # `alarm_findings` says what is wrong with it.
         except ExpressionError:
             return ()
+    group = addresses.groups.get(alarm.signal)
+    # Who may see an alarm about a group is who may see all of its signals.
+    if group is not None:
+        return group.signals
     return (alarm.signal,) if alarm.signal else ()
 
 
@@ -169,6 +176,8 @@ def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
         AlarmKind.STATE: {SignalType.STATE, SignalType.TEXT},
     }.get(alarm.kind, set(SignalType))
     known = [address for address, signal in described.items() if signal.type in fitting]
+    if alarm.kind is AlarmKind.ANOMALY:
+        known += addresses.groups
     if alarm.signal not in known:
         yield finding_of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
         return

@@ -6,16 +6,34 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.model.alarms.anomaly import MOST_LETTERS, OPTIONS, DetectorKind, Watch
-from talaia.model.checks.identifiers import Finding, id_fits
+from talaia.model.alarms.anomaly import (
+    MOST_LETTERS,
+    OPTIONS,
+    DetectorKind,
+    SignalGroup,
+    Watch,
+)
+from talaia.model.alarms.signal_groups import (
+    FEWEST_IN_GROUP,
+    GROUP_DETECTOR,
+    MOST_IN_GROUP,
+    group_named,
+)
+from talaia.model.checks.identifiers import Finding, finding_of, id_fits, name_fits
+from talaia.model.errors import UnknownWord
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["anomaly_findings"]
+    from talaia.model.site import Site
+
+__all__ = ["anomaly_findings", "group_findings"]
 
 # Every detector knows these.
 _ANY = {"detector", "bar", "rest"}
+# Steps that are learned from, modes, and numbers that all groups of a site keep while they learn
+# (32 MB).
+_FEWEST_STEPS, _MOST_STEPS, _MOST_MODES, _MOST_NUMBERS = 60, 30_000, 16, 4_000_000
 
 
 def anomaly_findings(where: str, watches: tuple[Watch, ...], *, number: bool) -> Iterator[Finding]:
@@ -69,7 +87,7 @@ def _check_watch(where: str, watch: Watch) -> Iterator[Finding]:
         if len(watch.extension) > MOST_LETTERS:
             problem = f"a detector's name has at most {MOST_LETTERS} letters"
             yield Finding(f"{where}.extension", problem)
-        if watch.extension in set(DetectorKind):
+        if watch.extension in {*DetectorKind, GROUP_DETECTOR}:
             problem = f"'{watch.extension}' is a detector of Talaia itself"
             yield Finding(f"{where}.extension", problem, f"write: detector: {watch.extension}")
     if watch.detector is DetectorKind.LIMITS:
@@ -82,3 +100,90 @@ def _check_watch(where: str, watch: Watch) -> Iterator[Finding]:
 
 def _default_of(field: msgspec.structs.FieldInfo) -> object:
     return field.default if field.default_factory is msgspec.NODEFAULT else field.default_factory()
+
+
+def group_findings(site: Site) -> Iterator[Finding]:
+    """List what does not fit in the groups of signals that are judged together."""
+    numbers = 0
+    for key, group in site.anomaly_groups.items():
+        where = f"$.anomaly_groups.{key}"
+        yield from id_fits(where, key)
+        if group.name:
+            yield from name_fits(f"{where}.name", group.name)
+        yield from _check_members(site, where, group)
+        yield from _check_modes(site, where, group)
+        if not 0.0 < group.bar <= 1.0:
+            yield Finding(f"{where}.bar", f"expected more than 0, at most 1, found {group.bar:g}")
+        if not 1.0 <= group.step <= 3600.0:
+            yield Finding(f"{where}.step", f"expected 1 to 3600 s, found {group.step:g}")
+        if not _FEWEST_STEPS <= group.learn <= _MOST_STEPS:
+            problem = f"expected {_FEWEST_STEPS} to {_MOST_STEPS} steps, found {group.learn}"
+            yield Finding(f"{where}.learn", problem)
+            continue
+        found = group_named(site, key)
+        numbers += group.learn * _modes_of(site, group) * (len(found.signals) if found else 0)
+    if numbers > _MOST_NUMBERS:
+        problem = (
+            f"all groups together keep {numbers} numbers while they learn (signals by steps by"
+            f" modes), at most {_MOST_NUMBERS} are kept"
+        )
+        yield Finding("$.anomaly_groups", problem, "shorten learn, or make the groups smaller")
+
+
+def _check_members(site: Site, where: str, group: SignalGroup) -> Iterator[Finding]:
+    if bool(group.signals) == bool(group.device):
+        problem = "expected either signals or a device"
+        yield Finding(where, problem, "list signals as device/signal, or name one device")
+        return
+    if group.device and group.device not in site.devices:
+        yield finding_of(UnknownWord(f"{where}.device", "device", group.device, list(site.devices)))
+        return
+    known = [
+        f"{device_id}/{signal_id}"
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+        if signal.type == "number"
+    ]
+    for at, address in enumerate(group.signals):
+        place = f"{where}.signals[{at}]"
+        if address not in known:
+            yield finding_of(UnknownWord(place, "number", address, known))
+        elif address in group.signals[:at]:
+            yield Finding(place, f"{address!r} stands here twice", "keep one of them")
+    count = len(group.signals)
+    if group.device:
+        of_device = site.devices[group.device].signals.values()
+        count = sum(signal.primary and signal.type == "number" for signal in of_device)
+    if not FEWEST_IN_GROUP <= count <= MOST_IN_GROUP:
+        problem = f"expected {FEWEST_IN_GROUP} to {MOST_IN_GROUP} numbers, found {count}"
+        remedy = "of a device those of the first page count (primary)" if group.device else ""
+        yield Finding(where, problem, remedy)
+
+
+def _check_modes(site: Site, where: str, group: SignalGroup) -> Iterator[Finding]:
+    if not 1 <= group.modes <= _MOST_MODES:
+        yield Finding(f"{where}.modes", f"expected 1 to {_MOST_MODES}, found {group.modes}")
+    if not group.state:
+        return
+    states = [
+        f"{device_id}/{signal_id}"
+        for device_id, device in site.devices.items()
+        for signal_id, signal in device.signals.items()
+        if signal.type == "state"
+    ]
+    if group.state not in states:
+        yield finding_of(UnknownWord(f"{where}.state", "state", group.state, states))
+    elif _modes_of(site, group) > _MOST_MODES:
+        problem = f"expected at most {_MOST_MODES} states, found {_modes_of(site, group)}"
+        yield Finding(f"{where}.state", problem, "leave it out, and write modes: 4")
+    if group.modes != 1:
+        problem = "ways of running are told by a state or found, not both"
+        yield Finding(f"{where}.modes", problem, "leave it out")
+
+
+def _modes_of(site: Site, group: SignalGroup) -> int:
+    """Give how many notions of usual it may learn."""
+    if not group.state:
+        return group.modes
+    signal = site.signal(group.state)
+    return 1 if signal is None else max(1, len(signal.states))

@@ -8,8 +8,9 @@ from msgspec import Meta
 
 from talaia.wire.browser_messages.subjects import DeviceMessage, StreamMessage
 from talaia.wire.gateway_messages.field_types import Count, Micros, Name, Sentence, Share, Word
+from talaia.wire.message import Message
 
-__all__ = ["AlarmUpdate", "AnomalyUpdate", "SightingUpdate"]
+__all__ = ["AlarmUpdate", "AnomalyShare", "AnomalyUpdate", "SightingUpdate"]
 
 
 class AlarmUpdate(DeviceMessage, frozen=True, kw_only=True, tag="alarm"):
@@ -77,6 +78,21 @@ class SightingUpdate(StreamMessage, frozen=True, kw_only=True, tag="sighting"):
     ended_us: Micros = 0
 
 
+class AnomalyShare(Message, frozen=True, kw_only=True, tag="anomaly_share"):
+    """What one signal of a group has to do with an anomaly.
+
+    Attributes:
+        signal: its address.
+        share: of the squared distance from what is usual.
+        spreads: by so many usual spreads it was above (or, negative, below) its usual level.
+
+    """
+
+    signal: Name
+    share: Share
+    spreads: float
+
+
 class AnomalyUpdate(DeviceMessage, frozen=True, kw_only=True, tag="anomaly"):
     """How a detector of a signal stands, told when that changes; its scores come as `Values`.
 
@@ -93,6 +109,8 @@ class AnomalyUpdate(DeviceMessage, frozen=True, kw_only=True, tag="anomaly"):
         why: why the newest anomaly is one, in words.
         forgiven: a person said that it was none.
         learning: so many samples until it has learned; before, it tells little.
+        mode: the way of running that a group is in, in words; empty where it has one.
+        shares: which signals of a group made the newest anomaly so, the greatest share first.
 
     """
 
@@ -107,3 +125,5 @@ class AnomalyUpdate(DeviceMessage, frozen=True, kw_only=True, tag="anomaly"):
     why: Sentence = ""
     forgiven: bool = False
     learning: Count = 0
+    mode: Word = ""
+    shares: Annotated[list[AnomalyShare], Meta(max_length=64)] = []

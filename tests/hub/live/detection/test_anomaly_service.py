@@ -163,7 +163,7 @@ async def test_service_watches_primary_numbers_that_have_no_detector_of_their_ow
 ) -> None:
     found = {}
     for each in hub.hub.anomalies.detectors.detectors_of("agv"):
-        found.setdefault(each.address, []).append(str(each.watch.detector))
+        found.setdefault(each.address, []).append(each.word)
     assert found["base/speed"] == ["limits", "iqr"]
     assert found["power/voltage"] == ["together"]
     # A state, a position, and a number that is not on the first page.
@@ -179,7 +179,7 @@ async def test_without_the_service_nothing_but_the_described_is_watched(hub, wat
 async def test_service_looks_at_one_sample_a_second_of_a_fast_signal(hub, served) -> None:
     looked = {"base/turn_rate": [], "base/speed": []}
     for each in hub.hub.anomalies.detectors.detectors_of("agv"):
-        if each.address in looked and each.watch.detector != "iqr":
+        if each.address in looked and each.word != "iqr":
             each.score_sample = lambda time_us, _value, seen=looked[each.address]: seen.append(
                 time_us
             )

@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
 import type { TimeSpan } from "../../series/time-window.js";
-import type { Detector } from "../../state/anomaly-detectors.js";
+import { subjectOf, type Detector } from "../../state/anomaly-detectors.js";
 import { base, quietText } from "../base/base-style.js";
 import type { ChartMark } from "../chart/draw-marks.js";
 import { indentOf, type ChartAxis, type ChartSeries, type FollowWindow, type ChartIndent } from "../chart/chart-model.js";
@@ -12,6 +12,7 @@ import type { PaintScheduler } from "../chart/paint-scheduler.js";
 import "../forms/button.js";
 import "../chart/chart.js";
 import "../feedback/status.js";
+import "./signal-shares.js";
 
 const SCORE: ChartAxis = { limits: { minimum: 0, maximum: 1 }, least: 1 };
 
@@ -64,6 +65,8 @@ export class DetectorElement extends LitElement {
   ];
 
   @property({ attribute: false }) detector: Detector | null = null;
+  /** Names of signals by their addresses, for the shares of a group. */
+  @property({ attribute: false }) labels: ReadonlyMap<string, string> = new Map();
   /** With the signal's name before the detector's: where they stand below charts of several. */
   @property({ type: Boolean }) named = false;
   /** The newest score; NaN where it is not shown. */
@@ -89,11 +92,23 @@ export class DetectorElement extends LitElement {
     if (detector === null) return null;
     this.toggleAttribute("on", detector.on);
     return html`<div class="head">
-        <span class="name">${this.named ? `${detector.address}, ${detector.name}` : `Anomaly score, ${detector.name}`}</span>
+        <span class="name">${this.named ? `${subjectOf(detector)}, ${detector.name}` : `Anomaly score, ${detector.name}`}</span>
         ${renderStatusOf(detector)}
-        <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}</span>
+        <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}${this.renderScope(detector)}</span>
       </div>
-      ${series === null ? nothing : this.renderChart(detector, series)} ${this.renderWords(detector)}`;
+      ${series === null ? nothing : this.renderChart(detector, series)} ${this.renderWords(detector)}
+      ${
+        detector.anomaly === null || detector.anomaly.shares.length === 0
+          ? nothing
+          : html`<t-signal-shares .shares=${detector.anomaly.shares} .labels=${this.labels}></t-signal-shares>`
+      }`;
+  }
+
+  /** How many signals a group looks at, how often, and the way of running that it is in. */
+  private renderScope({ signals, stepS, mode }: Detector): unknown {
+    if (signals.length === 0) return nothing;
+    const often = stepS === 1 ? "once a second" : `once in ${formatNumber(stepS, 0)} s`;
+    return `, ${String(signals.length)} signals ${often}${mode === "" ? "" : `, way of running: ${mode}`}`;
   }
 
   private renderChart(detector: Detector, series: ChartSeries): TemplateResult {
@@ -110,7 +125,7 @@ export class DetectorElement extends LitElement {
       .cursorUs=${this.cursorUs}
       axis-width=${this.axisWidth}
       zone=${this.zone}
-      label=${`Anomaly score of ${detector.address} by ${detector.name}`}
+      label=${`Anomaly score of ${subjectOf(detector)} by ${detector.name}`}
     ></t-chart>`;
   }
 
@@ -118,12 +133,14 @@ export class DetectorElement extends LitElement {
     const { anomaly, on, learns, learning } = detector;
     if (anomaly === null) {
       if (learning === 0) return nothing;
-      return html`<p class="why">It learns what is usual for ${formatNumber(learning, 0)} more samples, and tells little before.</p>`;
+      const group = detector.signals.length > 0;
+      const [many, before] = group ? ["steps", "tells nothing before"] : ["samples", "tells little before"];
+      return html`<p class="why">It learns what is usual for ${formatNumber(learning, 0)} more ${many}, and ${before}.</p>`;
     }
     const { why, forgiven } = anomaly;
     const button =
       this.mayForgive && learns && !forgiven
-        ? html`<t-button ?disabled=${this.busy} label=${`Not an anomaly: ${detector.address}, ${detector.name}`} @click=${this.forgive}>Not an anomaly</t-button>`
+        ? html`<t-button ?disabled=${this.busy} label=${`Not an anomaly: ${subjectOf(detector)}, ${detector.name}`} @click=${this.forgive}>Not an anomaly</t-button>`
         : nothing;
     return html`<div class="act">
       <p class="why">${on ? "Now" : "Last"}: ${why}${forgiven ? ". Someone said that it was none, and it has learned." : ""}</p>

@@ -17,7 +17,7 @@ import { styled } from "../../elements/base/style-directive.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
-import type { AlarmDefinition, AlarmKind, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";
+import type { AnomalyList, AlarmDefinition, AlarmKind, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, type AlarmField, type AlarmFields } from "./alarm-definition.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -73,6 +73,7 @@ export class AlarmEditor extends LitElement {
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteShape>(this);
+  private readonly detectors = new LoadController<AnomalyList>(this);
   private readonly action = new ActionController(this);
   private readonly removing = new QuestionController<string>(this, async (alarm, action) => {
     const done = await action.run("remove the alarm", () => new AlarmsApi(this.api).removeAlarm(this.site, alarm));
@@ -83,7 +84,9 @@ export class AlarmEditor extends LitElement {
   override willUpdate(): void {
     const sites = this.sites.store;
     if (sites === undefined) return;
-    this.detail.load([this.site, sites.catalogueOf(this.site)].join("\n"), () => sites.loadDetail(this.site));
+    const key = [this.site, sites.catalogueOf(this.site)].join("\n");
+    this.detail.load(key, () => sites.loadDetail(this.site));
+    this.detectors.load(key, () => this.api.anomalies(this.site));
   }
 
   override render(): TemplateResult {
@@ -169,11 +172,17 @@ export class AlarmEditor extends LitElement {
     );
   }
 
+  /** Groups of signals that are judged together; without the list the signals are there all the same. */
+  private groupOptions(): readonly SelectOption[] {
+    return (this.detectors.value?.detectors ?? []).filter(({ signals }) => signals.length > 0).map(({ address, title }) => [address, `${title}: signals together`] as const);
+  }
+
   private renderControl(name: string, sort: string, fields: AlarmFields, kind: AlarmKind): TemplateResult {
     const value = fields[name] ?? "";
     const devices = this.detail.value?.devices ?? [];
     if (sort === "signal") {
-      return html`<select name=${name} @change=${this.onSignalChange}>${renderOptions(this.channelOptions(kind), value)}</select>`;
+      const options = [...(kind === "anomaly" ? this.groupOptions() : []), ...this.channelOptions(kind)];
+      return html`<select name=${name} @change=${this.onSignalChange}>${renderOptions(options, value)}</select>`;
     }
     if (sort === "stream") {
       const streams = devices.flatMap((device) => device.streams.map(({ address, name: label }) => [address, label] as const));

@@ -31,6 +31,7 @@ function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
   const plain: AnomalyShape = {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
     began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0,
+    title: "", signals: [], step_s: 0, mode: "", shares: [],
   };
   return { ...plain, ...change };
 }
@@ -75,7 +76,7 @@ const SERIES: ChartSeries = {
 function renderDetector(change: Partial<Detector>, mayForgive = true): TemplateResult {
   const detector: Detector = {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
-    learns: true, learning: 0, on: false, anomaly: null, ...change,
+    learns: true, learning: 0, on: false, anomaly: null, title: "", signals: [], stepS: 0, mode: "", ...change,
   };
   const marks = detector.anomaly === null ? [] : anomalyMarks([detector.anomaly]);
   return html`<t-detector
@@ -90,7 +91,17 @@ function renderDetector(change: Partial<Detector>, mayForgive = true): TemplateR
   ></t-detector>`;
 }
 
-const ANOMALY = { scores: "power/voltage~together", fromUs: BEGAN_US, toUs: ENDED_US, why: WHY, forgiven: false };
+const ANOMALY = { scores: "power/voltage~together", fromUs: BEGAN_US, toUs: ENDED_US, why: WHY, title: "", shares: [], forgiven: false };
+const SHARES = [
+  { signal: "power/voltage", share: 0.62, spreads: -5.3 },
+  { signal: "power/current", share: 0.31, spreads: 2.1 },
+  { signal: "base/speed", share: 0.07, spreads: -0.4 },
+];
+const GROUP: Partial<Detector> = {
+  address: "/power", detector: "group", name: "signals together", title: "Battery", bar: 0.5, scores: "/power~group",
+  signals: ["power/voltage", "power/current", "base/speed"], stepS: 1, mode: "driving",
+};
+const GROUP_ANOMALY = { ...ANOMALY, scores: "/power~group", title: "Battery", shares: SHARES, why: "together 3 signals are 2.4 times as far from their usual state as ever while it learned: Voltage (62%, 5.3 spreads below its level), Current (31%, 2.1 spreads above its level)" };
 
 export const entries: readonly GalleryEntry[] = [
   {
@@ -119,6 +130,8 @@ export const entries: readonly GalleryEntry[] = [
       { name: "ended", show: () => renderDetector({ anomaly: ANOMALY }) },
       { name: "ended, for somebody who may only look", show: () => renderDetector({ anomaly: ANOMALY }, false) },
       { name: "marked", show: () => renderDetector({ anomaly: { ...ANOMALY, forgiven: true } }) },
+      { name: "a group that learns", show: () => renderDetector({ ...GROUP, learning: 1200 }) },
+      { name: "a group, on, with its shares", show: () => renderDetector({ ...GROUP, on: true, anomaly: { ...GROUP_ANOMALY, toUs: Infinity } }) },
       { name: "limits, which learn nothing", show: () => renderDetector({ name: "limits", learns: false, on: true, anomaly: { ...ANOMALY, toUs: Infinity, why: "11.2 V is below the least of 11.5 V" } }) },
     ],
   },

@@ -19,6 +19,7 @@ import { formatDate, knownZone, localSpan, utcSpan } from "../../format/time.js"
 import { DrawRate } from "../../series/draw-rate.js";
 import { lengthOf, panned } from "../../series/time-window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
+import { signalLabels } from "../../state/signal-labels.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { EventList, SiteShape, StoredShape } from "../../generated/api.js";
@@ -283,6 +284,7 @@ export class PageHistory extends LitElement {
         site=${this.site}
         edition=${detail.catalogue}
         .channels=${this.chosenChannels()}
+        .labels=${signalLabels(detail)}
         .span=${span}
         .indent=${indent}
         .painter=${painter}

@@ -183,7 +183,7 @@ export class PageLive extends LitElement {
   /** Lists that stay the same while nothing new is known: tiles are drawn again for others only. */
   private sortByMember(list: readonly Detector[]): void {
     this.bookOf = list;
-    const addresses = new Set(list.map(({ address }) => address));
+    const addresses = new Set(list.flatMap(({ address, signals }) => [address, ...signals]));
     const { book } = this.watching;
     this.detectorsOf = new Map([...addresses].map((address) => [address, book.detectorsOf(address)]));
     this.anomaliesOf = new Map([...addresses].map((address) => [address, book.anomalies(address)]));

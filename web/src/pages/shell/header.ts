@@ -289,7 +289,7 @@ export class Header extends LitElement {
     if (!(event.target instanceof HTMLSelectElement)) return;
     const page = this.router.route.page;
     const kept =
-      page === "topics" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "sightings"
+      page === "topics" || page === "anomalies" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "sightings"
         ? page
         : "live";
     this.router.navigate(sitePath(event.target.value, kept));

@@ -28,7 +28,7 @@ import { OutlierMemo, type Outliers } from "../../series/outliers.js";
 import { summarize } from "../../series/columns.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { reachContext } from "../../state/contexts.js";
-import type { Anomaly, Detector } from "../../state/anomaly-detectors.js";
+import { shareOf, type Anomaly, type Detector } from "../../state/anomaly-detectors.js";
 import type { SignalShape } from "../../generated/api.js";
 import "../../elements/forms/button.js";
 import "../../elements/chart/chart.js";
@@ -227,6 +227,15 @@ export class ChartTile extends LitElement {
     return html`<p class="outliers">Alarm at ${formatClock(newest.timeUs, this.zone)}: ${newest.said}</p>`;
   }
 
+  /** The newest anomaly of a group in the chart that this signal had a part in. */
+  private renderNewestGroup({ address }: SignalShape): unknown {
+    const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
+    const newest = this.anomalies.filter(({ title, fromUs, toUs }) => title !== "" && span !== undefined && fromUs <= span.toUs && toUs >= span.fromUs).at(-1);
+    if (newest === undefined) return nothing;
+    const share = `${formatNumber(shareOf(newest, address) * 100, 0)} %`;
+    return html`<p class="outliers">Anomaly of ${newest.title} at ${formatClock(newest.fromUs, this.zone)}, ${share} of it by this signal.</p>`;
+  }
+
   // The chart's own columns are asked for where there is one: two resolutions would thin twice.
   private chartColumn(span: TimeSpan): number {
     return this.drawn?.columnUs || Math.round(lengthOf(span) / COARSE);
@@ -251,7 +260,7 @@ export class ChartTile extends LitElement {
         zone=${this.zone}
         label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
       ></t-chart>
-      ${this.renderNewestMark()}
+      ${this.renderNewestMark()} ${this.renderNewestGroup(signal)}
       ${this.found === null ? nothing : html`<p class="outliers">${outlierText(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
       ${
         this.frozen === null

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.anomaly.runner import SCORES
+from talaia.hub.anomaly.episode_runner import SCORES
 from talaia.hub.auth.permissions import Right, sees_signal
 from talaia.model.site import SignalType
 
@@ -96,7 +96,10 @@ def may_read(live: LiveSite, grants: Grants, address: str) -> bool:
     site = live.description
     # Scores of a detector are open to those who may see the signal.
     address = address.partition(SCORES)[0]
-    device = address.partition("/")[0]
+    device, _, signal = address.partition("/")
+    # Of a group that is described no more nobody knows the signals: it takes the whole site.
+    if not device and sees_signal(grants, site, "", signal):
+        return True
     for channel in live.channels:
         if channel.address == address:
             return sees_signal(grants, site, channel.device, channel.signal)

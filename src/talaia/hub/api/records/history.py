@@ -12,7 +12,7 @@ import msgspec
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
-from talaia.hub.anomaly.runner import SCORES
+from talaia.hub.anomaly.episode_runner import SCORES
 from talaia.hub.api.access import live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 
-from talaia.hub.anomaly.runner import score_address
+from talaia.hub.anomaly.episode_runner import score_address
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.api.access import address_of, live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
@@ -15,12 +16,18 @@ from talaia.hub.api.schemas.anomaly_schemas import (
     AnomalyShape,
     ForgiveAnswer,
     ForgiveAsk,
+    LearnAnswer,
+    LearnAsk,
+    ShareShape,
 )
 from talaia.hub.auth.permissions import Right, sees_signal
+from talaia.hub.live.detection.stretch_learning import StretchRefused, learn_stretch
 
 if TYPE_CHECKING:
-    from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.clock import Clock
+    from talaia.hub.anomaly.episode_runner import EpisodeRunner
     from talaia.hub.live.detection.anomaly_service import AnomalyService
+    from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
 
 __all__ = ["AnomalyPages"]
@@ -29,10 +36,14 @@ __all__ = ["AnomalyPages"]
 class AnomalyPages:
     """The routes of anomaly detectors."""
 
-    def __init__(self, watching: AnomalyService, audit: Audit) -> None:
+    def __init__(
+        self, *, watching: AnomalyService, history: History, audit: Audit, clock: Clock
+    ) -> None:
         """Answer from ``watching``; what a person says is noted in ``audit``."""
-        self._watching = watching
-        self._audit = audit
+        self._watching, self._history = watching, history
+        self._audit, self._clock = audit, clock
+        # Groups that learn from a stretch just now, by site and address: one at a time each.
+        self._learning: set[tuple[str, str]] = set()
 
     def make_router(self) -> APIRouter:
         """Give the routes."""
@@ -40,6 +51,7 @@ class AnomalyPages:
         at = "/api/sites/{site}/anomalies"
         router.get(at)(self.overview)
         router.post(at + "/forgiven")(self.forgive)
+        router.post(at + "/learned")(self.learn)
         return router
 
     async def overview(self, site: str, request: Request) -> AnomalyList:
@@ -74,8 +86,46 @@ class AnomalyPages:
         )
         return ForgiveAnswer(learned=learned)
 
+    async def learn(self, site: str, asked: LearnAsk, request: Request) -> LearnAnswer:
+        """Let a group of signals learn what is usual from a stretch of the history."""
+        runner = self._watching.find_group(site, asked.address)
+        if runner is None:
+            raise ApiProblem(404, "unknown", "no such group of signals is at work")
+        if not asked.from_us < asked.to_us <= self._clock.wall_ns() // 1000:
+            raise ApiProblem(
+                422, "invalid", "expected from_us before to_us, and to_us not in the future"
+            )
+        key = (site, asked.address)
+        if key in self._learning:
+            raise ApiProblem(409, "busy", "this group learns from a stretch already; wait for it")
+        self._learning.add(key)
+        try:
+            learned = await learn_stretch(
+                self._history, site, runner.group, from_us=asked.from_us, to_us=asked.to_us
+            )
+        except StretchRefused as error:
+            raise ApiProblem(422, "invalid", str(error)) from error
+        finally:
+            self._learning.discard(key)
+        # The description may have changed meanwhile: then it learned for nobody.
+        if self._watching.find_group(site, asked.address) is not runner:
+            raise ApiProblem(409, "changed", "the group was described anew meanwhile; try again")
+        self._watching.take_learned(site, runner, learned.detector)
+        said = f"{runner.group.name}: {learned.rows} steps" + (
+            f": {asked.comment}" if asked.comment else ""
+        )
+        self._audit.append_record(
+            "anomalies learned",
+            who=who_of(request).name,
+            address=address_of(request),
+            site=site,
+            device=runner.group.device,
+            message=said,
+        )
+        return LearnAnswer(rows=learned.rows, modes=learned.modes, still=learned.still)
 
-def _anomaly_schema(watched: DetectorRunner) -> AnomalyShape:
+
+def _anomaly_schema(watched: EpisodeRunner) -> AnomalyShape:
     detector = watched.word
     return AnomalyShape(
         address=watched.address,
@@ -92,4 +142,12 @@ def _anomaly_schema(watched: DetectorRunner) -> AnomalyShape:
         learns=watched.kind.learns,
         learning=watched.learning,
         late=watched.late,
+        title=watched.group.name if isinstance(watched, GroupRunner) else "",
+        signals=list(watched.members),
+        step_s=watched.group.group.step if isinstance(watched, GroupRunner) else 0.0,
+        mode=watched.mode,
+        shares=[
+            ShareShape(signal=watched.members[one.place], share=one.share, spreads=one.spreads)
+            for one in watched.shares
+        ],
     )

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.anomaly.runner import signal_of
+from talaia.hub.anomaly.episode_runner import signal_of
 from talaia.hub.history.forecast import DAY_US
+from talaia.model.alarms.signal_groups import groups_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,6 +36,11 @@ class RetentionPeriods:
             days = site.devices[channel.device].signals[channel.signal].keep
             if days > 0:
                 self._kept_us[site.site, channel.address] = round(days * DAY_US)
+        # Scores of a group as long as the longest of its signals; for good if one of them is.
+        for group in groups_of(site)[0]:
+            kept = [self._kept_us.get((site.site, address), 0) for address in group.signals]
+            if all(kept):
+                self._kept_us[site.site, group.address] = max(kept)
 
     def kept_us(self, site: str, address: str) -> int:
         """Give how long a channel is kept (µs), scores as long as their signal; 0 is for good."""

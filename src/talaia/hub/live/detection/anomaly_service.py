@@ -21,11 +21,12 @@ import numpy as np
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
+from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded, score_address
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.guarded import GuardedDetector
-from talaia.hub.anomaly.runner import AnomalyBegan, AnomalyEnded, DetectorRunner, score_address
-from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted_detectors
+from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.live.detection.score_writer import ScoreWriter
-from talaia.hub.live.detection.thinning import Thinning
+from talaia.hub.live.detection.site_watch import SiteWatch, watch_site
 from talaia.hub.ports import AnomalyReport
 from talaia.wire.columns import Columns
 
@@ -33,12 +34,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.clock import Clock
+    from talaia.hub.anomaly.episode_runner import EpisodeRunner
+    from talaia.hub.anomaly.groups.modal_group import ModalGroup
     from talaia.hub.live.pages.fanout import Fanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalySink, DetectorSink, History
     from talaia.hub.store.sites.detector_state import DetectorState
-    from talaia.model.alarms.anomaly import Watch
-    from talaia.model.site import Site
 
 __all__ = ["AnomalyService"]
 
@@ -64,31 +65,6 @@ class _Piece(NamedTuple):
     addresses: list[str]
     times: list[int]
     values: list[float]
-
-
-class _SiteWatch:
-    """The detectors of one site, by the address of their signal."""
-
-    def __init__(self, description: Site) -> None:
-        # As it was when this was made; another object means another description.
-        self.description = description
-        # Detectors by the address of their signal.
-        self.watched: dict[str, list[DetectorRunner]] = {}
-        # What was learned before the start has been read from the database.
-        self.ready = False
-        # Place in the list of channels to whether it is watched; and the addresses.
-        self.chosen = np.zeros(0, bool)
-        self.addresses: list[str] = []
-        # Looks at signals of which one sample a second is enough.
-        self.thinning = Thinning(np.zeros(0, bool))
-        # A score's address to its number among the channels that a page may subscribe to.
-        self.places: dict[str, int] = {}
-        # Scores that pages have not been shown yet: number, time (µs), score.
-        self.fresh: list[tuple[int, int, float]] = []
-
-    def all_runners(self) -> list[DetectorRunner]:
-        """List all detectors."""
-        return [runner for some in self.watched.values() for runner in some]
 
 
 class AnomalyService:
@@ -122,7 +98,7 @@ class AnomalyService:
         # Told how a detector stands.
         self._shown_to: list[DetectorSink] = []
         # By site; made anew for another description.
-        self._of: dict[str, _SiteWatch] = {}
+        self._of: dict[str, SiteWatch] = {}
         # In the order they came; bounded by `_MOST_WAITING`.
         self._waiting: deque[_Piece] = deque()
         # Samples in all that waits.
@@ -171,7 +147,7 @@ class AnomalyService:
         self._count += int(at.size)
         self._news.set()
 
-    def detectors_of(self, site: str) -> list[DetectorRunner]:
+    def detectors_of(self, site: str) -> list[EpisodeRunner]:
         """List the detectors of a site that are at work now."""
         live = self._sites.find_site(site)
         return [] if live is None else self._watch_of(live).all_runners()
@@ -184,19 +160,36 @@ class AnomalyService:
 
         """
         live = self._sites.find_site(site)
-        found = [] if live is None else self._watch_of(live).watched.get(address, [])
-        for runner in found:
-            if runner.word == detector:
-                learns = runner.dismiss_peak()
-                # A person's word is kept with the next tick.
-                self._saved_at[site, address, detector] = -_SAVE_EVERY_S
-                if learns and live is not None:
-                    if (ended := runner.end_anomaly()) is not None:
-                        self._publish_anomaly(live, runner, ended)
-                    else:
-                        self._publish_standing(live, runner)
-                return learns
+        runner = None if live is None else self._watch_of(live).find_runner(address, detector)
+        if live is None or runner is None:
+            return None
+        learns = runner.dismiss_peak()
+        # A person's word is kept with the next tick.
+        self._saved_at[site, address, detector] = -_SAVE_EVERY_S
+        if learns:
+            if (ended := runner.end_anomaly()) is not None:
+                self._publish_anomaly(live, runner, ended)
+            else:
+                self._publish_standing(live, runner)
+        return learns
+
+    def find_group(self, site: str, address: str) -> GroupRunner | None:
+        """Find a group of signals that is at work now."""
+        for runner in self.detectors_of(site):
+            if isinstance(runner, GroupRunner) and runner.address == address:
+                return runner
         return None
+
+    def take_learned(self, site: str, runner: GroupRunner, detector: ModalGroup) -> None:
+        """Let a group go on with what was learned from a stretch of the past."""
+        live = self._sites.find_site(site)
+        if live is None:
+            return
+        self._saved_at[site, runner.address, runner.word] = -_SAVE_EVERY_S
+        if (ended := runner.take_learned(detector)) is not None:
+            self._publish_anomaly(live, runner, ended)
+        else:
+            self._publish_standing(live, runner)
 
     async def run(self) -> None:
         """Look at samples, write scores, keep what is learned; until cancelled."""
@@ -228,17 +221,8 @@ class AnomalyService:
         # By the wall: what matters is how long all else has waited.
         until = time.perf_counter() + _SLICE_S
         for address, time_us, value in zip(piece.addresses, piece.times, piece.values, strict=True):
-            for place, runner in enumerate(watch.watched.get(address, ())):
-                try:
-                    turn = _score_sample(runner, time_us, value)
-                except (ArithmeticError, LookupError, ValueError):
-                    # One that fails must not end the others: it begins anew.
-                    _LOG.exception("the detector %s of %s begins anew", runner.word, address)
-                    watch.watched[address][place] = DetectorRunner(
-                        address, runner.unit, runner.watch
-                    )
-                    continue
-                self._handle_news(piece.live, watch, runner=runner, turn=turn, time_us=time_us)
+            self._score_singles(piece.live, watch, address, time_us=time_us, value=value)
+            self._score_groups(piece.live, watch, address, time_us=time_us, value=value)
             if time.perf_counter() > until:
                 self._publish_scores(piece.live, watch)
                 # Lets all else run that is ready; samples of this piece wait meanwhile.
@@ -246,18 +230,47 @@ class AnomalyService:
                 until = time.perf_counter() + _SLICE_S
         self._publish_scores(piece.live, watch)
 
+    def _score_singles(
+        self, live: LiveSite, watch: SiteWatch, address: str, *, time_us: int, value: float
+    ) -> None:
+        for place, runner in enumerate(watch.watched.get(address, ())):
+            try:
+                turn = _score_sample(runner, time_us, value)
+            except (ArithmeticError, LookupError, ValueError):
+                # One that fails must not end the others: it begins anew.
+                _LOG.exception("the detector %s of %s begins anew", runner.word, address)
+                watch.watched[address][place] = DetectorRunner(address, runner.unit, runner.watch)
+                continue
+            self._handle_news(live, watch, runner=runner, turn=turn, time_us=time_us)
+
+    def _score_groups(
+        self, live: LiveSite, watch: SiteWatch, address: str, *, time_us: int, value: float
+    ) -> None:
+        for runner, place in watch.members.get(address, ()):
+            judged = runner.detector.heard
+            try:
+                turn = runner.score_sample(place, time_us, value)
+            except (ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
+                _LOG.exception("the group %s begins anew", runner.address)
+                others = [group for group in watch.groups if group is not runner]
+                watch.take_groups([*others, GroupRunner(runner.group)])
+                return
+            # A score is of a step, and most samples complete none.
+            if runner.detector.heard != judged:
+                self._handle_news(live, watch, runner=runner, turn=turn, time_us=time_us)
+
     def _handle_news(
         self,
         live: LiveSite,
-        watch: _SiteWatch,
+        watch: SiteWatch,
         *,
-        runner: DetectorRunner,
+        runner: EpisodeRunner,
         turn: AnomalyBegan | AnomalyEnded | None,
         time_us: int,
     ) -> None:
         if turn is not None:
             self._publish_anomaly(live, runner, turn)
-        elif runner.take_learned():
+        elif runner.take_change():
             self._publish_standing(live, runner)
         address = score_address(runner.address, runner.word)
         place = watch.places.get(address)
@@ -266,7 +279,7 @@ class AnomalyService:
         if runner.worth_writing(time_us):
             self._scores.add_score(live.name, address, time_us, runner.score)
 
-    def _publish_scores(self, live: LiveSite, watch: _SiteWatch) -> None:
+    def _publish_scores(self, live: LiveSite, watch: SiteWatch) -> None:
         """Show pages the newest scores."""
         if not watch.fresh:
             return
@@ -283,46 +296,19 @@ class AnomalyService:
         live.latest.update_values(columns, self._clock.monotonic_ns())
         self._fanout.publish(live, columns)
 
-    def _watch_of(self, live: LiveSite) -> _SiteWatch:
+    def _watch_of(self, live: LiveSite) -> SiteWatch:
         """Give a site's detectors; made anew for another description, as they were if they fit."""
         watch = self._of.get(live.name)
         if watch is not None and watch.description is live.description:
             return watch
-        before = (
-            {}
-            if watch is None
-            else {(runner.address, runner.watch): runner for runner in watch.all_runners()}
-        )
-        fresh = self._of[live.name] = _SiteWatch(live.description)
-        thin = set()
-        wishes, left_out = wanted_detectors(live.description)
-        if left_out:
-            _LOG.warning(
-                "anomaly detection of %s: the first %d signals are watched, %d more are not",
-                live.name,
-                MOST_BY_DEFAULT,
-                left_out,
-            )
-        for wish in wishes:
-            fresh.watched[wish.address] = [
-                _take_over(before, wish.address, wanted)
-                or DetectorRunner(wish.address, wish.unit, wanted)
-                for wanted in wish.watches
-            ]
-            if wish.thin:
-                thin.add(wish.address)
-        fresh.ready = not fresh.watched or (watch is not None and watch.ready)
-        fresh.addresses = [channel.address for channel in live.channels] if fresh.watched else []
-        fresh.chosen = np.array([address in fresh.watched for address in fresh.addresses], bool)
-        scores = range(len(live.channels), len(live.every))
-        fresh.places = {live.every[at].address: at for at in scores}
-        fresh.thinning = Thinning(np.array([address in thin for address in fresh.addresses], bool))
-        for runner in before.values():
+        fresh, gone = watch_site(live, watch)
+        self._of[live.name] = fresh
+        for runner in gone:
             if (ended := runner.end_anomaly()) is not None:
                 self._publish_anomaly(live, runner, ended)
         return fresh
 
-    async def _restore_learned(self, live: LiveSite, watch: _SiteWatch) -> None:
+    async def _restore_learned(self, live: LiveSite, watch: SiteWatch) -> None:
         """Go on with what was learned before the hub was started."""
         # First: a database that fails must not be asked for each batch.
         watch.ready = True
@@ -331,14 +317,10 @@ class AnomalyService:
         except _FAILS as error:
             _LOG.warning("detectors of %s learn anew, the database fails: %s", live.name, error)
             return
-        for address, some in watch.watched.items():
-            for at, runner in enumerate(some):
-                state = kept.get((address, runner.word))
-                if state is not None:
-                    some[at] = DetectorRunner(address, runner.unit, runner.watch, state)
+        watch.restore(kept)
 
     def _publish_anomaly(
-        self, live: LiveSite, runner: DetectorRunner, turn: AnomalyBegan | AnomalyEnded
+        self, live: LiveSite, runner: EpisodeRunner, turn: AnomalyBegan | AnomalyEnded
     ) -> None:
         news = AnomalyReport(
             site=live.name,
@@ -353,7 +335,7 @@ class AnomalyService:
             sink.report_anomaly(news)
         self._publish_standing(live, runner)
 
-    def _publish_standing(self, live: LiveSite, runner: DetectorRunner) -> None:
+    def _publish_standing(self, live: LiveSite, runner: EpisodeRunner) -> None:
         for sink in self._shown_to:
             sink.report_detector(live.name, runner)
 
@@ -385,7 +367,7 @@ class AnomalyService:
                     self._handle_news(live, watch, runner=runner, turn=turn, time_us=now_us)
             self._publish_scores(live, watch)
 
-    def _unsaved_detectors(self, most: int | None) -> list[tuple[str, DetectorRunner]]:
+    def _unsaved_detectors(self, most: int | None) -> list[tuple[str, EpisodeRunner]]:
         now, due = self._clock.monotonic_ns() / 1e9, []
         for site, watch in self._of.items():
             for runner in watch.all_runners():
@@ -396,7 +378,7 @@ class AnomalyService:
                     due.append((site, runner))
         return due if most is None else due[:most]
 
-    async def _save_detectors(self, due: Sequence[tuple[str, DetectorRunner]]) -> None:
+    async def _save_detectors(self, due: Sequence[tuple[str, EpisodeRunner]]) -> None:
         now = self._clock.monotonic_ns() / 1e9
         rows = [(site, runner.address, runner.word, runner.dump_state()) for site, runner in due]
         try:
@@ -408,14 +390,6 @@ class AnomalyService:
             raise
         for site, address, detector, _ in rows:
             self._saved_at[site, address, detector] = now
-
-
-def _take_over(
-    before: dict[tuple[str, Watch], DetectorRunner], address: str, watch: Watch
-) -> DetectorRunner | None:
-    """Take a detector over from the description of before, if it is asked for alike."""
-    key = (address, watch)
-    return before.pop(key) if key in before else None
 
 
 def _score_sample(

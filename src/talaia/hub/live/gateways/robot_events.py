@@ -13,19 +13,21 @@ from talaia.hub.live.gateways.doubles.held_stops import HeldStops
 from talaia.hub.live.gateways.gateway_log import GatewayLog
 from talaia.hub.live.gateways.gateway_words import event_words, is_described, with_known_names
 from talaia.hub.live.pages.interlock_news import interlock_news
+from talaia.model.alarms.signal_groups import group_named
 from talaia.wire import browser as page, frames
 from talaia.wire.browser_messages.relay import relay_message
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.hub.anomaly.episode_runner import EpisodeRunner
     from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.live.pages.outbox import Frame
     from talaia.hub.live.pages.page_connections import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalyReport
     from talaia.hub.store.audit import Audit
+    from talaia.model.site import Site
 
 __all__ = ["RobotEvents", "site_news"]
 
@@ -211,11 +213,7 @@ class RobotEvents:
         live = self._sites.find_site(news.site)
         if live is None:
             return
-        device, _, signal = news.channel.partition("/")
-        # The description may have changed since the detector looked.
-        described = live.description.devices.get(device)
-        known = described.signals.get(signal) if described is not None else None
-        name = known.name if known is not None else signal
+        device, name = _place_of(live.description, news.channel)
         kind, time_us = "anomaly began", news.began_us
         if news.ended_us is not None:
             kind, time_us = "anomaly ended", news.ended_us
@@ -224,7 +222,7 @@ class RobotEvents:
             live, kind, device=device, message=f"{name}: {news.why}", good=good, time_us=time_us
         )
 
-    def report_detector(self, site: str, watched: DetectorRunner) -> None:
+    def report_detector(self, site: str, watched: EpisodeRunner) -> None:
         """Tell everyone who may see the signal how a detector stands; see `DetectorSink`."""
         live = self._sites.find_site(site)
         if live is None:
@@ -242,6 +240,13 @@ class RobotEvents:
             why=watched.why,
             forgiven=watched.forgiven,
             learning=watched.learning,
+            mode=watched.mode,
+            shares=[
+                page.AnomalyShare(
+                    signal=watched.members[one.place], share=one.share, spreads=one.spreads
+                )
+                for one in watched.shares
+            ],
         )
         # Encoded once in each form, for all pages.
         encoded: dict[str, Frame] = {}
@@ -429,3 +434,18 @@ def _command_news(
     """Give what pages are told; ``later_s`` after it was heard."""
     acting_s = state.acting_s + later_s if state.acting else 0.0
     return relay_message(page.CommandUpdate, state, live.name, who=who, acting_s=acting_s)
+
+
+def _place_of(site: Site, address: str) -> tuple[str, str]:
+    """Give the device and the name of what a detector looks at.
+
+    A group of several devices has none: its events are the site's.
+    """
+    device, _, signal = address.partition("/")
+    if not device:
+        group = group_named(site, signal)
+        return ("", signal) if group is None else (group.device, group.name)
+    # The description may have changed since the detector looked.
+    described = site.devices.get(device)
+    known = described.signals.get(signal) if described is not None else None
+    return device, known.name if known is not None else signal

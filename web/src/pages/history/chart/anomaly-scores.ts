@@ -14,7 +14,7 @@ import { anomalyMarks } from "../../../elements/chart/anomaly-marks.js";
 import { adviceFor } from "../../../format/error-advice.js";
 import type { TimeSpan } from "../../../series/time-window.js";
 import { apiContext } from "../../../state/contexts.js";
-import type { Detector } from "../../../state/anomaly-detectors.js";
+import { subjectOf, type Detector } from "../../../state/anomaly-detectors.js";
 import type { HistoryAnswer } from "../../../generated/api.js";
 import type { HistoryQuery, HubApi } from "../../../wire/hub-api.js";
 import { loadedSeries } from "../data/history-loader.js";
@@ -68,6 +68,11 @@ export class AnomalyScores extends LitElement {
   @property({ type: Number }) width = 0;
   @property() zone = "UTC";
 
+  /** Names of signals by their addresses; without them addresses stand there. */
+  @property({ attribute: false }) labels: ReadonlyMap<string, string> = new Map();
+  /** No heading: it stands on a page of its own. */
+  @property({ type: Boolean }) bare = false;
+
   /** Answers in the hub's place; the gallery has one for each state. */
   @property({ attribute: false }) hub: ScoreSource | null = null;
 
@@ -109,7 +114,7 @@ export class AnomalyScores extends LitElement {
       return html`<p class="said">No anomaly detector watches these signals.</p>`;
     }
     const { problem, doneText: done } = this.action;
-    return html`<h2>Anomalies</h2>
+    return html`${this.bare ? nothing : html`<h2>Anomalies</h2>`}
       <p role="status" class="said">${done}</p>
       ${renderAdvice(problem)}
       ${this.scores.result.state === "failed" ? this.renderNoScores(this.scores.result.error) : nothing}
@@ -127,6 +132,7 @@ export class AnomalyScores extends LitElement {
   private renderDetector(detector: Detector): TemplateResult {
     return html`<t-detector
       named
+      .labels=${this.labels}
       .detector=${detector}
       .series=${this.series.get(detector.scores) ?? null}
       .marks=${detector.anomaly === null ? [] : anomalyMarks([detector.anomaly])}
@@ -142,9 +148,10 @@ export class AnomalyScores extends LitElement {
     ></t-detector>`;
   }
 
-  /** Detectors of the signals that are shown. */
+  /** Detectors of the signals that are shown, and of the groups that look at any of them. */
   private shownDetectors(): readonly Detector[] {
-    return this.detectors.book.list.filter(({ address }) => this.channels.includes(address));
+    const chosen = new Set(this.channels);
+    return this.detectors.book.list.filter(({ address, signals }) => chosen.has(address) || signals.some((signal) => chosen.has(signal)));
   }
 
   private buildSeries(history: HistoryAnswer | undefined): void {
@@ -163,11 +170,12 @@ export class AnomalyScores extends LitElement {
     void this.forgive(event.detail);
   };
 
-  private async forgive({ address, detector, name }: Detector): Promise<void> {
+  private async forgive(said: Detector): Promise<void> {
+    const { address, detector, name } = said;
     const { site } = this;
     const api = this.hub ?? this.api;
     if (api === undefined) return;
-    const done = await this.action.run("tell the detector", () => api.dismissAnomaly(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
+    const done = await this.action.run("tell the detector", () => api.dismissAnomaly(site, address, detector), `Noted: ${subjectOf(said)} is as usual for “${name}”.`);
     if (done) this.retry();
   }
 

@@ -1,5 +1,7 @@
 """Several signals judged together: how far all of them are from what they usually are together.
 
+Long, because learning, judging and forgiving work on one state.
+
 The distance is Hotelling's T² (Hotelling 1947, "Multivariate quality control"): with ``d`` the
 departures of the signals and ``S`` their usual covariance, ``T² = dᵀ S⁻¹ d``. Signals that
 usually go together and now go apart are far away though each of them is where it often is.
@@ -21,23 +23,23 @@ import msgspec
 import numpy as np
 
 from talaia.hub.anomaly.base import Floats, format_number
-from talaia.hub.anomaly.held_values import NEVER, HeldValues
-from talaia.hub.anomaly.whitening import (
+from talaia.hub.anomaly.groups.held_values import NEVER, HeldValues
+from talaia.hub.anomaly.groups.whitening import (
     SignalShare,
     inverse_root,
-    learn_scales,
     share_distance,
     shrink_covariance,
+    usual_spreads,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector"]
+__all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector", "most_learned"]
 
 # What it keeps while it learns is a number for each signal and step: 5 MB at the most.
-MOST_SIGNALS = 64
-FEWEST_LEARNED, MOST_LEARNED = 60, 10_000
+MOST_SIGNALS, MOST_KEPT = 64, 640_000
+FEWEST_LEARNED, MOST_LEARNED = 60, 30_000
 # Spans of the fast and the slow mean (steps); a mean of span n follows by 2/(n+1) a step.
 _FAST, _SLOW = 2.0 / (30 + 1), 2.0 / (180 + 1)
 # The slow mean begins as the mean of so many steps, which are not judged by.
@@ -58,11 +60,16 @@ _WITHIN = 3.5
 _SILENCE = 600
 
 
+def most_learned(signals: int) -> int:
+    """Give how many rows of so many signals may be learned from: what is kept is bounded."""
+    return min(MOST_LEARNED, MOST_KEPT // max(1, signals))
+
+
 class GroupDetector(msgspec.Struct, kw_only=True):
     """Scores several signals together, once a step; it learns from its first steps.
 
-    Give it either samples as they come (`see`) or whole rows (`see_row`), not both. It is bounded
-    in memory by the number of signals squared, and while it learns by signals times steps.
+    It sees whole rows; `ModalGroup` makes them of samples. It is bounded in memory by the number of
+    signals squared, and while it learns by signals times steps.
 
     Attributes:
         signals: their names, at most `MOST_SIGNALS`.
@@ -78,12 +85,16 @@ class GroupDetector(msgspec.Struct, kw_only=True):
     step_us: int = 1_000_000
     score: float = 0.0
     anomalous: bool = False
-    # Rows and times (µs) of the learning stretch, row after row; empty once it is over.
+    # Of the learning stretch: its beginning as it came, then how far the means were apart, row
+    # after row, in the signals' units; and its times (µs). Empty once it is over.
     rows: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     times: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     counted: int = 0
+    # So many values of each signal were among them.
+    seen: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     held: HeldValues = msgspec.field(default_factory=lambda: HeldValues(count=0))
-    # Learned: what each signal is scaled by, the covariance (row after row), the distance's limit.
+    # Learned: what each signal is scaled by (while it learns: the sum of its squared departures),
+    # the covariance (row after row), the distance's limit.
     center: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     scale: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     covariance: Floats = msgspec.field(default_factory=lambda: np.empty(0))
@@ -107,44 +118,24 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         count = len(self.signals)
         if not 1 <= count <= MOST_SIGNALS:
             raise ValueError(f"expected 1 to {MOST_SIGNALS} signals in a group, found {count}")
-        if not FEWEST_LEARNED <= self.learn_rows <= MOST_LEARNED:
+        most = most_learned(count)
+        if not FEWEST_LEARNED <= self.learn_rows <= most:
             raise ValueError(
-                f"expected {FEWEST_LEARNED} to {MOST_LEARNED} rows to learn from, "
-                f"found {self.learn_rows}"
+                f"expected {FEWEST_LEARNED} to {most} rows to learn from, found {self.learn_rows}"
             )
         if self.held.count == count:
             return
         self.held = HeldValues(count=count)
         self.rows, self.times = np.empty(self.learn_rows * count), np.empty(self.learn_rows)
-        self.fast, self.slow, self.apart = np.zeros(count), np.zeros(count), np.zeros(count)
-        self.known, self.peak_apart = np.zeros(count), np.zeros(count)
+        self.fast, self.slow = np.full(count, np.nan), np.full(count, np.nan)
+        self.center, self.scale, self.seen = np.zeros(count), np.zeros(count), np.zeros(count)
+        self.apart, self.known = np.zeros(count), np.zeros(count)
+        self.peak_apart = np.zeros(count)
 
     @property
     def learning(self) -> int:
         """So many steps until it has learned; 0: it judges."""
         return 0 if self.limit else self.learn_rows - self.counted
-
-    def see(self, time_us: int, signal: int, value: float) -> float:
-        """Take a sample of one signal; judge a step once a sample of a later one comes.
-
-        Args:
-            time_us: µs since the epoch; of an earlier step than the newest: passed over.
-            signal: its place among the signals.
-            value: in the signal's unit; of several in a step the last one counts.
-
-        Returns:
-            The newest step's score, 0 to 1.
-
-        """
-        held, step = self.held, time_us // self.step_us
-        if step < held.gathering:
-            return self.score
-        if step > held.gathering:
-            if held.gathering != NEVER:
-                self.see_row(held.gathering * self.step_us, held.gathered)
-            held.begin_step(step)
-        held.gathered[signal] = value
-        return self.score
 
     def see_row(self, time_us: int, values: Sequence[float] | Floats) -> float:
         """Take a value of each signal, NaN (or infinite) where there is none, and judge them.
@@ -163,7 +154,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         steps = 1
         if newest_us != NEVER and self.step_us:
             steps = max(1, round((time_us - newest_us) / self.step_us))
-        if steps > _SILENCE:
+        if steps > _SILENCE and self.limit:
             # What was before says nothing of now; one noisy row must not be all there is either.
             self.fast[:] = self.slow
         row = self.held.hold_row(time_us, steps, np.array(values, dtype=np.float64))
@@ -175,43 +166,58 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         return self.score
 
     def _learn_row(self, time_us: int, row: Floats) -> None:
-        count = len(self.signals)
-        self.rows[self.counted * count : (self.counted + 1) * count] = row
+        """Take a row of the learning stretch in; the same small work for each of them."""
+        count, beginning = len(self.signals), min(_BEGINNING, self.learn_rows // 4)
+        there = np.isfinite(row)
+        # Mean and squares in one pass (Welford 1962): no row need be looked at again.
+        self.seen += there
+        before = np.where(there, row - self.center, 0.0)
+        self.center += before / np.maximum(self.seen, 1.0)
+        self.scale += before * np.where(there, row - self.center, 0.0)
+        place = slice(self.counted * count, (self.counted + 1) * count)
+        if self.counted < beginning:
+            self.rows[place] = row
+        else:
+            self._follow_raw(row)
+            self.rows[place] = self.apart
         self.times[self.counted] = time_us
         self.counted += 1
+        if self.counted == beginning:
+            # Both means begin as that of all these rows.
+            self.fast = np.where(self.seen > 0.0, self.center, np.nan)
+            self.slow = self.fast.copy()
+            for first in self.rows[: beginning * count].reshape(beginning, count):
+                self._follow_raw(first)
         if self.counted == self.learn_rows:
-            self._fit_normal()
-            self.rows, self.times = np.empty(0), np.empty(0)
+            self._fit_normal(beginning)
+            self.rows, self.times, self.seen = np.empty(0), np.empty(0), np.empty(0)
 
-    def _fit_normal(self) -> None:
+    def _follow_raw(self, row: Floats) -> None:
+        """Let both means follow a row that is in the signals' units."""
+        there = np.isfinite(row)
+        first = there & np.isnan(self.fast)
+        self.fast[first] = self.slow[first] = row[first]
+        self.fast = np.where(there, self.fast + _FAST * (row - self.fast), self.fast)
+        self.apart = np.where(there, self.fast - self.slow, 0.0)
+        self.slow += _SLOW * self.apart
+
+    def _fit_normal(self, beginning: int) -> None:
         """Learn scales, covariance and limit of the rows that are there."""
-        rows = self.rows.reshape(self.learn_rows, len(self.signals))
+        count = len(self.signals)
         if not self.step_us:
             self.step_us = max(1, int(np.median(np.diff(self.times))))
         # Of a signal that was hardly there nothing is known: it is never judged by.
-        self.held.learn_holds(len(rows), np.isfinite(rows).sum(axis=0) < FEWEST_LEARNED // 2)
-        self.center, self.scale = learn_scales(rows)
-        apart = self._replay_learning(rows)
+        self.held.learn_holds(self.learn_rows, self.seen < FEWEST_LEARNED // 2)
+        self.scale = usual_spreads(self.center, self.scale / np.maximum(self.seen, 1.0))
+        self.fast = np.nan_to_num((self.fast - self.center) / self.scale)
+        self.slow = np.nan_to_num((self.slow - self.center) / self.scale)
+        apart = self.rows.reshape(self.learn_rows, count)[beginning:] / self.scale
+        self.apart = apart[-1].copy()
         self.covariance = shrink_covariance(apart).ravel()
-        self._whiten_known(np.ones(len(self.signals)))
-        whitened = apart @ self.whitening.reshape(len(self.signals), -1)
+        self._whiten_known(np.ones(count))
+        whitened = apart @ self.whitening.reshape(count, -1)
         # Of a stretch in which nothing moved, the distance that one spread each would be.
-        self.limit = max(float((whitened**2).sum(axis=1).max()), float(len(self.signals)))
-
-    def _replay_learning(self, rows: Floats) -> Floats:
-        """Smooth the learning stretch; give the departures of all but its beginning."""
-        beginning = min(_BEGINNING, len(rows) // 4)
-        scaled = self._scale_row(rows)
-        first = scaled[:beginning]
-        counts = np.maximum(np.isfinite(first).sum(axis=0), 1)
-        self.fast = np.nan_to_num(first).sum(axis=0) / counts
-        self.slow = self.fast.copy()
-        found = np.empty_like(rows)
-        for at, row in enumerate(rows):
-            self._smooth_row(row)
-            found[at] = self.apart
-            self.slow += _SLOW * self.apart
-        return found[beginning:]
+        self.limit = max(float((whitened**2).sum(axis=1).max()), float(count))
 
     def _scale_row(self, row: Floats) -> Floats:
         return np.clip((row - self.center) / self.scale, -_FARTHEST, _FARTHEST)
@@ -222,14 +228,20 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         self.fast = np.where(there, self.fast + _FAST * (scaled - self.fast), self.fast)
         # A signal that is not there departs from nothing, and does not count.
         self.apart = np.where(there, self.fast - self.slow, 0.0)
-        # While it learns there is no covariance to take the root of yet.
-        if self.limit and not np.array_equal(there, self.known):
+        if not np.array_equal(there, self.known):
             self._whiten_known(there.astype(np.float64))
 
     def _whiten_known(self, known: Floats) -> None:
         """Take the inverse root of the covariance of the signals that are known (1; 0: not)."""
         covariance = self.covariance.reshape(len(self.signals), -1)
         self.whitening, self.known = inverse_root(covariance, known).ravel(), known
+
+    def resume(self) -> None:
+        """Begin anew from the usual level: what came meanwhile was not shown to it."""
+        self.anomalous, self.score, self.distance = False, 0.0, 0.0
+        if self.limit:
+            self.fast = self.slow.copy()
+            self.apart = np.zeros(len(self.signals))
 
     def _judge_distance(self) -> None:
         whitened = self.whitening.reshape(len(self.signals), -1) @ self.apart
@@ -270,7 +282,7 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         if not self.limit:
             return f"it learns for {self.learning} more rows"
         named = [
-            f"{signal.name} ({signal.share:.0%}, {format_number(abs(signal.spreads))} spreads "
+            f"{signal.name} ({signal.share:.0%}, {abs(signal.spreads):.1f} spreads "
             f"{'above' if signal.spreads >= 0 else 'below'} its level)"
             for signal in self.list_shares()[:3]
             if signal.share >= 0.1

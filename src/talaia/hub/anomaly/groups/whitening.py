@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 __all__ = [
     "SignalShare",
     "inverse_root",
-    "learn_scales",
     "share_distance",
     "shrink_covariance",
+    "usual_spreads",
 ]
 
 # By so much of itself the diagonal of a covariance is raised.
@@ -34,31 +34,28 @@ class SignalShare(NamedTuple):
         name: of the signal.
         share: of the squared distance, 0 to 1.
         spreads: by so many usual spreads it is above (or below, negative) its usual level.
+        place: its place among the signals.
 
     """
 
     name: str
     share: float
     spreads: float
+    place: int
 
 
-def learn_scales(rows: Floats) -> tuple[Floats, Floats]:
-    """Give the mean and the spread of each column, NaN left out.
+def usual_spreads(center: Floats, variances: Floats) -> Floats:
+    """Give the spread of each signal, in its unit; never 0.
 
     Args:
-        rows: (rows, signals), in the signals' units.
-
-    Returns:
-        Two arrays of one number a signal; the spread is never 0.
+        center: the means.
+        variances: their mean squared departures.
 
     """
-    there = np.isfinite(rows)
-    counts = np.maximum(there.sum(axis=0), 1)
-    center = np.where(there, rows, 0.0).sum(axis=0) / counts
-    spread = np.sqrt((np.where(there, rows - center, 0.0) ** 2).sum(axis=0) / counts)
+    spread = np.sqrt(variances)
     size = np.where(center == 0.0, 1.0, np.abs(center))
     # A constant signal has no spread: a thousandth of its value is taken for it.
-    return center, np.where(spread > 1e-6 * size, spread, 1e-3 * size)
+    return np.where(spread > 1e-6 * size, spread, 1e-3 * size)
 
 
 def shrink_covariance(departures: Floats) -> Floats:
@@ -103,5 +100,5 @@ def share_distance(names: Sequence[str], whitened: Floats, spreads: Floats) -> l
     """
     squares = whitened**2
     shares = (squares / squares.sum()).tolist()
-    found = map(SignalShare, names, shares, spreads.tolist())
+    found = map(SignalShare, names, shares, spreads.tolist(), range(len(names)))
     return sorted(found, key=lambda signal: -signal.share)

@@ -1,0 +1,1 @@
+"""Several signals judged together, in each way of running of a machine."""

@@ -1,0 +1,287 @@
+"""What a detector would have said of stored history, tried before it is switched on."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+import time
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.errors import TalaiaError
+from talaia.hub.anomaly.episode_runner import AnomalyEnded
+from talaia.hub.live.detection.past_rows import read_past_rows
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.anomaly.episode_runner import AnomalyBegan, EpisodeRunner
+    from talaia.hub.anomaly.groups.group_runner import GroupRunner
+    from talaia.hub.anomaly.groups.whitening import SignalShare
+    from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.hub.ports import History
+
+__all__ = [
+    "MOST_RUNNING",
+    "BackTest",
+    "BackTests",
+    "GroupTrial",
+    "PastAnomaly",
+    "SignalTrial",
+    "TestState",
+    "TooManyTests",
+]
+
+_LOG = logging.getLogger(__name__)
+# At most so many compute at once, and so many are remembered.
+MOST_RUNNING, _MOST_KEPT = 2, 20
+# Of a test so many anomalies are kept, and the greatest score of so many parts of its window.
+_MOST_ANOMALIES, _PARTS = 200, 300
+# It computes so long and lets all else have as long: half of a core at the most.
+_SLICE_S = 0.001
+
+
+class TestState(StrEnum):
+    """How a test stands."""
+
+    RUNNING = "running"
+    DONE = "done"
+    CANCELLED = "cancelled"
+    FAILED = "failed"
+
+
+class TooManyTests(Exception):
+    """Others compute; it can be tried again later."""
+
+
+class PastTrial(Protocol):
+    """A detector that is shown the past, row by row.
+
+    Attributes:
+        addresses: of the channels that make a row.
+        step_us: a row is so long.
+        learns_us: so long before the window it begins, so that it has learned.
+
+    """
+
+    addresses: Sequence[str]
+    step_us: int
+    learns_us: int
+
+    @property
+    def runner(self) -> EpisodeRunner:
+        """The detector, as it is at work live."""
+        ...
+
+    def see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
+        """Look at the next row, NaN where nothing came."""
+        ...
+
+
+class SignalTrial:
+    """A detector of one signal, shown one sample a second."""
+
+    step_us = 1_000_000
+
+    def __init__(self, runner: DetectorRunner) -> None:
+        """Try ``runner``, which has seen nothing yet."""
+        self.runner = runner
+        self.addresses: Sequence[str] = (runner.address,)
+        # Twice its learning, for a signal may come seldom.
+        self.learns_us = 2 * runner.learning * self.step_us
+
+    def see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
+        """See `PastTrial.see_row`."""
+        silent = self.runner.score_silence(time_us)
+        return self.runner.score_sample(time_us, row[0]) or silent
+
+
+class GroupTrial:
+    """A group of signals."""
+
+    def __init__(self, runner: GroupRunner) -> None:
+        """Try ``runner``, which has seen nothing yet."""
+        self.runner = runner
+        group = runner.group
+        self._has_state = bool(group.group.state)
+        self.addresses: Sequence[str] = (
+            *group.signals,
+            *([group.group.state] if self._has_state else []),
+        )
+        self.step_us = round(group.group.step * 1e6)
+        self.learns_us = group.group.learn * self.step_us
+        self._state = -1
+
+    def see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
+        """See `PastTrial.see_row`."""
+        values = row
+        if self._has_state:
+            values, state = row[:-1], row[-1]
+            # A state holds until another comes; NaN is not equal to itself.
+            self._state = int(state) if state == state and state >= 0 else self._state
+        return self.runner.score_row(time_us, values, self._state)
+
+
+@dataclass(slots=True)
+class PastAnomaly:
+    """An anomaly that would have been told; the shares are those of a group."""
+
+    from_us: int
+    to_us: int
+    score: float
+    why: str
+    shares: list[SignalShare] = field(default_factory=list)
+
+
+@dataclass(slots=True, kw_only=True)
+class BackTest:
+    """A test, how far it is, and what it found.
+
+    Attributes:
+        key: by which it is asked for.
+        site: whose history it is.
+        trial: what is tried.
+        from_us: where its window begins (µs, UTC); to_us: where it ends.
+        state: how it stands; `problem` says why it failed.
+        done_us: it has got so far.
+        rows: it has looked at so many; none of them are those it learned from before the window.
+        cpu_s: it has computed for so long.
+        count: so many anomalies there were; the first ones are in `anomalies`.
+        scores: the greatest score of each part of the window, -1 where there was none.
+        learning: so many samples it had still to learn at the window's beginning.
+
+    """
+
+    key: str
+    site: str
+    trial: PastTrial
+    from_us: int
+    to_us: int
+    state: TestState = TestState.RUNNING
+    problem: str = ""
+    done_us: int = 0
+    rows: int = 0
+    cpu_s: float = 0.0
+    count: int = 0
+    anomalies: list[PastAnomaly] = field(default_factory=list)
+    scores: list[float] = field(default_factory=lambda: [-1.0] * _PARTS)
+    learning: int = 0
+
+    @property
+    def progress(self) -> float:
+        """How much of it is done, 0 to 1."""
+        begin = self.from_us - self.trial.learns_us
+        return min(1.0, max(0.0, (self.done_us - begin) / max(1, self.to_us - begin)))
+
+    def see_row(self, time_us: int, row: Sequence[float]) -> None:
+        """Look at the next row."""
+        before = self.trial.runner.learning
+        turn = self.trial.see_row(time_us, row)
+        if time_us < self.from_us:
+            return
+        if not self.rows:
+            self.learning = before
+        self.rows += 1
+        runner = self.trial.runner
+        part = min(_PARTS - 1, (time_us - self.from_us) * _PARTS // (self.to_us - self.from_us))
+        self.scores[part] = max(self.scores[part], runner.score)
+        if isinstance(turn, AnomalyEnded):
+            self.take_ended(turn)
+
+    def take_ended(self, ended: AnomalyEnded) -> None:
+        """Note an anomaly; one that was over before the window is none of it."""
+        if ended.ended_us < self.from_us:
+            return
+        self.count += 1
+        if len(self.anomalies) < _MOST_ANOMALIES:
+            shares = list(self.trial.runner.shares)
+            self.anomalies.append(
+                PastAnomaly(ended.began_us, ended.ended_us, ended.score, ended.why, shares)
+            )
+
+
+class BackTests:
+    """The tests of a hub; they are forgotten with it."""
+
+    def __init__(self, history: History) -> None:
+        """Read from ``history``."""
+        self._history = history
+        # In the order in which they were begun, by key; with what computes each that goes on.
+        self._tests: dict[str, BackTest] = {}
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+
+    def begin_test(self, site: str, trial: PastTrial, from_us: int, to_us: int) -> BackTest:
+        """Begin a test.
+
+        Raises:
+            TooManyTests: as many compute as may at once.
+
+        """
+        if len(self._tasks) >= MOST_RUNNING:
+            raise TooManyTests
+        test = BackTest(
+            key=secrets.token_hex(8), site=site, trial=trial, from_us=from_us, to_us=to_us
+        )
+        self._tests[test.key] = test
+        task = self._tasks[test.key] = asyncio.create_task(self._run_test(test))
+        task.add_done_callback(lambda _done: self._tasks.pop(test.key, None))
+        for key in [key for key in self._tests if key not in self._tasks][:-_MOST_KEPT]:
+            del self._tests[key]
+        return test
+
+    def find_test(self, site: str, key: str) -> BackTest | None:
+        """Find a test of a site."""
+        test = self._tests.get(key)
+        return test if test is not None and test.site == site else None
+
+    def cancel_test(self, test: BackTest) -> None:
+        """End a test; one that is over stays as it is."""
+        task = self._tasks.get(test.key)
+        if task is not None:
+            task.cancel()
+            test.state = TestState.CANCELLED
+
+    async def close(self) -> None:
+        """End all tests."""
+        tasks = list(self._tasks.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _run_test(self, test: BackTest) -> None:
+        try:
+            await self._show_past(test)
+        except (TalaiaError, OSError) as error:
+            test.state, test.problem = TestState.FAILED, str(error)
+        except (ArithmeticError, LookupError, ValueError) as error:
+            _LOG.exception("a test of %s failed", test.trial.runner.address)
+            test.state, test.problem = TestState.FAILED, f"the detector fails: {error}"
+        else:
+            if (ended := test.trial.runner.end_anomaly()) is not None:
+                test.take_ended(ended)
+            test.state, test.done_us = TestState.DONE, test.to_us
+
+    async def _show_past(self, test: BackTest) -> None:
+        trial = test.trial
+        parts = read_past_rows(
+            self._history,
+            test.site,
+            trial.addresses,
+            from_us=test.from_us - trial.learns_us,
+            to_us=test.to_us,
+            step_us=trial.step_us,
+        )
+        async for part in parts:
+            began = time.perf_counter()
+            for time_us, row in zip(part.time_us.tolist(), part.values.tolist(), strict=True):
+                test.see_row(time_us, row)
+                spent = time.perf_counter() - began
+                if spent > _SLICE_S:
+                    test.cpu_s += spent
+                    test.done_us = time_us
+                    await asyncio.sleep(spent)
+                    began = time.perf_counter()
+            test.cpu_s += time.perf_counter() - began
+            test.done_us = part.past_us
