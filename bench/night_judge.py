@@ -69,9 +69,7 @@ def waits_alone(
         if wait is None or begins is None:
             continue
         others = [each for each in rapid if each is not one and each["id"] in first]
-        if all(
-            begins <= each["arrives"] or last[each["id"]] <= one["arrives"] for each in others
-        ):
+        if all(begins <= each["arrives"] or last[each["id"]] <= one["arrives"] for each in others):
             alone.append(wait)
     return alone
 

@@ -10,6 +10,9 @@ const STEP = 5;
 /** What is a little below the horizon is kept, so that a line reaches down to it. */
 const LOWEST = -STEP - 1;
 
+/** Names lower than this would stand on the horizon (°). */
+const LOWEST_NAME = 8;
+
 /** One line of the grid. */
 export interface SkyGridLine {
   /** As people write it: `6 h` or `+30°`. */
@@ -46,7 +49,7 @@ export function skyGrid(place: GeoPlace, ms: number): SkyGrid {
   return {
     lines: [...circles, ...declinations.filter((dec) => dec !== 0).flatMap(parallel)],
     equator: parallel(0),
-    names: names.filter(({ at }) => at.alt > 0),
+    names: names.filter(({ at }) => at.alt > LOWEST_NAME),
   };
 }
 
