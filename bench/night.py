@@ -275,7 +275,7 @@ def main() -> int:
             play.play(make())
             scores[name].append(play.score(bound))
             print(path.stem, name, *(f"{k} {v:.3g}" for k, v in scores[name][-1]._asdict().items()))
-    # The aims are of nights that resume; without it a closing costs about twice as much.
+    # The aims are of nights that resume: without it a block that a closing breaks off is lost.
     print(f"frames of broken blocks are kept (rules.resume) in {kept} of these nights")
     for name, rows in scores.items():
         if not rows:
