@@ -213,7 +213,8 @@ def main() -> int:
             live_through(lambda night=night: night.world, night.live)  # type: ignore[misc]
         rapid += night.rapid
         released += night.released
-    print_waits("rapid request -> shutter", rapid, f"p95 {RAPID_LIMIT_S:g} s")
+    # Each comes when the one before it is long done: none waits for another rapid one.
+    print_waits("rapid request, alone -> shutter", rapid, f"p95 {RAPID_LIMIT_S:g} s")
     print_waits("release -> shutter", released, "roof, unpark, settle, slew + 1 s")
     worst = float(np.percentile([one.whole + one.planner for one in rapid], 95))
     return 1 if worst > RAPID_LIMIT_S else 0

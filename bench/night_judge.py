@@ -16,6 +16,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -24,15 +25,53 @@ import numpy as np
 
 
 def judge_night(score: Path, night: Path, words: list[str], *, clear: bool) -> dict[str, Any]:
-    """Play one night; gives what the judge prints."""
-    command = [sys.executable, str(score), "drive", str(night), *(["--clear"] if clear else [])]
+    """Play one night; gives what the judge prints, and `alone`: see `waits_alone`."""
     planner = [sys.executable, "-m", "talaia", "plan", "drive", *words]
-    done = subprocess.run(
-        [*command, "--", *planner], capture_output=True, text=True, env=os.environ, check=False
-    )
-    if not done.stdout:
-        raise RuntimeError(f"{night.name}: {done.stderr[-2000:]}")
-    return dict(json.loads(done.stdout))
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "log.json"
+        command = [sys.executable, str(score), "drive", str(night), *(["--clear"] if clear else [])]
+        done = subprocess.run(
+            [*command, "--log", str(log), "--", *planner],
+            capture_output=True,
+            text=True,
+            env=os.environ,
+            check=False,
+        )
+        if not done.stdout:
+            raise RuntimeError(f"{night.name}: {done.stderr[-2000:]}")
+        found = dict(json.loads(done.stdout))
+        blocks = json.loads(log.read_text())["log"]
+    found["alone"] = waits_alone(json.loads(night.read_text())["requests"], blocks, found["too"])
+    return found
+
+
+def waits_alone(
+    requests: list[dict[str, Any]], blocks: list[dict[str, Any]], judged: list[int | None]
+) -> list[int]:
+    """Give the waits of those rapid requests that had no other one before or beside them (s).
+
+    A rapid request does not interrupt another one: what waits for it says nothing of the chain.
+    ``judged`` are the waits that the judge counts, of those that could be observed when they came.
+    """
+    first: dict[str, int] = {}
+    last: dict[str, int] = {}
+    for block in blocks:
+        first.setdefault(block["request"], block["start"])
+        last[block["request"]] = block["end"]
+    rapid = [request for request in requests if request["kind"] == "rapid"]
+    left, alone = list(judged), []
+    for one in rapid:
+        begins = first.get(one["id"])
+        wait = None if begins is None else begins - one["arrives"]
+        if not left or left[0] != wait:
+            continue
+        left.pop(0)
+        if wait is None or begins is None:
+            continue
+        others = [each for each in rapid if each is not one and each["id"] in first]
+        if all(begins <= each["arrives"] or last[each["id"]] <= one["arrives"] for each in others):
+            alone.append(wait)
+    return alone
 
 
 def size_of(path: Path) -> int:
@@ -45,6 +84,7 @@ def print_table(size: int, rows: list[dict[str, Any]]) -> None:
     gaps = np.array([row["gap"] for row in rows])
     error = gaps.std(ddof=1) / len(gaps) ** 0.5 if len(gaps) > 1 else float("nan")
     too = [wait for row in rows for wait in row["too"] if wait is not None]
+    alone = [wait for row in rows for wait in row["alone"]]
     missed = sum(wait is None for row in rows for wait in row["too"])
     releases = [wait for row in rows for wait in row["release"]]
     limit = 0.5 if size <= 1000 else 1.0
@@ -62,7 +102,10 @@ def print_table(size: int, rows: list[dict[str, Any]]) -> None:
                     for n in (0, 1)) + " s", f"p95 {limit} s"),
         ("rapid -> first exposure, p50 / p95",
          (f"{np.percentile(too, 50):.0f} / {np.percentile(too, 95):.0f} s of {len(too)},"
-          f" {missed} never" if too else "none came"), "p95 60 s"),
+          f" {missed} never" if too else "none came"), ""),
+        ("the same of those alone",
+         f"{np.percentile(alone, 50):.0f} / {np.percentile(alone, 95):.0f} s of {len(alone)}"
+         if alone else "none came", "p95 60 s"),
         ("release -> exposure, p50 / p95",
          " / ".join(f"{np.percentile(releases, n):.0f}" for n in (50, 95)) + " s"
          if releases else "none", "unpark + settle + acquire + 1 s"),

@@ -1,4 +1,7 @@
-"""A short night on INDI's own simulators: armed, observed, interrupted by weather, disarmed."""
+"""A short night on INDI's own simulators: armed, observed, interrupted by weather, disarmed.
+
+And twilight flats on them, by the same executor, where the Sun stands as at dusk just now.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 import yaml
+from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/indi"))
 from fake_hub import KEY, FakeHub, fake_hub
 from indi_server import server_of
 
+from talaia.gateway.night.target_place import sun_altitude
 from talaia.gateway.run import serve_gateway
 from talaia.gateway.settings import GatewaySettings, HubAddress
+from talaia.imaging.frame_tasks import measure_level
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.observing.requests import (
     Configuration,
@@ -49,6 +55,7 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from talaia.model.night_frames import NightFlats
     from talaia.model.site import Site
 
 pytestmark = pytest.mark.robot
@@ -62,8 +69,17 @@ ANGLE = 25.0
 S = ObservationState
 
 
+# Its sky glow for a night is 19.5 mag, of which a tenth counts in its flats: with that they are
+# white at once. This one gives about the right level in a second.
+TWILIGHT_MAG = 67.0
+
+
 def described(port: int) -> Site:
     """Give the example without its second station, with short dwells, where it is night now."""
+    return at_night(raise_first(load_site(described_text(port))), time.time())
+
+
+def described_text(port: int, **setup: object) -> str:
     text = yaml.safe_load(EXAMPLE.read_text())
     text["connections"]["indi"] |= {"port": port, "discover": False}
     del text["devices"]["station"]
@@ -76,9 +92,26 @@ def described(port: int) -> Site:
     text["devices"]["weather"]["setup"]["WEATHER_UPDATE"]["PERIOD"] = 1
     text["night"]["filter"] = None
     text["night"]["times"] = {"settle": 1, "slew_rate": 3}
-    text = {key: value for key, value in text.items() if value is not None}
     del text["night"]["filter"]
-    return at_night(raise_first(load_site(yaml.safe_dump(text, allow_unicode=True))), time.time())
+    if setup:
+        text["devices"]["camera"]["setup"] = setup
+    return yaml.safe_dump(text, allow_unicode=True)
+
+
+def at_twilight(site: Site) -> Site:
+    """Give a site where the Sun sinks through the middle of what flats are taken in just now."""
+    assert site.place is not None
+    now = time.time()
+
+    def sun_at(longitude: float, after: float = 0.0) -> float:
+        assert site.place is not None
+        return sun_altitude(replace(site.place, longitude=longitude), now + after)
+
+    dusk = [
+        east / 2.0 for east in range(-360, 360) if sun_at(east / 2.0) > sun_at(east / 2.0, 60.0)
+    ]
+    longitude = min(dusk, key=lambda east: abs(sun_at(east) + 9.5))
+    return replace(site, place=replace(site.place, longitude=longitude))
 
 
 def asked(site: Site, name: str, frames: int, seconds: float, hours_east: float) -> RequestGroup:
@@ -202,3 +235,49 @@ async def the_night(hub: FakeHub, site: Site) -> None:
     kinds = [one.kind for one in hub.of(Event)]
     assert "night_fault" not in kinds
     assert "night_planner_failed" not in kinds
+
+
+async def test_flats_of_the_twilight_on_the_simulators_of_indi(tmp_path: Path) -> None:
+    async with server_of(tmp_path, *DRIVERS) as indi:
+        text = described_text(indi.port, SIMULATOR_SETTINGS={"SIM_SKYGLOW": TWILIGHT_MAG})
+        site = at_twilight(raise_first(load_site(text)))
+        addresses = [channel.address for channel in site.channels()]
+        async with fake_hub(lambda _hello: addresses) as hub:
+            hub.takes = ["night_state"]
+            async with gateway_of(site, hub, tmp_path / "gateway"):
+                await the_flats(hub, site)
+
+
+async def the_flats(hub: FakeHub, site: Site) -> None:
+    await until(hub, lambda: hub.links, "a link")
+    now = time.time()
+    flats = Configuration(type=ImageType.SKY_FLAT, exposure=1.0, count=2)
+    request = Request(
+        id="flats",
+        configurations=(flats,),
+        windows=(Window(start=now - 60.0, end=now + 7200.0),),
+    )
+    school = Proposal(id="school", share=1.0, hours_allocated=10.0)
+    group = RequestGroup(id="g-flats", proposal="school", requests=(request,))
+    await hub.send(RequestSync(revision=3, proposals=[school], groups=[group]))
+    await until(hub, lambda: 3 in [one.revision for one in hub.of(RequestRevision)], "requests")
+    await hub.send(NightArmRequest(id="arm-3", who="ada"))
+    await until(hub, lambda: S.COMPLETED in states(hub, "flats"), "the flats")
+    assert frames(hub, "flats") == 2
+    # Only those of a right level count: the files are measured, not believed.
+    night = site.night
+    assert night is not None
+    assert night.flats is not None
+    flats_of = night.flats
+    await until(hub, lambda: len(right_levels(hub, flats_of)) >= 2, "the files of the flats")
+    # They were taken under the open roof, of the sky.
+    shutter = site.signal("dome/shutter")
+    assert shutter is not None
+    assert "open" in {shutter.states[int(value)] for value in hub.values("dome/shutter")}
+
+
+def right_levels(hub: FakeHub, flats: NightFlats) -> list[float]:
+    """Measure the flats that came whole, and give the levels that count."""
+    whole = [hub.files[offer.id] for offer in hub.offers if offer.size == len(hub.files[offer.id])]
+    levels = [measure_level(data) for data in whole if b"'Flat Frame'" in data[:11520]]
+    return [level for level in levels if level and flats.least <= level <= flats.most]

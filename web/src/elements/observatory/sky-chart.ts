@@ -6,6 +6,7 @@ import { map } from "lit/directives/map.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
 import { moonFrom, moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
 import { STARS } from "../../sky/bright-stars.js";
+import { skyGrid, type SkyGridLine } from "../../sky/sky-grid.js";
 import { toHorizontal, precessedFromJ2000, radians, type Horizontal, type GeoPlace } from "../../sky/coordinates.js";
 import { base } from "../base/base-style.js";
 import { styled } from "../base/style-directive.js";
@@ -73,6 +74,20 @@ export class SkyChart extends LitElement {
         fill: none;
         stroke: var(--t-edge);
         stroke-width: 1.5;
+      }
+      /* Of right ascension and declination; those of altitude and azimuth are stronger. */
+      .grid {
+        fill: none;
+        stroke: var(--t-muted);
+        stroke-width: 0.4;
+        stroke-opacity: 0.5;
+      }
+      .equator {
+        stroke-width: 0.8;
+        stroke-dasharray: 4 2;
+      }
+      .mark {
+        font-size: 4.6px;
       }
       .star {
         fill: var(--t-star);
@@ -165,6 +180,7 @@ export class SkyChart extends LitElement {
       ${map([30, 60], (alt) => svg`<circle class="ring" r=${zenithDistance(alt)}></circle><text x="2" y=${-zenithDistance(alt) + 4}>${alt}°</text>`)}
       <path class="ring" d="M0 ${-R}V${R}M${-R} 0H${R}"></path>
       ${this.limit > 0 ? svg`<circle class="limit" r=${zenithDistance(this.limit)}></circle>` : nothing}
+      ${this.renderGrid(place)}
       <circle class="horizon" r=${R}></circle>
       ${map(WINDS, ([name, az]) => {
         const { x, y } = chartPosition({ alt: 0, az }, 108);
@@ -173,6 +189,20 @@ export class SkyChart extends LitElement {
       <g class=${sun.alt > 0 ? "day" : ""}>${this.renderStars(place)}</g>
       ${this.renderMoon(moon)} ${this.renderSun(sun)} ${this.renderPlanned()} ${this.renderAims()}
     </svg>`;
+  }
+
+  /** Behind all else: it is there to be read, not to be looked at. */
+  private renderGrid(place: GeoPlace): SVGTemplateResult {
+    const { lines, equator, names } = skyGrid(place, this.ms);
+    const path = (drawn: readonly SkyGridLine[]): string => drawn.map(({ points }) => `M${points.map(gridPosition).join("L")}`).join("");
+    return svg`<clipPath id="up"><circle r=${R}></circle></clipPath>
+      <g clip-path="url(#up)">
+        <path class="grid" d=${path(lines)}></path><path class="grid equator" d=${path(equator)}></path>
+        ${map(names, ({ name, at }) => {
+          const { x, y } = chartPosition(at);
+          return svg`<text class="mark" x=${x} y=${y + 3.5}>${name}</text>`;
+        })}
+      </g>`;
   }
 
   private renderStars(place: GeoPlace): SVGTemplateResult[] {
@@ -263,6 +293,12 @@ export class SkyChart extends LitElement {
 /** Distance from the zenith in the drawing: the same for each degree. */
 function zenithDistance(alt: number): number {
   return (R * (90 - Math.max(-2, alt))) / 90;
+}
+
+/** Of a point that may be below the horizon: there a line goes on, and is cut off. */
+function gridPosition(at: Horizontal): string {
+  const { x, y } = chartPosition(at, (R * (90 - at.alt)) / 90);
+  return `${String(x)} ${String(y)}`;
 }
 
 /** As one sees it looking up: north at the top, east to the left. */
