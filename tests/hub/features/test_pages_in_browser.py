@@ -31,6 +31,12 @@ PAGES = {
 }
 RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).violations.flatMap(
   ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
+SIGNAL = "weather/wind"
+NOW = 1_700_000_000_000_000
+COVER = """() => getComputedStyle(document.querySelector('t-app').renderRoot
+  .querySelector('t-sign-in-again').renderRoot.querySelector('t-dialog').renderRoot
+  .querySelector('dialog'), '::backdrop').backgroundColor"""
+GROUND = "getComputedStyle(document.documentElement).backgroundColor"
 WIDTH = "document.documentElement.scrollWidth"
 
 
@@ -40,11 +46,13 @@ async def test_pages_keep_the_rules_of_axe_fit_a_phone_go_by_keyboard_and_outliv
     # One session for all of it: a hub and a browser cost more than what is asked of them.
     gateway = await hub.gateway()
     await gateway.hello(description=dump_site(OBSERVATORY))
+    gateway.channels = {each.address: at for at, each in enumerate(OBSERVATORY.channels())}
     page = await sign_in(chromium, hub, "admin")
     await assert_axe_finds_nothing(hub, page)
     await assert_commands_stand_by_device(hub, page)
     await assert_more_pages_are_found_by_keyboard(page)
-    await assert_signing_in_leads_back(hub, page)
+    await assert_a_person_signs_in_where_they_are(hub, page, gateway)
+    await assert_nobody_else_is_shown_what_was_there(hub, page)
     assert page.errors == []
 
 
@@ -106,14 +114,56 @@ async def assert_more_pages_are_found_by_keyboard(page) -> None:
     await expect(page.locator("t-nav.beside .more")).to_be_hidden()
 
 
-async def assert_signing_in_leads_back(hub, page) -> None:
-    # The hub knows nobody any more while the socket still stands: the next question finds out. It
-    # may be one that the page asks by itself, before anybody presses a link.
+async def assert_a_person_signs_in_where_they_are(hub, page, gateway) -> None:
+    """By keyboard and on a phone; the page stays, and its values go on."""
+    await page.set_viewport_size({"width": 390, "height": 844})
+    await page.goto(f"{hub.origin}/sites/agv/live")
+    await page.evaluate("window.loadedOnce = true")
+    await page.evaluate(AXE.read_text())
+    await gateway.samples((SIGNAL, NOW, 11.5))
+    await expect(page.get_by_text("11.5").first).to_be_visible()
+    await end_sessions(hub)
+    await expect(page.get_by_label("Password")).to_be_focused()
+    # Nothing of the page can be read behind it, and Escape leads nowhere, however often.
+    assert await page.evaluate(COVER) == await page.evaluate(GROUND)
+    assert await page.evaluate(RUN) == []
+    assert await page.evaluate(WIDTH) <= 390
+    for _ in range(2):
+        await page.keyboard.press("Escape")
+    await sign_in_again(page)
+    await gateway.samples((SIGNAL, NOW + 1, 12.5))
+    await expect(page.get_by_text("12.5").first).to_be_visible()
+
+    # The hub knows nobody while the socket still stands: the next question finds out, and is asked
+    # once more by itself.
     await page.context.clear_cookies()
     await follow_link(page, "/sites/agv/history")
-    await page.wait_for_url(f"{hub.origin}/login?return=*history*")
-    await page.get_by_label("Name").fill("admin")
+    await sign_in_again(page)
+    await expect(page.locator("t-history-tools")).to_be_visible()
+    assert page.url.startswith(f"{hub.origin}/sites/agv/history")
+    assert await page.evaluate("window.loadedOnce")
+
+
+async def assert_nobody_else_is_shown_what_was_there(hub, page) -> None:
+    await end_sessions(hub)
+    await page.get_by_label("Name").fill("guest")
+    await page.get_by_label("Password").fill(PASSWORD)
+    async with page.expect_navigation():
+        await page.keyboard.press("Enter")
+    # Loaded anew: nothing is left of the other's, not even covered.
+    await expect(page.get_by_role("button", name="guest: settings")).to_be_visible()
+    assert await page.evaluate("window.loadedOnce === undefined")
+
+
+async def sign_in_again(page) -> None:
+    dialog = page.get_by_role("dialog", name="Sign in to go on")
+    await expect(dialog).to_be_visible()
     await page.get_by_label("Password").fill(PASSWORD)
     await page.keyboard.press("Enter")
-    await page.wait_for_url(f"{hub.origin}/sites/agv/history*")
-    await expect(page.get_by_role("heading", name="History")).to_be_visible()
+    await expect(dialog).to_be_hidden()
+
+
+async def end_sessions(hub) -> None:
+    """As the same person does in another browser."""
+    other = await hub.client("admin")
+    assert (await other.delete("/api/me/sessions")).status_code == 204

@@ -1,6 +1,7 @@
 /** Ties endless rows to an element: older ones are asked for when its `.end` comes into view. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
+import { comeback } from "../wire/comeback.js";
 import { InfiniteRows, type RowsPage, type IdentifiedRow } from "./infinite-rows.js";
 
 type InfiniteListHost = ReactiveControllerHost & { readonly renderRoot: ParentNode };
@@ -9,6 +10,8 @@ export class InfiniteList<R extends IdentifiedRow> extends InfiniteRows<R> imple
   private readonly watcher = new IntersectionObserver((entries) => {
     if (entries.some(({ isIntersecting }) => isIntersecting)) void this.loadOlder();
   });
+
+  private stopWaiting: () => void = () => undefined;
 
   /** `find` and `fits` are as those of `EndlessRows`. */
   constructor(
@@ -26,6 +29,12 @@ export class InfiniteList<R extends IdentifiedRow> extends InfiniteRows<R> imple
     host.addController(this);
   }
 
+  hostConnected(): void {
+    this.stopWaiting = comeback.subscribe(() => {
+      if (this.renderFailure !== null) this.retry();
+    });
+  }
+
   hostUpdated(): void {
     // Watched anew each time: an end that has stayed in view is told of once more.
     this.watcher.disconnect();
@@ -34,6 +43,7 @@ export class InfiniteList<R extends IdentifiedRow> extends InfiniteRows<R> imple
   }
 
   hostDisconnected(): void {
+    this.stopWaiting();
     this.watcher.disconnect();
     this.stopPolling();
   }

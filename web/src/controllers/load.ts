@@ -1,6 +1,7 @@
-/** Loads something for an element, once for each question. */
+/** Loads something for an element, once for each question; what failed is asked again once the hub is there again. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
+import { comeback } from "../wire/comeback.js";
 
 export type Loaded<T> =
   | { readonly state: "idle" }
@@ -12,6 +13,7 @@ export class LoadController<T> implements ReactiveController {
   private now: Loaded<T> = { state: "idle" };
   private question: string | undefined;
   private run = 0;
+  private stopWaiting: () => void = () => undefined;
 
   constructor(private readonly host: ReactiveControllerHost) {
     host.addController(this);
@@ -41,7 +43,14 @@ export class LoadController<T> implements ReactiveController {
     this.host.requestUpdate();
   };
 
+  hostConnected(): void {
+    this.stopWaiting = comeback.subscribe(() => {
+      if (this.now.state === "failed") this.invalidate();
+    });
+  }
+
   hostDisconnected(): void {
+    this.stopWaiting();
     this.question = undefined;
     this.run += 1;
   }

@@ -8,16 +8,21 @@ import { Store } from "./store.js";
 /**
  * - `unknown`: not asked yet
  * - `nobody`: the hub knows nobody here
+ * - `ended`: the session of `person` is over, and their page waits for them to sign in again
  * - `known`: `person` says who
  */
-export type SessionState = "unknown" | "nobody" | "known";
+export type SessionState = "unknown" | "nobody" | "ended" | "known";
 
 const NOTE = "talaia.signed-in";
+/** A page that nobody comes back to asks on for hours: the oldest of so many questions are given up. */
+const MOST_WAITING = 64;
 
 export class Session extends Store {
   private someone: Me | null = null;
   private asked = false;
   private going = false;
+  private over = false;
+  private waiting: ((back: boolean) => void)[] = [];
 
   /** @param notes - where this browser remembers that somebody signed in; null when it may not */
   constructor(
@@ -37,6 +42,7 @@ export class Session extends Store {
 
   get state(): SessionState {
     if (!this.asked) return "unknown";
+    if (this.over) return "ended";
     return this.someone === null ? "nobody" : "known";
   }
 
@@ -48,6 +54,14 @@ export class Session extends Store {
   get isSigningOut(): boolean {
     return this.going;
   }
+
+  /** Whether another tab of this browser has written that somebody signed in or out. */
+  isNews(key: string | null): boolean {
+    return key === NOTE;
+  }
+
+  /** Somebody else signed in where a person's page waits: nothing of it may be left. */
+  onOtherPerson: (() => void) | null = null;
 
   /** Why the last session ended, for the sign-in page; empty when nobody needs to be told. */
   notice = "";
@@ -63,7 +77,9 @@ export class Session extends Store {
    * @throws Unreachable
    */
   async refresh(): Promise<void> {
-    this.setPerson(await this.api.currentPerson());
+    const person = await this.api.currentPerson();
+    if (person === null && this.someone !== null && this.someone.role !== "display") this.endInPlace();
+    else this.setPerson(person);
   }
 
   /** Tells the hub that the person is still here. @throws Unreachable */
@@ -98,18 +114,48 @@ export class Session extends Store {
     }
   }
 
+  /** Gives, when it is known, whether the person is here again; false: they are not coming. */
+  waitUntilBack(): Promise<boolean> {
+    if (this.state !== "ended") return Promise.resolve(this.state === "known");
+    return new Promise((resolve) => {
+      this.waiting.push(resolve);
+      if (this.waiting.length > MOST_WAITING) this.waiting.shift()?.(false);
+    });
+  }
+
+  /** The person whose session ended does not come back to their page. */
+  forget(): void {
+    if (this.over) this.setPerson(null);
+  }
+
   /** Changes when somebody else is here, or the same person may do other things than before. */
   get rightsKey(): string {
     return rightsOf(this.someone);
   }
 
+  private endInPlace(): void {
+    if (this.over) return;
+    this.over = true;
+    this.notes?.removeItem(NOTE);
+    this.notifyWatchers();
+  }
+
   private setPerson(person: Me | null): void {
-    const same = this.asked && isSamePerson(person, this.someone);
+    if (this.over && person !== null && person.name !== this.someone?.name) {
+      // What waits stays covered until all of it is gone.
+      this.notes?.setItem(NOTE, "1");
+      this.onOtherPerson?.();
+      return;
+    }
+    const same = this.asked && !this.over && isSamePerson(person, this.someone);
+    if (this.over) this.notice = "";
     this.asked = true;
+    this.over = false;
     this.someone = person;
     if (person === null) this.notes?.removeItem(NOTE);
     else this.notes?.setItem(NOTE, "1");
     if (!same) this.notifyWatchers();
+    for (const answer of this.waiting.splice(0)) answer(person !== null);
   }
 }
 

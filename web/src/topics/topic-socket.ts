@@ -3,6 +3,7 @@
 import type { TopicBytes, TopicMessage, TopicToBrowser, TopicUpdate } from "../generated/wire.js";
 import { backoffMs } from "../wire/backoff.js";
 import { decodeTopic, encodeMessage, FrameError } from "../wire/codec.js";
+import { comeback } from "../wire/comeback.js";
 
 export type TopicLink = "connecting" | "open" | "lost" | "refused";
 
@@ -23,20 +24,25 @@ export interface TopicSocketOptions {
   readonly random?: () => number;
 }
 
-/** Opens at once; `close()` ends it for good. Comes back by itself after a loss. */
+/** Opens at once; `close()` ends it for good. Comes back by itself after a loss, and once somebody has signed in anew. */
 export class TopicSocket {
   private socket: WebSocket | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private attempt = 0;
+  private readonly stopWaiting: () => void;
 
   constructor(
     private readonly options: TopicSocketOptions,
     private readonly listener: TopicListener,
   ) {
+    this.stopWaiting = comeback.subscribe(() => {
+      this.resume();
+    });
     this.openSocket();
   }
 
   close(): void {
+    this.stopWaiting();
     clearTimeout(this.timer);
     this.closeSocket();
   }
@@ -87,7 +93,9 @@ export class TopicSocket {
         else this.listener.onTrouble(message.message);
         return;
       case "ended":
-        this.stopRefused(message.reason);
+        // Until somebody has signed in anew.
+        this.closeSocket();
+        this.listener.onState("refused", message.reason);
         return;
     }
   }
@@ -95,6 +103,12 @@ export class TopicSocket {
   private stopRefused(why: string): void {
     this.close();
     this.listener.onState("refused", why);
+  }
+
+  private resume(): void {
+    if (this.socket !== null) return;
+    clearTimeout(this.timer);
+    this.openSocket();
   }
 
   private scheduleRetry(): void {

@@ -32,6 +32,10 @@ export interface ConnectionOptions {
 const PING_EVERY_MS = 1000;
 /** So many pings in a row without an answer, and the socket counts as dead. */
 const UNANSWERED = 4;
+/** A socket over which the hub has not greeted by then will not come: a network that came back elsewhere leaves such. */
+const GREETING_MS = 10_000;
+/** A try that is younger than this is not begun anew. */
+const YOUNG_MS = 2000;
 /** After the hub could not take a subscription. */
 const ASK_AGAIN_MS = 1000;
 
@@ -55,6 +59,8 @@ export class Connection {
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private pingTimer: ReturnType<typeof setInterval> | undefined;
   private askTimer: ReturnType<typeof setTimeout> | undefined;
+  private greetingTimer: ReturnType<typeof setTimeout> | undefined;
+  private triedAt = 0;
   private pings = 0;
   private unanswered = 0;
   private reason = "";
@@ -102,8 +108,11 @@ export class Connection {
 
   /** Tries at once instead of waiting out the delay: the page was shown, the network came back. */
   retryNow(): void {
-    if (this.current !== "lost" || this.socket !== null) return;
+    if (this.current !== "lost") return;
+    // One that was begun before a sleep may hang for minutes.
+    if (this.socket !== null && this.now() - this.triedAt < YOUNG_MS) return;
     clearTimeout(this.retryTimer);
+    this.closeSocket();
     this.connect();
   }
 
@@ -152,6 +161,10 @@ export class Connection {
     const socket = this.openSocket(this.url);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
+    this.triedAt = this.now();
+    this.greetingTimer = setTimeout(() => {
+      this.onLinkLost();
+    }, GREETING_MS);
     socket.onmessage = (event: MessageEvent<unknown>) => {
       if (event.data instanceof ArrayBuffer) this.receiveMessage(event.data);
     };
@@ -189,6 +202,7 @@ export class Connection {
   }
 
   private onWelcome(): void {
+    clearTimeout(this.greetingTimer);
     this.attempt = 0;
     this.unanswered = 0;
     this.clock.reset();
@@ -233,6 +247,7 @@ export class Connection {
   private closeSocket(): void {
     clearInterval(this.pingTimer);
     clearTimeout(this.askTimer);
+    clearTimeout(this.greetingTimer);
     const socket = this.socket;
     this.socket = null;
     if (socket === null) return;

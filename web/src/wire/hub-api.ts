@@ -46,8 +46,11 @@ export interface RequestOptions {
 export class HubApi {
   /** Asks the person for their password anew; gives whether the hub has taken it. */
   confirmPerson: (() => Promise<boolean>) | null = null;
-  /** The hub knows nobody here any more: the session is over. */
-  onSignedOut: (() => void) | null = null;
+  /**
+   * The hub knows nobody here any more: the session is over. Gives, once somebody has signed in or left, whether
+   * the same may be asked once more.
+   */
+  onSignedOut: (() => Promise<boolean>) | null = null;
 
   constructor(private readonly fetcher: typeof fetch = fetch.bind(globalThis)) {}
 
@@ -188,7 +191,8 @@ export class HubApi {
    * Asks the hub for anything; what is asked for often has a function of its own.
    *
    * What gives rights away the hub does only after the password was given a short while ago: the person is asked
-   * for it, and then the same is asked once more.
+   * for it, and then the same is asked once more. So is what a page only wanted to know, when the session turned
+   * out to be over and the person has signed in again.
    *
    * @throws Refused when the hub says no
    * @throws Unreachable when there is no hub, or something else answers in its place
@@ -197,6 +201,14 @@ export class HubApi {
     try {
       return await this.requestOnce<T>(method, path, body, options);
     } catch (error) {
+      // A wrong password is answered with 401, too, and a wrong code: only this says that nobody is signed in.
+      if (error instanceof Refused && error.code === "unauthorized" && path !== "/api/me" && path !== "/api/login") {
+        const back = this.onSignedOut?.() ?? Promise.resolve(false);
+        // What changes something is not done minutes later, when its moment may be over: the person does it again.
+        if (method !== "GET") throw new Refused(401, error.code, "You were signed out; nothing was done. Do it once more.");
+        if (!(await back)) throw error;
+        return await this.requestOnce<T>(method, path, body, options);
+      }
       if (!(error instanceof Refused) || error.code !== "confirm" || this.confirmPerson === null) throw error;
       if (!(await this.confirmPerson())) {
         throw new Refused(403, "confirm", "You did not confirm that it is you; nothing was changed.");
@@ -231,10 +243,7 @@ export class HubApi {
     if (response.status === 502 || response.status === 503 || response.status === 504) {
       throw new Unreachable("The hub is not ready.");
     }
-    const refusal = await refusalOf(response);
-    // A wrong password is answered with 401, too, and a wrong code: only this says that nobody is signed in.
-    if (refusal.code === "unauthorized" && path !== "/api/me" && path !== "/api/login") this.onSignedOut?.();
-    throw refusal;
+    throw await refusalOf(response);
   }
 }
 

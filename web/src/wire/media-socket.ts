@@ -3,6 +3,7 @@
 import type { MediaToBrowser, CameraPicture, CameraPictureBoxes } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
 import { decodeMedia, encodeMessage, FrameError } from "./codec.js";
+import { comeback } from "./comeback.js";
 
 export type MediaState = "connecting" | "open" | "lost" | "refused";
 
@@ -23,11 +24,12 @@ export interface MediaOptions {
   readonly random?: () => number;
 }
 
-/** Opens at once; `close()` ends it for good. Comes back by itself after a loss. */
+/** Opens at once; `close()` ends it for good. Comes back by itself after a loss, and once somebody has signed in anew. */
 export class MediaSocket {
   private socket: WebSocket | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private attempt = 0;
+  private readonly stopWaiting: () => void;
   private still = false;
   private boxed = false;
 
@@ -35,10 +37,14 @@ export class MediaSocket {
     private readonly options: MediaOptions,
     private readonly listener: MediaListener,
   ) {
+    this.stopWaiting = comeback.subscribe(() => {
+      this.resume();
+    });
     this.openSocket();
   }
 
   close(): void {
+    this.stopWaiting();
     clearTimeout(this.timer);
     this.closeSocket();
   }
@@ -109,7 +115,9 @@ export class MediaSocket {
         else this.stopRefused(message.message);
         return;
       case "ended":
-        this.stopRefused(message.reason);
+        // Until somebody has signed in anew.
+        this.closeSocket();
+        this.listener.onState("refused", message.reason);
         return;
     }
   }
@@ -117,6 +125,12 @@ export class MediaSocket {
   private stopRefused(why: string): void {
     this.close();
     this.listener.onState("refused", why);
+  }
+
+  private resume(): void {
+    if (this.socket !== null) return;
+    clearTimeout(this.timer);
+    this.openSocket();
   }
 
   private scheduleRetry(why: string): void {

@@ -57,6 +57,47 @@ describe("the session", () => {
     expect(session.state).toBe("nobody");
   });
 
+  test("that ended waits for the same person; what was asked meanwhile is asked again then", async () => {
+    let here: string | null = "ana";
+    const { api } = hub(() => (here === null ? json({ code: "unauthorized", message: "" }, 401) : json({ name: here, role: "crew" })));
+    const session = new Session(api);
+    await session.refresh();
+    const rights = session.rightsKey;
+    here = null;
+    await session.refresh();
+    expect([session.state, session.person?.name, session.rightsKey]).toEqual(["ended", "ana", rights]);
+    const asked = session.waitUntilBack();
+    here = "ana";
+    await session.login("ana", "password");
+    expect([session.state, await asked]).toEqual(["known", true]);
+  });
+
+  test("that ended shows nobody else what it showed, and waits for nobody who has left", async () => {
+    let here: string | null = "ana";
+    const { api } = hub(() => (here === null ? json({ code: "unauthorized", message: "" }, 401) : json({ name: here, role: "crew" })));
+    const session = new Session(api);
+    let others = 0;
+    session.onOtherPerson = () => (others += 1);
+    await session.refresh();
+    here = null;
+    await session.refresh();
+    here = "bea";
+    await session.login("bea", "password");
+    expect([session.state, session.person?.name, others]).toEqual(["ended", "ana", 1]);
+    const asked = session.waitUntilBack();
+    session.forget();
+    expect([session.state, session.person, await asked]).toEqual(["nobody", null, false]);
+  });
+
+  test("of a display ends for good: its screen goes dark", async () => {
+    let status = 200;
+    const session = new Session(hub(() => json({ name: "Hall", role: "display" }, status)).api);
+    await session.refresh();
+    status = 401;
+    await session.refresh();
+    expect([session.state, session.person]).toEqual(["nobody", null]);
+  });
+
   test("may exist where somebody signed in before, and no more once the hub says 401", async () => {
     const notes = new Map<string, string>();
     const storage = {

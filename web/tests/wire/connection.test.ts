@@ -111,6 +111,24 @@ describe("a connection", () => {
     expect(asked()).toEqual([0, 1, 1]);
   });
 
+  test("does not wait for a hub that does not greet", () => {
+    const { connection } = connect();
+    vi.advanceTimersByTime(10_000);
+    expect([connection.state, newest().closed]).toEqual(["lost", true]);
+  });
+
+  test("begins anew what hangs since before a sleep", () => {
+    const { connection } = connect();
+    newest().die();
+    vi.advanceTimersByTime(125);
+    const hung = newest();
+    vi.advanceTimersByTime(3000);
+    connection.retryNow();
+    expect([sockets.length, hung.closed]).toEqual([3, true]);
+    newest().greet();
+    expect(connection.state).toBe("open");
+  });
+
   test("tries at once when it is told that the network is back", () => {
     const { connection } = connect();
     newest().die();

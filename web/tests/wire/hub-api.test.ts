@@ -15,7 +15,10 @@ describe("a session that is over", () => {
     const answer = (): Promise<Response> => Promise.resolve(Response.json({ code, message: "no" }, { status: 401 }));
     const api = new HubApi(answer);
     const told: string[] = [];
-    api.onSignedOut = () => told.push("over");
+    api.onSignedOut = () => {
+      told.push("over");
+      return Promise.resolve(false);
+    };
     return { api, told };
   };
 
@@ -23,6 +26,23 @@ describe("a session that is over", () => {
     const { api, told } = refusedApi("unauthorized");
     await expect(api.sites()).rejects.toThrow();
     expect(told).toEqual(["over"]);
+  });
+
+  it("ends when the person signs in: what a page wanted to know is asked once more, and no deed is done late", async () => {
+    const asked: string[] = [];
+    let over = true;
+    const api = new HubApi((path, init) => {
+      asked.push(`${init?.method ?? ""} ${path as string}`);
+      return Promise.resolve(over ? Response.json({ code: "unauthorized", message: "no" }, { status: 401 }) : Response.json([]));
+    });
+    api.onSignedOut = () => {
+      over = false;
+      return Promise.resolve(true);
+    };
+    expect(await api.sites()).toEqual([]);
+    over = true;
+    await expect(api.request("POST", "/api/roles", {})).rejects.toThrow("nothing was done");
+    expect(asked).toEqual(["GET /api/sites", "GET /api/sites", "POST /api/roles"]);
   });
 
   it("is not what a wrong password means, nor the question who is here", async () => {

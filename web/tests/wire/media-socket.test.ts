@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { comeback } from "../../src/wire/comeback.js";
 import { mediaPath, MediaSocket, socketUrl, type MediaState } from "../../src/wire/media-socket.js";
 import type { CameraPicture, CameraPictureBoxes } from "../../src/generated/wire.js";
 import { FakeSocket } from "./fake-socket.js";
@@ -9,8 +10,10 @@ const shots: [CameraPicture, () => void][] = [];
 const troubles: string[] = [];
 const seen: CameraPictureBoxes[] = [];
 
+const opened: MediaSocket[] = [];
+
 function open(): MediaSocket {
-  return new MediaSocket(
+  const socket = new MediaSocket(
     {
       url: "ws://hub/ws/media",
       openSocket: () => {
@@ -27,6 +30,8 @@ function open(): MediaSocket {
       onState: (state, why) => states.push([state, why]),
     },
   );
+  opened.push(socket);
+  return socket;
 }
 
 const shot = { t: "shot", seq: 7, time_us: 1, hub_us: 2, width: 2, height: 1, format: "jpeg", data: new Uint8Array([9]) };
@@ -36,6 +41,7 @@ beforeEach(() => {
   for (const list of [sockets, states, shots, troubles, seen]) list.length = 0;
 });
 afterEach(() => {
+  for (const socket of opened.splice(0)) socket.close();
   vi.useRealTimers();
 });
 
@@ -54,6 +60,20 @@ test("a picture drawn after the loss asks nothing of a dead socket", () => {
   sockets[0]?.die();
   shots[0]?.[1]();
   expect(sockets[0]?.sent).toEqual([]);
+});
+
+test("it goes on once somebody has signed in again, and not after it was closed", () => {
+  const camera = open();
+  sockets[0]?.say({ t: "ended", reason: "your session is over" });
+  vi.advanceTimersByTime(60_000);
+  expect([sockets.length, states.at(-1)]).toEqual([1, ["refused", "your session is over"]]);
+  comeback.announce();
+  expect(sockets).toHaveLength(2);
+  // One that stands is left alone.
+  comeback.announce();
+  camera.close();
+  comeback.announce();
+  expect(sockets).toHaveLength(2);
 });
 
 test("it comes back after a loss", () => {

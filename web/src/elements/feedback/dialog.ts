@@ -3,7 +3,8 @@ import { customElement, property, query } from "lit/decorators.js";
 import { base, panelBox } from "../base/base-style.js";
 
 /**
- * A question that must be answered before anything else. Escape closes it.
+ * A question that must be answered before anything else. Escape closes it, unless it is a `lasting` one: that
+ * covers the page, too, so that nothing of it can be read.
  *
  * @slot - what it says
  * @slot actions - its buttons; the careful one first
@@ -24,6 +25,9 @@ export class Dialog extends LitElement {
       dialog::backdrop {
         background: rgb(0 0 0 / 55%);
       }
+      :host([lasting]) dialog::backdrop {
+        background: var(--t-bg);
+      }
       .inside {
         display: grid;
         gap: var(--t-space-4);
@@ -38,12 +42,13 @@ export class Dialog extends LitElement {
   ];
 
   @property({ type: Boolean, reflect: true }) open = false;
+  @property({ type: Boolean, reflect: true }) lasting = false;
   @property() heading = "";
 
   @query("dialog") private readonly dialog!: HTMLDialogElement;
 
   override render(): TemplateResult {
-    return html`<dialog aria-labelledby="heading" @close=${this.onClosed}>
+    return html`<dialog aria-labelledby="heading" @cancel=${this.onCancel} @close=${this.onClosed}>
       <div class="inside">
         <h2 id="heading">${this.heading}</h2>
         <div><slot></slot></div>
@@ -63,9 +68,18 @@ export class Dialog extends LitElement {
     this.open = false;
   }
 
+  private readonly onCancel = (event: Event): void => {
+    if (this.lasting) event.preventDefault();
+  };
+
   private readonly onClosed = (): void => {
     // The browser reports it a task later, when the next question may already be open.
     if (this.dialog.open) return;
+    // A second Escape closes it without asking.
+    if (this.lasting && this.open) {
+      this.dialog.showModal();
+      return;
+    }
     this.open = false;
     this.dispatchEvent(new CustomEvent("t-close"));
   };

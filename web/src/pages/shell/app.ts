@@ -30,6 +30,7 @@ import { Session } from "../../state/session.js";
 import { Sites } from "../../state/sites.js";
 import { ThemeChoice } from "../../state/theme.js";
 import { UserActivity } from "../../state/user-activity.js";
+import { comeback } from "../../wire/comeback.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/hub-api.js";
 import { socketUrl } from "../../wire/media-socket.js";
@@ -38,6 +39,7 @@ import { firstPage, isOpen } from "../routes.js";
 import type { ConfirmPerson } from "./confirm-person.js";
 import "./confirm-person.js";
 import "./shell.js";
+import "./sign-in-again.js";
 
 /** A session that was taken up again this long ago (ms) may be at once. */
 const RESUME_PAUSE_MS = 10_000;
@@ -68,6 +70,8 @@ export class App extends LitElement {
   private rights = "";
   private resumedAt = Number.NEGATIVE_INFINITY;
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
+  /** The question who is signed in, while it is under way. */
+  private asking: Promise<void> | null = null;
 
   constructor() {
     super();
@@ -92,6 +96,7 @@ export class App extends LitElement {
     window.addEventListener("pointerdown", this.onUserActivity, { capture: true });
     window.addEventListener("keydown", this.onUserActivity, { capture: true });
     window.addEventListener("online", this.onWake);
+    window.addEventListener("storage", this.onOtherTab);
     document.addEventListener("visibilitychange", this.onWake);
     this.stops = [
       this.session.subscribe(this.onSessionChange),
@@ -106,15 +111,22 @@ export class App extends LitElement {
         this.sites.applyUpdate(news);
       }),
       this.connection.onState((link) => {
-        if (link === "open") void this.sites.load();
+        if (link === "open") {
+          void this.sites.load();
+          comeback.announce();
+        }
         // A hub that refuses the socket does not say why; the session does.
         if (link === "ended") this.session.notice = this.connection.endedReason;
         if (link === "lost" || link === "ended") void this.refreshSession();
       }),
     ];
     // The socket may outlive its session, or wait to be tried again: a page that asks finds out first.
-    this.api.onSignedOut = () => {
-      if (this.session.state === "known") void this.refreshSession();
+    this.api.onSignedOut = async () => {
+      if (this.session.state === "known") await this.refreshSession();
+      return this.session.waitUntilBack();
+    };
+    this.session.onOtherPerson = () => {
+      window.location.reload();
     };
     void this.refreshSession();
   }
@@ -129,6 +141,7 @@ export class App extends LitElement {
     window.removeEventListener("pointerdown", this.onUserActivity, { capture: true });
     window.removeEventListener("keydown", this.onUserActivity, { capture: true });
     window.removeEventListener("online", this.onWake);
+    window.removeEventListener("storage", this.onOtherTab);
     document.removeEventListener("visibilitychange", this.onWake);
     clearTimeout(this.retryTimer);
     for (const stop of this.stops) stop();
@@ -137,7 +150,7 @@ export class App extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<t-shell ?unreachable=${this.unreachable}></t-shell><t-confirm-person></t-confirm-person>`;
+    return html`<t-shell ?unreachable=${this.unreachable}></t-shell><t-confirm-person></t-confirm-person><t-sign-in-again></t-sign-in-again>`;
   }
 
   /** A browser is silent until somebody has touched the page. */
@@ -147,6 +160,11 @@ export class App extends LitElement {
 
   private readonly onWake = (): void => {
     if (document.visibilityState === "visible") this.connection.retryNow();
+  };
+
+  /** Somebody signed in or out in another tab of this browser: here, too. */
+  private readonly onOtherTab = (event: StorageEvent): void => {
+    if (this.session.isNews(event.key)) void this.refreshSession();
   };
 
   private readonly onSessionChange = (): void => {
@@ -168,6 +186,8 @@ export class App extends LitElement {
       this.router.replace(firstPage(person));
       return;
     }
+    // What anybody may open does not wait for a person.
+    if (isOpen(this.router.route.page)) this.session.forget();
     if (this.session.state !== "nobody" || isOpen(this.router.route.page)) return;
     if (this.router.path === "/") {
       this.router.replace("/login");
@@ -179,7 +199,7 @@ export class App extends LitElement {
 
   /** Who has to set up a second factor first is let in to nothing else. */
   private mayConnect(): boolean {
-    return this.session.person?.factor_missing === false;
+    return this.session.state === "known" && this.session.person?.factor_missing === false;
   }
 
   /** The session goes on with other rights, or another tab signed in anew: a fresh socket is ours. */
@@ -198,7 +218,14 @@ export class App extends LitElement {
     );
   }
 
-  private async refreshSession(): Promise<void> {
+  private refreshSession(): Promise<void> {
+    this.asking ??= this.loadSession().finally(() => {
+      this.asking = null;
+    });
+    return this.asking;
+  }
+
+  private async loadSession(): Promise<void> {
     clearTimeout(this.retryTimer);
     if (this.session.state === "unknown" && this.router.route.page === "login" && !this.session.mayExist) {
       this.session.assumeNobody();

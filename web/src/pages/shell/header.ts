@@ -183,6 +183,12 @@ export class Header extends LitElement {
         }
         .rest {
           gap: var(--t-space-1);
+          min-inline-size: 0;
+        }
+        /* "Connection lost" in two lines: beside a site's name there is no room for one. */
+        t-status {
+          white-space: normal;
+          line-height: 1.2;
         }
         select {
           flex: 1 1 auto;

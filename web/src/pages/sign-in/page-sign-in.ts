@@ -1,22 +1,14 @@
-/** Sign in: name and password, the second factor where there is one, and where to go afterwards. */
+/** Sign in, and go where one wanted to. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, query, state } from "lit/decorators.js";
+import { css, html, LitElement, type TemplateResult } from "lit";
+import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
-import { TickerController } from "../../controllers/ticker.js";
-import { isFactor, signInAdvice, isPasskey, waitOf, waitText, type Advice } from "../../format/error-advice.js";
-import { LoadController } from "../../controllers/load.js";
-import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
+import { routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
-import type { HubApi } from "../../wire/hub-api.js";
-import { hasPasskeys } from "../../wire/passkeys.js";
-import "../../elements/forms/button.js";
-import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
+import "./sign-in-form.js";
 
 @customElement("t-page-sign-in")
 export class PageSignIn extends LitElement {
@@ -24,202 +16,30 @@ export class PageSignIn extends LitElement {
     base,
     doorway,
     css`
-      .notice {
-        color: var(--t-muted);
-      }
-      .wait {
-        font-weight: var(--t-weight-strong);
-        font-variant-numeric: tabular-nums;
-      }
-      .who {
-        display: grid;
-        gap: inherit;
-      }
-      t-button[kind="quiet"] {
+      p {
         margin: 0;
       }
     `,
   ];
 
-  @state() private busy = false;
-  @state() private advice: Advice | null = null;
-  @state() private missing: "" | "name" | "password" | "code" = "";
-  /** Name and password were right; the hub wants a code besides. */
-  @state() private wantsCode = false;
-
-  @query("#name") private readonly name!: HTMLInputElement;
-  @query("#password") private readonly password!: HTMLInputElement;
-
-  @query("#code") private readonly code!: HTMLInputElement | null;
-  /** This page's clock (ms) when the hub may be asked again. */
-  private waitUntil = 0;
-
-  @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly provider = new LoadController<string>(this);
   @consume({ context: routerContext }) private readonly router!: Router;
+  // Signed in already, here or in another tab, or just now.
   private readonly session = new ContextStoreController(this, sessionContext, (session) => {
-    // Signed in already, here or in another tab.
-    if (session.state === "known") this.router.replace(returnPath(this.router.search, this.router.origin));
+    if (session.state === "known") this.router.replace(this.returns);
   });
 
-  constructor() {
-    super();
-    new TickerController(this);
-  }
-
-  override willUpdate(): void {
-    this.provider.load("provider", () => this.api.provider());
-  }
-
-  override firstUpdated(): void {
-    void this.checkSession();
-  }
-
   override render(): TemplateResult {
-    const notice = this.session.store?.notice ?? "";
-    const waits = this.waitS() > 0;
-    return html`
-      <form novalidate @submit=${this.onSubmit}>
-        ${this.wantsCode
-          ? html`<div>
-              <h1>One more step</h1>
-              <p class="muted">${this.name.value.trim()} has a second factor.</p>
-            </div>`
-          : html`<div>
-              <h1>Talaia</h1>
-              <p class="muted">The control room for your robots</p>
-            </div>`}
-        ${notice === "" ? nothing : html`<p class="notice" role="status">You were signed out: ${notice}</p>`}
-        ${this.renderProblem()}
-        <div class="who" ?hidden=${this.wantsCode}>${this.renderCredentials()}</div>
-        ${this.wantsCode ? this.renderCodeField() : nothing}
-        <t-button type="submit" kind="primary" ?busy=${this.busy} ?disabled=${waits}
-          >${this.busy ? "Signing in…" : "Sign in"}</t-button
-        >
-        ${hasPasskeys()
-          ? html`<t-button ?disabled=${this.busy || waits} @click=${this.onPasskey}
-              >${this.wantsCode ? "Use a passkey instead" : "Sign in with a passkey"}</t-button
-            >`
-          : nothing}
-        ${this.wantsCode || (this.provider.value ?? "") === ""
-          ? nothing
-          : html`<t-button ?disabled=${this.busy} @click=${this.onProvider}>Sign in with ${this.provider.value}</t-button>`}
-        ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.goBackToPassword}>Back to name and password</t-button>` : nothing}
-      </form>
-    `;
+    return html`<div class="sheet">
+      <t-sign-in-form .returns=${this.returns} .notice=${this.session.store?.notice ?? ""}>
+        <h1>Talaia</h1>
+        <p class="muted">The control room for your robots</p>
+      </t-sign-in-form>
+    </div>`;
   }
 
-  private renderProblem(): unknown {
-    const { advice } = this;
-    if (advice === null) return nothing;
-    const wait = this.waitS();
-    if (this.waitUntil > 0) {
-      if (wait === 0) return html`<p class="notice" role="status">You can try again now.</p>`;
-      // The alert is said once; the time that runs stands beside it in silence.
-      return html`<t-problem what=${advice.what} how="The hub delays repeated tries."></t-problem>
-        <p class="wait">Try again ${waitText(wait)}.</p>`;
-    }
-    return renderAdvice(advice);
+  private get returns(): string {
+    return returnPath(this.router.search, this.router.origin);
   }
-
-  private renderCredentials(): TemplateResult {
-    return html`
-        <t-field label="Name" error=${this.missing === "name" ? "Enter your name." : ""}>
-          <input id="name" name="username" autocomplete="username" autocapitalize="none" spellcheck="false" required />
-        </t-field>
-        <t-field label="Password" error=${this.missing === "password" ? "Enter your password." : ""}>
-          <input id="password" name="password" type="password" autocomplete="current-password" required />
-        </t-field>
-    `;
-  }
-
-  private renderCodeField(): TemplateResult {
-    return html`<t-field
-      label="Code"
-      hint="Six digits from your app, or one of your recovery codes"
-      error=${this.missing === "code" ? "Enter the code." : ""}
-    >
-      <input id="code" name="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
-    </t-field>`;
-  }
-
-  private waitS(): number {
-    return Math.max(0, Math.ceil((this.waitUntil - performance.now()) / 1000));
-  }
-
-  private async checkSession(): Promise<void> {
-    await this.updateComplete;
-    // A control takes the focus only once the field around it is drawn.
-    await this.name.closest("t-field")?.updateComplete;
-    this.name.focus();
-  }
-
-  private readonly onSubmit = (event: SubmitEvent): void => {
-    event.preventDefault();
-    if (this.busy) return;
-    const name = this.name.value.trim();
-    const password = this.password.value;
-    // Codes are often written with a space in the middle.
-    const code = this.code?.value.replace(/\s+/g, "") ?? "";
-    this.missing = name === "" ? "name" : password === "" ? "password" : this.wantsCode && code === "" ? "code" : "";
-    if (this.missing === "name") this.name.focus();
-    if (this.missing === "password") this.password.focus();
-    if (this.missing === "code") this.code?.focus();
-    if (this.missing === "" && this.waitS() === 0) void this.signIn(name, password, code);
-  };
-
-  private readonly onPasskey = (): void => {
-    if (this.busy) return;
-    const name = this.wantsCode ? this.name.value.trim() : "";
-    const password = this.wantsCode ? this.password.value : "";
-    void this.attempt(() => this.session.store?.loginByPasskey(name, password), true);
-  };
-
-  private readonly onProvider = (): void => {
-    if (this.busy) return;
-    const returns = returnPath(this.router.search, this.router.origin);
-    void this.attempt(async () => {
-      window.location.assign(await this.api.beginOidc("/api/login/oidc", returns));
-    }, true);
-  };
-
-  private signIn(name: string, password: string, code: string): Promise<void> {
-    return this.attempt(() => this.session.store?.login(name, password, code), code !== "");
-  }
-
-  private async attempt(signIn: () => Promise<void> | undefined, whole: boolean): Promise<void> {
-    this.busy = true;
-    this.advice = null;
-    this.waitUntil = 0;
-    try {
-      await signIn();
-    } catch (error) {
-      await this.showFailure(error, whole);
-    } finally {
-      this.busy = false;
-    }
-  }
-
-  private async showFailure(error: unknown, hadCode: boolean): Promise<void> {
-    if (waitOf(error) > 0) this.waitUntil = performance.now() + waitOf(error) * 1000;
-    const asked = isFactor(error);
-    // That a code is wanted is no failure; that it did not fit is.
-    this.advice = asked && !hadCode ? null : signInAdvice(error);
-    // A passkey that did not answer leads nowhere else.
-    this.wantsCode = (asked && this.name.value !== "") || (this.wantsCode && (waitOf(error) > 0 || isPasskey(error)));
-    await this.updateComplete;
-    const control = this.wantsCode ? this.code : this.password;
-    await control?.closest("t-field")?.updateComplete;
-    control?.focus();
-    control?.select();
-  }
-
-  private readonly goBackToPassword = (): void => {
-    this.wantsCode = false;
-    this.advice = null;
-    this.password.value = "";
-    void this.checkSession();
-  };
 }
 
 declare global {

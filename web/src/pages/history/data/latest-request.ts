@@ -4,6 +4,8 @@
  * while it moves, and the hub never gets more than one question ahead of what is seen.
  */
 
+import { comeback } from "../../../wire/comeback.js";
+
 export type RequestStatus = "idle" | "loading" | "ready" | "failed";
 
 export interface RequestTask<Q, A> {
@@ -20,6 +22,7 @@ export class LatestRequest<Q, A> {
   private asked = "";
   private running: { readonly question: Q; readonly stop: AbortController } | null = null;
   private waiting: Q | null = null;
+  private stopWaiting: () => void = () => undefined;
 
   constructor(private readonly errand: RequestTask<Q, A>) {}
 
@@ -40,6 +43,7 @@ export class LatestRequest<Q, A> {
   cancelRequest(state: RequestStatus = "idle"): void {
     this.asked = "";
     this.waiting = null;
+    this.stopWaiting();
     this.running?.stop.abort();
     this.running = null;
     this.state = state;
@@ -55,6 +59,7 @@ export class LatestRequest<Q, A> {
     const stop = new AbortController();
     this.running = { question, stop };
     this.waiting = null;
+    this.stopWaiting();
     this.setState("loading", null);
     let said: { readonly answer: A } | { readonly error: unknown };
     try {
@@ -69,7 +74,11 @@ export class LatestRequest<Q, A> {
     const next = this.waiting as Q | null;
     if (next !== null) void this.runRequest(next);
     else if ("answer" in said) this.setState("ready", null);
-    else this.setState("failed", said.error);
+    else {
+      // Asked once more by itself when the hub is there again.
+      this.stopWaiting = comeback.subscribe(() => void this.runRequest(question));
+      this.setState("failed", said.error);
+    }
   }
 
   private setState(state: RequestStatus, error: unknown): void {
