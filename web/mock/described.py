@@ -31,6 +31,7 @@ def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any
         "max_age": signal.max_age,
         "primary": signal.primary,
         "public": signal.visibility == "public",
+        "ros": "",
         "channels": [address + (f".{part}" if part else "") for part in parts_of(signal)],
     }
 
@@ -88,6 +89,7 @@ def device_json(device_id: str, device: Device, rights: list[str]) -> dict[str, 
                 "description": one.description,
                 "confirm": one.confirm,
                 "timeout": one.timeout,
+                "ros": "",
                 "arguments": [
                     {
                         "id": name,

@@ -79,6 +79,7 @@ export interface CommandShape {
   readonly cancellable: boolean;
   readonly arguments: readonly ArgumentShape[];
   readonly needs: StateNeed | null;
+  readonly ros: "" | "parameter" | "lifecycle";
 }
 
 /** What of a camera's pictures is counted: classes, and how sure (0 to 1) at the least. */
@@ -238,6 +239,7 @@ export interface SignalShape {
   readonly max_age: number;
   readonly primary: boolean;
   readonly public: boolean;
+  readonly ros: "" | "parameter" | "lifecycle";
   readonly channels: readonly string[];
 }
 

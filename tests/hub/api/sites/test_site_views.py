@@ -71,7 +71,8 @@ devices:
 
 async def test_a_transition_says_from_which_states_it_leads_on(hub) -> None:
     """Of a node whose state is no signal here nobody can say."""
-    commands = (await devices_of(hub, LIFECYCLE))["lidar"]["commands"]
+    lidar = (await devices_of(hub, LIFECYCLE))["lidar"]
+    commands = lidar["commands"]
     assert commands[0]["needs"] == {
         "channel": "lidar/state",
         "max_age": 5.0,
@@ -79,3 +80,4 @@ async def test_a_transition_says_from_which_states_it_leads_on(hub) -> None:
         "among": ["inactive"],
     }
     assert commands[1]["needs"] is None
+    assert [each["ros"] for each in (*lidar["signals"], *commands)] == ["lifecycle"] * 3

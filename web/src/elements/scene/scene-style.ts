@@ -12,10 +12,12 @@ export const sceneStyle = css`
   }
   :host([bare]) {
     grid-template-columns: minmax(0, 1fr);
+    grid-template-rows: minmax(0, 1fr);
+    min-block-size: 0;
   }
   .view {
     position: relative;
-    min-block-size: 22rem;
+    min-block-size: var(--t-scene-least, 22rem);
     block-size: var(--t-scene-height, 70vh);
     ${raisedBox}
     overflow: hidden;

@@ -91,6 +91,7 @@ function signal(change: Partial<SignalShape> = {}): SignalShape {
     max_age: 5,
     primary: true,
     public: false,
+    ros: "",
     channels: ["base/speed"],
   };
   return { ...plain, ...change };

@@ -105,6 +105,7 @@ const WANDER: CommandShape = {
   timeout: 10,
   cancellable: false,
   needs: null,
+  ros: "",
   arguments: [argument({ id: "active", name: "Active", type: "boolean", default: true })],
 };
 const SLEW: CommandShape = {
@@ -116,6 +117,7 @@ const SLEW: CommandShape = {
   timeout: 60,
   cancellable: true,
   needs: null,
+  ros: "",
   arguments: [
     argument({ id: "az", name: "Azimuth", type: "number", unit: "°", minimum: 0, maximum: 360, default: 180 }),
     argument({ id: "alt", name: "Altitude", type: "number", unit: "°", minimum: 10, maximum: 90 }),

@@ -6,6 +6,7 @@
 import { html } from "lit";
 import { DEVICE, findCommand, findDevice, findSignal, findSignals, findStream, findStreams, type BoardSubjects } from "../../boards/references.js";
 import { settingFlag, settingList, settingNumber, settingText, type SettingField, type TileSettings } from "../../boards/tile-settings.js";
+import type { DeviceShape } from "../../generated/api.js";
 import type { BoardTileEntry, TileFeed } from "./board-tile-entry.js";
 
 const SECONDS: SettingField = { key: "seconds", label: "Time shown (s)", kind: "number", standard: 300, least: 10, most: 3600 };
@@ -13,6 +14,12 @@ const LINES: SettingField = { key: "lines", label: "Lines", kind: "number", stan
 
 function feedOf(settings: TileSettings, subjects: BoardSubjects, keys: readonly string[] = ["signals"]): TileFeed {
   return { signals: findSignals(keys.flatMap((key) => settingList(settings, key)), subjects), seconds: settingNumber(settings, "seconds", 300) };
+}
+
+/** One that is chosen, else all of the site. */
+function chosenDevices(settings: TileSettings, subjects: BoardSubjects): readonly DeviceShape[] {
+  const device = settingText(settings, "device") === "" ? null : findDevice(settingText(settings, "device"), subjects);
+  return device === null ? subjects.detail.devices : [device];
 }
 
 const signalTitle = (settings: TileSettings, subjects: BoardSubjects): string => findSignal(settingText(settings, "signal"), subjects)?.name ?? "Value";
@@ -147,6 +154,22 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     render: (settings, context) => html`<t-map .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .online=${context.online}></t-map>`,
   },
   {
+    type: "scene", title: "3D scene", about: "The robot in space: frames, model, scans, clouds, maps and paths of its topics.", icon: "live", desktop: [6, 7], phone: [4, 6], least: [3, 3],
+    settings: [
+      { key: "topics", label: "Only these layers", kind: "lines", hint: "A topic each line, such as /scan; all that there are where it is empty" },
+      { key: "lists", label: "Lists, goals and STOP beside it", kind: "flag" },
+    ],
+    load: () => import("../scene/scene-tile.js"),
+    render: (settings, context) =>
+      html`<t-scene-tile
+        .site=${context.site}
+        .detail=${context.detail}
+        .online=${context.online}
+        .topics=${settingList(settings, "topics")}
+        ?bare=${!settingFlag(settings, "lists")}
+      ></t-scene-tile>`,
+  },
+  {
     type: "drive", title: "Drive pad", about: "Lease, pad, speed and STOP of a device that is driven.", icon: "drive", desktop: [5, 8], phone: [4, 9], least: [3, 5],
     settings: [{ key: "device", label: "Device", kind: "device", standard: DEVICE }],
     load: () => import("./drive-board-tile.js"),
@@ -207,6 +230,19 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     load: () => import("./topic-board-tiles.js"),
     titleOf: (settings) => settingText(settings, "topic") || "Raw message",
     render: (settings, context) => html`<t-tile-topic .context=${context} topic=${settingText(settings, "topic")}></t-tile-topic>`,
+  },
+  {
+    type: "parameters", title: "Parameters", about: "Parameters of a robot's nodes that the description names, with what sets them.", icon: "devices", desktop: [4, 6], phone: [4, 6], least: [2, 3],
+    settings: [{ key: "device", label: "Of one device", kind: "device" }],
+    load: () => import("./node-board-tiles.js"),
+    render: (settings, context) => html`<t-tile-parameters .context=${context} .devices=${chosenDevices(settings, context)}></t-tile-parameters>`,
+  },
+  {
+    type: "lifecycle", title: "Life cycle", about: "The states of life-cycle nodes that the description names, with the transitions that are possible.", icon: "devices",
+    desktop: [4, 6], phone: [4, 6], least: [2, 3],
+    settings: [{ key: "device", label: "Of one device", kind: "device" }],
+    load: () => import("./node-board-tiles.js"),
+    render: (settings, context) => html`<t-tile-lifecycle .context=${context} .devices=${chosenDevices(settings, context)}></t-tile-lifecycle>`,
   },
   {
     type: "device", title: "Device", about: "All that is drawn of a device: dome, telescope, weather, camera, power.", icon: "devices", desktop: [6, 8], phone: [4, 8], least: [3, 3],

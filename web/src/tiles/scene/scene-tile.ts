@@ -26,6 +26,13 @@ export class SceneTile extends LitElement {
         gap: var(--t-space-3);
         min-inline-size: 0;
       }
+      /* As high as its place. */
+      :host([bare]) {
+        grid-template-rows: minmax(0, 1fr);
+        block-size: 100%;
+        --t-scene-height: 100%;
+        --t-scene-least: 6rem;
+      }
       .ask {
         display: grid;
         grid-template-columns: minmax(0, 1fr) minmax(10rem, 16rem);
@@ -44,7 +51,7 @@ export class SceneTile extends LitElement {
   @property({ attribute: false }) detail: SiteShape | null = null;
   @property({ type: Boolean }) online = false;
   /** Without lists and commands: in a small tile. */
-  @property({ type: Boolean }) bare = false;
+  @property({ type: Boolean, reflect: true }) bare = false;
   @property({ attribute: false }) topics: readonly string[] = [];
 
   @state() private asked: { readonly tool: string; readonly pose: FloorPose } | null = null;

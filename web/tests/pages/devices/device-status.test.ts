@@ -24,7 +24,7 @@ test("a filter finds all of its words, in any of a device's names", () => {
 test("of a site only what is public stands on the public page, for an operator too", () => {
   const signal = (id: string, open: boolean): SignalShape => ({
     id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null,
-    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: open, channels: [`base/${id}`],
+    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: open, ros: "", channels: [`base/${id}`],
   });
   const device = (id: string, signals: SignalShape[]): DeviceShape => ({
     id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: ["use"],

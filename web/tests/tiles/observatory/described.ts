@@ -5,7 +5,7 @@ import type { ArgumentShape, CommandShape, DeviceShape, SignalShape } from "../.
 export function signal(id: string, more: Partial<SignalShape> = {}): SignalShape {
   return {
     id, address: `it/${id}`, name: id, type: "number", role: "none", unit: "", decimals: 1, minimum: null, maximum: null, states: [], meanings: [],
-    frame: "local", max_age: 5, primary: true, public: false, channels: [`it/${id}`], ...more,
+    frame: "local", max_age: 5, primary: true, public: false, ros: "", channels: [`it/${id}`], ...more,
   };
 }
 
@@ -18,7 +18,7 @@ export function argument(id: string, more: Partial<ArgumentShape> = {}): Argumen
 }
 
 export function command(id: string, args: readonly ArgumentShape[] = [], more: Partial<CommandShape> = {}): CommandShape {
-  return { id, name: id, role: "none", description: "", confirm: false, timeout: 10, cancellable: false, needs: null, arguments: args, ...more };
+  return { id, name: id, role: "none", description: "", confirm: false, timeout: 10, cancellable: false, needs: null, ros: "", arguments: args, ...more };
 }
 
 export function device(

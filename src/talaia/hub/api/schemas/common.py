@@ -183,7 +183,7 @@ class SignalShape(Schema):
 
     ``role``: what it is, as described or proposed. ``meanings``: what each state means, as
     described or proposed; empty where no state is out of the ordinary. ``public``: everybody who
-    is signed in may see it.
+    is signed in may see it. ``ros``: it is a node's parameter, or the state of its life cycle.
     """
 
     id: str
@@ -201,6 +201,7 @@ class SignalShape(Schema):
     max_age: float
     primary: bool
     public: bool
+    ros: Literal["", "parameter", "lifecycle"]
     channels: list[str]
 
 
@@ -245,7 +246,7 @@ class CommandShape(Schema):
     """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early.
 
     ``role``: what it does, as described or proposed. ``needs``: a transition of a life cycle is
-    possible in some states of its node only.
+    possible in some states of its node only. ``ros``: it sets parameters, or is such a transition.
     """
 
     id: str
@@ -257,6 +258,7 @@ class CommandShape(Schema):
     cancellable: bool
     arguments: list[ArgumentShape]
     needs: StateNeed | None
+    ros: Literal["", "parameter", "lifecycle"]
 
 
 class DriveShape(Schema):

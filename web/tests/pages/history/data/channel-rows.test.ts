@@ -5,7 +5,7 @@ import type { SignalShape, SiteShape, StoredShape } from "../../../../src/genera
 function signal(id: string, change: Partial<SignalShape> = {}): SignalShape {
   return {
     id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null,
-    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, channels: [`base/${id}`], ...change,
+    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, ros: "", channels: [`base/${id}`], ...change,
   };
 }
 const DETAIL: SiteShape = {
