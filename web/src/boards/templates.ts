@@ -85,6 +85,11 @@ function addCharts(made: TemplateTiles, signals: readonly SignalShape[], device:
   }
 }
 
+/** Rows for so many states below each other, and their axis. */
+function timelineRows(states: number): number {
+  return Math.max(2, Math.ceil((66 + 44 * states) / 76));
+}
+
 function vehicleBoard(detail: SiteShape, device: DeviceShape): BoardShape {
   const made = new TemplateTiles();
   const numbers = device.signals.filter(({ type, primary }) => type === "number" && primary);
@@ -94,14 +99,16 @@ function vehicleBoard(detail: SiteShape, device: DeviceShape): BoardShape {
   if (camera !== "") made.add("camera", { stream: device.streams.some(({ address }) => address === camera) ? `${DEVICE}/${camera.split("/")[1] ?? ""}` : camera }, [6, 8, 4, 5]);
   if (device.rights.includes("view")) made.add("drive", { device: DEVICE }, [6, 8, 4, 9]);
   const position = detail.devices.flatMap(({ signals }) => signals).find(({ address }) => address === device.drive?.position);
-  if (position !== undefined) made.add("trail", { signal: nameOf(position, device) }, [5, 5, 4, 5]);
-  if (battery !== undefined) made.add("gauge", { signal: nameOf(battery, device), look: "level" }, [2, 5, 2, 4]);
+  if (position !== undefined) made.add("trail", { signal: nameOf(position, device) }, [5, 4, 4, 5]);
+  if (battery !== undefined) made.add("gauge", { signal: nameOf(battery, device), look: "level" }, [2, 4, 2, 4]);
   for (const signal of numbers.filter((number) => number !== battery).slice(0, 2)) made.add("value", { signal: nameOf(signal, device) }, [5, 2, 2, 2]);
   addCharts(made, numbers, device, 2);
   const states = primaryOf([device, ...detail.devices.filter((other) => other !== device)], "state");
-  if (states.length > 0) made.add("timeline", { signals: states.slice(0, 6).map((signal) => nameOf(signal, device)), seconds: 300 }, [6, 4, 4, 4]);
-  made.add("alarms", {}, [6, 4, 4, 4]);
-  made.add("logbook", {}, [6, 4, 4, 4]);
+  const shown = states.slice(0, 6).map((signal) => nameOf(signal, device));
+  const rows = timelineRows(shown.length);
+  if (shown.length > 0) made.add("timeline", { signals: shown, seconds: 300 }, [6, rows, 4, rows]);
+  made.add("alarms", {}, [shown.length > 0 ? 6 : 12, rows, 4, 2]);
+  made.add("logbook", {}, [12, 4, 4, 4]);
   return plainBoard(detail, `Cockpit of ${device.name}`, "Camera, hands and what the vehicle says.", made.tiles, device);
 }
 
@@ -110,20 +117,20 @@ function observatoryBoard(detail: SiteShape): BoardShape {
   const { devices } = detail;
   const first = (kind: string): DeviceShape | undefined => devices.find((device) => device.kind === kind);
   const [weather, dome, telescope] = [first("weather"), first("dome"), first("telescope")];
-  if (weather !== undefined) made.add("weather", { device: weather.id }, [4, 4, 4, 4]);
-  if (dome !== undefined) made.add("dome", { device: dome.id }, [4, 8, 4, 8]);
-  if (telescope !== undefined && detail.place !== null) made.add("sky", { device: telescope.id }, [4, 8, 4, 7]);
+  if (weather !== undefined) made.add("weather", { device: weather.id }, [6, 5, 4, 6]);
   const watching = devices.flatMap(({ kind, streams }) => (kind === "camera" ? [] : streams))[0] ?? devices.flatMap(({ streams }) => streams)[0];
-  if (watching !== undefined) made.add("camera", { stream: watching.address }, [4, 4, 4, 4]);
-  if (telescope !== undefined && devices.some(({ kind }) => kind === "camera")) made.add("plan", {}, [12, 4, 4, 5]);
+  if (watching !== undefined) made.add("camera", { stream: watching.address }, [6, 5, 4, 4]);
+  if (dome !== undefined) made.add("dome", { device: dome.id }, [6, 9, 4, 13]);
+  if (telescope !== undefined && detail.place !== null) made.add("sky", { device: telescope.id }, [6, 9, 4, 6]);
+  if (telescope !== undefined && devices.some(({ kind }) => kind === "camera")) made.add("plan", {}, [12, 4, 4, 6]);
   if (telescope !== undefined) made.add("table", { device: telescope.id }, [4, 5, 4, 5]);
   if (devices.some(({ kind }) => kind === "camera")) made.add("picture", {}, [4, 5, 4, 5]);
+  made.add("alarms", {}, [4, 5, 4, 3]);
   if (weather !== undefined) {
     const numbers = weather.signals.filter(({ type }) => type === "number");
     addCharts(made, numbers, undefined, 1);
   }
-  made.add("alarms", {}, [4, 5, 4, 4]);
-  made.add("logbook", {}, [8, 5, 4, 5]);
+  made.add("logbook", {}, [6, 4, 4, 5]);
   return plainBoard(detail, `Night at ${detail.name}`, "Weather, dome, sky and plan at a glance.", made.tiles);
 }
 

@@ -30,10 +30,10 @@ export class Value extends LitElement {
         font-size: var(--t-size-m);
       }
       :host([size="l"]) .reading {
-        font-size: var(--t-size-xl);
+        font-size: min(var(--t-size-xl), 16cqi);
       }
       :host([size="xl"]) .reading {
-        font-size: var(--t-size-xxl);
+        font-size: min(var(--t-size-xxl), 18cqi);
       }
       .unit {
         font-size: 0.62em;

@@ -7,7 +7,8 @@ export const boardStyle = css`
     position: fixed;
     inset: 0;
     z-index: 50;
-    padding: var(--t-space-3);
+    /* Below: the button that leads out covers no tile. */
+    padding: var(--t-space-3) var(--t-space-3) calc(var(--t-touch) + 2 * var(--t-space-3));
     background: var(--t-bg);
     overflow: auto;
   }

@@ -46,6 +46,7 @@ const GRIDS: readonly ChoiceOption[] = [
 ];
 const PHONE = "(max-width: 45rem)";
 
+/** @fires t-site which site it shows: the dashboard around it is then of that site, too */
 @customElement("t-page-board")
 export class PageBoard extends LitElement {
   static override styles = [base, sheets, control, boardStyle];
@@ -72,6 +73,7 @@ export class PageBoard extends LitElement {
   private shownKey = "";
   private cycling: ReturnType<typeof setTimeout> | undefined;
   private cycled = "";
+  private announced = "";
 
   override connectedCallback(): void {
     super.connectedCallback();
@@ -100,6 +102,7 @@ export class PageBoard extends LitElement {
     const template = readTemplateKey(key);
     if (template === null) this.kept.load(key, () => new BoardsApi(this.api).readBoard(key));
     const site = this.shownSite;
+    this.announceSite(site);
     if (sites !== undefined && site !== "") this.detail.load(`${site} ${sites.catalogueOf(site)}`, () => sites.loadDetail(site));
     this.tiles.load("tiles", () => this.api.request<TileList>("GET", "/api/tiles"));
     if (query.arrange && this.draft === null && this.kept.value?.row.key === key && this.row?.may_change === true) this.beginArranging();
@@ -149,6 +152,12 @@ export class PageBoard extends LitElement {
     const list = this.sites.store?.list ?? [];
     const asked = this.query.site || (this.row === null ? "" : (this.kept.value?.board.site ?? ""));
     return asked || (this.row === null ? "" : (list[0]?.site ?? ""));
+  }
+
+  private announceSite(site: string): void {
+    if (site === this.announced || site === "") return;
+    this.announced = site;
+    this.dispatchEvent(new CustomEvent("t-site", { detail: site, bubbles: true, composed: true }));
   }
 
   private renderTrouble(): unknown {
@@ -236,7 +245,7 @@ export class PageBoard extends LitElement {
   private renderKioskBar(): TemplateResult {
     const lost = this.link.state !== "open";
     return html`${lost ? html`<t-banner kind="bad">No connection to the hub. What you see is old.</t-banner>` : nothing}
-      <div class="leave"><t-button kind="quiet" @click=${this.leaveKiosk}>Leave full screen</t-button></div>`;
+      <div class="leave"><t-button @click=${this.leaveKiosk}>Leave full screen</t-button></div>`;
   }
 
   // ── arranging ───────────────────────────────────────────────────────────────────────────

@@ -4,7 +4,7 @@ import { html, type TemplateResult } from "lit";
 import { map } from "lit/directives/map.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import type { NamedItem } from "../../elements/board/board-grid.js";
-import type { BoardTileShape, SiteShape } from "../../generated/api.js";
+import type { BoardTileShape, CommandShape, DeviceShape, SignalShape, SiteShape } from "../../generated/api.js";
 import "../../elements/board/board-grid.js";
 import "../../elements/layout/card.js";
 import "../../elements/values/gauge.js";
@@ -21,10 +21,27 @@ const CONTEXT: BoardTileContext = {
   site: "yard", zone: "Europe/Madrid", detail: DETAIL, device: null, online: false, feed: null, painter: new PaintScheduler(), pictures: new PictureTimes(), line: null, extensions: [],
 };
 
-function renderTile(type: string, settings: BoardTileShape["settings"], title = ""): TemplateResult {
+function renderTile(type: string, settings: BoardTileShape["settings"], title = "", context = CONTEXT): TemplateResult {
   const tile: BoardTileShape = { id: "t1", type, title, settings, desktop: null, phone: null };
-  return html`<t-board-tile .tile=${tile} .context=${CONTEXT}></t-board-tile>`;
+  return html`<t-board-tile .tile=${tile} .context=${context}></t-board-tile>`;
 }
+
+const SIGNAL: SignalShape = {
+  id: "limit", address: "lidar/limit", name: "Greatest range", type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null, states: [], meanings: [],
+  frame: "", max_age: 5, primary: true, public: false, ros: "parameter", channels: ["lidar/limit"],
+};
+const COMMAND: CommandShape = {
+  id: "set_limit", name: "Set the range", role: "none", description: "", confirm: false, timeout: 10, cancellable: false, needs: null, ros: "parameter", arguments: [],
+};
+const LIDAR: DeviceShape = {
+  id: "lidar", name: "Lidar", kind: "other", streams: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: ["view", "use"],
+  signals: [SIGNAL, { ...SIGNAL, id: "state", address: "lidar/state", name: "State", type: "state", states: ["inactive", "active"], ros: "lifecycle", channels: ["lidar/state"] }],
+  commands: [
+    COMMAND,
+    { ...COMMAND, id: "activate", name: "Activate", ros: "lifecycle", needs: { channel: "lidar/state", max_age: 5, states: ["inactive", "active"], among: ["inactive"] } },
+  ],
+};
+const WITH_NODES: BoardTileContext = { ...CONTEXT, detail: { ...DETAIL, devices: [LIDAR] } };
 
 const ITEMS: readonly NamedItem[] = [
   { id: "a", name: "Speed", x: 0, y: 0, w: 5, h: 2, least: [1, 1] },
@@ -45,6 +62,10 @@ export const entries: readonly GalleryEntry[] = [
       { name: "words and links", show: () => renderTile("text", { text: LINES, links: ["Manual | https://example.org", "/alarms"] }, "Mind this") },
       { name: "of a type that this hub does not know", show: () => renderTile("hologram", {}) },
       { name: "the site is not linked", show: () => renderTile("alarms", {}) },
+      { name: "parameters", show: () => renderTile("parameters", {}, "", WITH_NODES) },
+      { name: "parameters, of which the description names none", show: () => renderTile("parameters", {}) },
+      { name: "life cycle", show: () => renderTile("lifecycle", {}, "", WITH_NODES) },
+      { name: "life cycle, of which the description names none", show: () => renderTile("lifecycle", {}) },
       // What each shows before it is told what, or where it may not.
       ...BOARD_TILES.filter(({ settings }) => settings.some(({ needed }) => needed === true)).flatMap(({ type, title, settings }) => [
         { name: `${title}: nothing chosen`, show: () => renderTile(type, {}) },

@@ -118,11 +118,13 @@ export class Shell extends LitElement {
   override connectedCallback(): void {
     super.connectedCallback();
     this.addEventListener("click", this.onLinkClick);
+    this.addEventListener("t-site", this.onSite);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     this.removeEventListener("click", this.onLinkClick);
+    this.removeEventListener("t-site", this.onSite);
   }
 
   override willUpdate(): void {
@@ -280,6 +282,13 @@ export class Shell extends LitElement {
   private readonly focusContent = (event: Event): void => {
     event.preventDefault();
     this.main.focus();
+  };
+
+  /** A page whose address does not name its site says which one it shows. */
+  private readonly onSite = (event: Event): void => {
+    if (!(event instanceof CustomEvent)) return;
+    this.lastSite = String(event.detail);
+    this.requestUpdate();
   };
 
   /** Links of ours change the page without loading everything anew. */

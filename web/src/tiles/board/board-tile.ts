@@ -49,6 +49,10 @@ export class BoardTile extends LitElement {
         min-block-size: 0;
         overflow: auto;
         overscroll-behavior: contain;
+        /* What is only said to a screen reader stays inside; letters go by the tile's width. */
+        position: relative;
+        container-type: inline-size;
+        --t-map-height: 8rem;
       }
       .inside:focus-visible {
         outline-offset: -3px;
@@ -129,11 +133,11 @@ export class BoardTile extends LitElement {
     return entry.render(tile.settings, context);
   }
 
-  /** What is higher than the tile scrolls inside it, also by keyboard. */
+  /** What is larger than the tile scrolls inside it, also by keyboard. */
   private letScroll(): void {
     const { inside } = this;
     if (inside === null) return;
-    if (inside.scrollHeight > inside.clientHeight + 1) inside.tabIndex = 0;
+    if (inside.scrollHeight > inside.clientHeight + 1 || inside.scrollWidth > inside.clientWidth + 1) inside.tabIndex = 0;
     else inside.removeAttribute("tabindex");
   }
 }

@@ -21,8 +21,11 @@ export class CameraWallTile extends LitElement {
         align-content: start;
         gap: var(--t-space-2);
       }
-      :host([alone]) {
+      :host(:is([alone], [single])) {
         grid-template-columns: minmax(0, 1fr);
+        grid-template-rows: minmax(0, 1fr);
+        align-content: stretch;
+        block-size: 100%;
       }
     `,
   ];
@@ -32,10 +35,14 @@ export class CameraWallTile extends LitElement {
   /** One camera that has the tile to itself. */
   @property({ type: Boolean, reflect: true }) alone = false;
 
+  /** A wall of one camera is no wall. */
+  @property({ type: Boolean, reflect: true }) single = false;
+
   private readonly watched = new StoreController(this);
 
   override willUpdate(): void {
     this.watched.setStore(this.context?.pictures ?? null);
+    this.single = this.streams.length === 1;
   }
 
   override render(): unknown {
@@ -51,6 +58,7 @@ export class CameraWallTile extends LitElement {
           .name=${stream.name}
           .detect=${stream.detect}
           .online=${context?.online ?? false}
+          ?filling=${this.alone || this.single}
           ?driving=${context?.pictures.isDriven(stream.address) ?? false}
           @t-picture=${this.reporter(stream)}
         ></t-camera>`,

@@ -26,6 +26,9 @@ export class DriveBoardTile extends LitElement {
         grid-template-columns: minmax(0, 1fr);
         align-content: start;
         gap: var(--t-space-3);
+        /* As on the page Actuate: a pad as wide as a tile pushes the speed out of it. */
+        --t-pad-size: 11rem;
+        --t-arrows-size: 10rem;
       }
       p {
         ${quietText}

@@ -45,6 +45,16 @@ export class CameraTile extends LitElement {
     :host([hidden]) {
       display: none;
     }
+    /* As large as its place: what is left beside the picture is black. */
+    :host([filling]) {
+      display: grid;
+      grid-template-rows: minmax(0, 1fr) auto;
+      block-size: 100%;
+      min-block-size: 0;
+    }
+    :host([filling]) t-camera-view {
+      aspect-ratio: auto;
+    }
     t-objects-choice {
       margin-block-start: var(--t-space-2);
     }
@@ -69,6 +79,8 @@ export class CameraTile extends LitElement {
   @property() name = "";
   @property({ type: Boolean }) online = true;
   @property({ type: Boolean }) full = false;
+  /** It fills its place; without that it is as high as a picture of 4 by 3. */
+  @property({ type: Boolean, reflect: true }) filling = false;
   /** The page makes itself full, and not the picture alone. */
   @property({ type: Boolean }) paged = false;
   /** What is looked for on its pictures; null where nothing is. */
