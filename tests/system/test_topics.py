@@ -103,6 +103,10 @@ def test_own_type_is_seen_as_a_tree_searched_and_paused(kitchen: Kitchen, chrome
     expect(found).to_contain_text("187.5")
     page.get_by_role("button", name="Resume").click()
     expect(found).to_contain_text("201.5")
+    # Drawn over time from then on.
+    page.get_by_role("button", name="Plot shelves[1].celsius", exact=True).click()
+    kitchen.robot.tell("210.5")
+    expect(page.locator("t-field-plot li")).to_contain_text("210.5")
 
 
 def test_diagnostics_are_a_tree_that_grows_stale_and_is_heard_only_while_looked_at(

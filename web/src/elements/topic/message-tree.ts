@@ -11,7 +11,11 @@ const FEW = 12;
 /** Parts of one value that are drawn before somebody asks for all. */
 const MOST_SHOWN = 100;
 
-/** A message as a tree of its fields, each to open and close. */
+/**
+ * A message as a tree of its fields, each to open and close.
+ *
+ * @fires t-plot detail: the path of a field whose numbers are to be drawn over time, or no more
+ */
 @customElement("t-message-tree")
 export class MessageTree extends LitElement {
   static override styles = [
@@ -59,6 +63,13 @@ export class MessageTree extends LitElement {
       button[aria-expanded="true"] t-icon {
         rotate: none;
       }
+      .plot {
+        padding-inline: var(--t-space-2);
+        color: var(--t-accent);
+      }
+      .plot[aria-pressed="true"] {
+        font-weight: var(--t-weight-strong);
+      }
       .all {
         padding-inline-start: 1.4rem;
         color: var(--t-accent);
@@ -91,6 +102,9 @@ export class MessageTree extends LitElement {
   @property({ attribute: false }) value: unknown;
   /** Only what has this in its path is shown, and what leads there. */
   @property() search = "";
+
+  /** Fields that are drawn over time; null where that is not offered. */
+  @property({ attribute: false }) plotted: readonly string[] | null = null;
 
   /** What somebody has opened or closed, by path. */
   @state() private chosen: ReadonlyMap<string, boolean> = new Map();
@@ -133,7 +147,7 @@ export class MessageTree extends LitElement {
     const label = html`<span class="name" title=${path}>${this.found?.has(path) === true && this.isMatch(path) ? html`<mark>${name}</mark>` : name}</span>`;
     if (children === null) {
       return html`<li data-path=${path}>
-        <div class="line">${label} <span class="value">${valueText(value)}</span>${note === "" ? nothing : html` <span class="note">${note}</span>`}</div>
+        <div class="line">${label} <span class="value">${valueText(value)}</span>${note === "" ? nothing : html` <span class="note">${note}</span>`}${this.renderPlot(path, value)}</div>
       </li>`;
     }
     const open = this.isOpen(path, children, depth);
@@ -141,6 +155,11 @@ export class MessageTree extends LitElement {
       <button aria-expanded=${open} data-path=${path} @click=${this.toggle}><t-icon name="down"></t-icon>${label}${note === "" ? nothing : html`<span class="note">${note}</span>`}</button>
       ${open ? this.renderChildren(children, path, depth + 1) : nothing}
     </li>`;
+  }
+
+  private renderPlot(path: string, value: unknown): TemplateResult | typeof nothing {
+    if (this.plotted === null || (typeof value !== "number" && typeof value !== "boolean")) return nothing;
+    return html`<button class="plot" aria-pressed=${this.plotted.includes(path)} aria-label=${`Plot ${path}`} data-path=${path} @click=${this.onPlot}>plot</button>`;
   }
 
   private isMatch(path: string): boolean {
@@ -159,6 +178,10 @@ export class MessageTree extends LitElement {
     if (!(button instanceof HTMLElement)) return;
     const open = button.getAttribute("aria-expanded") === "true";
     this.chosen = new Map([...this.chosen, [button.dataset["path"] ?? "", !open]]);
+  };
+
+  private readonly onPlot = (event: Event): void => {
+    if (event.currentTarget instanceof HTMLElement) this.dispatchEvent(new CustomEvent("t-plot", { detail: event.currentTarget.dataset["path"] ?? "" }));
   };
 
   private readonly showAll = (event: Event): void => {

@@ -3,9 +3,11 @@
 import { html, type TemplateResult } from "lit";
 import type { TopicState } from "../../controllers/topic-follower.js";
 import "../../elements/topic/diagnostics-tree.js";
+import "../../elements/topic/field-plot.js";
 import "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble } from "../../elements/topic/topic-state.js";
 import { DiagnosticsBook, type DiagnosticNode } from "../../series/diagnostics.js";
+import type { FieldTrace } from "../../topics/field-traces.js";
 import type { GalleryEntry, GalleryState } from "./entry.js";
 
 const MESSAGE = {
@@ -18,6 +20,12 @@ const MESSAGE = {
   ],
   note: { $text: "a long text that goes on", $of: 40_000 },
 };
+
+const WAVE = Array.from({ length: 100 }, (_, at) => at * 600);
+const TRACES: readonly FieldTrace[] = [
+  { path: "twist.linear.x", points: WAVE.map((atMs) => ({ atMs, value: Math.sin(atMs / 7000) })) },
+  { path: "twist.angular.z", points: WAVE.map((atMs) => ({ atMs, value: 0.4 * Math.cos(atMs / 4000) })) },
+];
 
 const status = (name: string, level: number, message: string, values: Readonly<Record<string, string>> = {}): object => ({
   name, level, message, hardware_id: "board 7", values: Object.entries(values).map(([key, value]) => ({ key, value })),
@@ -57,7 +65,16 @@ export const entries: readonly GalleryEntry[] = [
       { name: "a message", show: () => html`<t-message-tree .value=${MESSAGE}></t-message-tree>` },
       { name: "searched", show: () => html`<t-message-tree .value=${MESSAGE} search="[1].celsius"></t-message-tree>` },
       { name: "searched in vain", show: () => html`<t-message-tree .value=${MESSAGE} search="velocity"></t-message-tree>` },
+      { name: "with fields to plot", show: () => html`<t-message-tree .value=${MESSAGE} .plotted=${["angle_min"]}></t-message-tree>` },
       { name: "of std_msgs/Empty", show: () => html`<t-message-tree .value=${{}}></t-message-tree>` },
+    ],
+  },
+  {
+    tag: "t-field-plot",
+    wide: true,
+    states: [
+      { name: "two fields", show: () => html`<t-field-plot .traces=${TRACES} .nowMs=${60_000}></t-field-plot>` },
+      { name: "before the first number", show: () => html`<t-field-plot .traces=${[{ path: "twist.linear.x", points: [] }]}></t-field-plot>` },
     ],
   },
   {

@@ -12,10 +12,12 @@ import { formatBytes } from "../../format/bytes.js";
 import type { TopicMessage } from "../../generated/wire.js";
 import { sitePath } from "../../state/router.js";
 import { topicTile } from "../../tiles/catalog.js";
+import { FieldTraces } from "../../topics/field-traces.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import { rateText } from "./topic-list.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
+import "../../elements/topic/field-plot.js";
 import "../../elements/topic/message-tree.js";
 
 /** Messages a second, of a topic that comes oftener: what a person can read. */
@@ -117,7 +119,10 @@ export class TopicDetail extends LitElement {
   @state() private held: HeldMessage | null = null;
   @state() private search = "";
   @state() private view: "tile" | "tree" = "tile";
-  private readonly follower = new TopicFollower(this);
+  private readonly plots = new FieldTraces();
+  private readonly follower = new TopicFollower(this, (tree, nowMs) => {
+    this.plots.addMessage(tree, nowMs);
+  });
 
   constructor() {
     super();
@@ -128,6 +133,7 @@ export class TopicDetail extends LitElement {
     if (changed.has("site") || changed.has("topic")) {
       this.held = null;
       this.search = "";
+      this.plots.choose([]);
     }
     // What the list says, until the topic itself says it: so the rate is right from the beginning.
     const tile = topicTile(this.follower.update?.type ?? this.type);
@@ -188,7 +194,8 @@ export class TopicDetail extends LitElement {
     if (shown === null || INSTEAD.includes(how)) return nothing;
     const newer = this.held === null || message === null ? 0 : Math.max(0, message.seq - this.held.message.seq);
     return html`${this.held === null ? nothing : html`<p class="muted" role="status">Paused. ${newer === 0 ? "Nothing newer has come." : `${newer.toLocaleString("en")} newer ${newer === 1 ? "message has" : "messages have"} come.`}</p>`}
-      <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search}></t-message-tree>`;
+      <t-field-plot .traces=${this.plots.traces} .nowMs=${performance.now()} @t-plot=${this.onPlot}></t-field-plot>
+      <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search} .plotted=${this.plots.paths} @t-plot=${this.onPlot}></t-message-tree>`;
   }
 
   private renderDefinition(): TemplateResult | typeof nothing {
@@ -205,6 +212,11 @@ export class TopicDetail extends LitElement {
       age: age === null ? null : age / 1000,
     };
   }
+
+  private readonly onPlot = (event: CustomEvent<string>): void => {
+    this.plots.toggle(event.detail);
+    this.requestUpdate();
+  };
 
   private readonly togglePause = (): void => {
     const { message, tree } = this.follower;

@@ -225,11 +225,14 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
       html`<t-tile-log .context=${context} topic=${settingText(settings, "topic", "/rosout")} .level=${Number(settingText(settings, "level", "20"))} node=${settingText(settings, "node")}></t-tile-log>`,
   },
   {
-    type: "topic", title: "Raw message", about: "The newest message of any topic, as a tree with search.", icon: "live", desktop: [4, 6], phone: [4, 6], least: [2, 3],
-    settings: [{ key: "topic", label: "Topic", kind: "topic", needed: true }],
+    type: "topic", title: "Raw message", about: "The newest message of any topic, as a tree with search, and its fields over the last minute.", icon: "live", desktop: [4, 6], phone: [4, 6], least: [2, 3],
+    settings: [
+      { key: "topic", label: "Topic", kind: "topic", needed: true },
+      { key: "fields", label: "Fields to plot", kind: "lines", hint: "A path each line, such as twist.twist.linear.x; four at most" },
+    ],
     load: () => import("./topic-board-tiles.js"),
     titleOf: (settings) => settingText(settings, "topic") || "Raw message",
-    render: (settings, context) => html`<t-tile-topic .context=${context} topic=${settingText(settings, "topic")}></t-tile-topic>`,
+    render: (settings, context) => html`<t-tile-topic .context=${context} topic=${settingText(settings, "topic")} .fields=${settingList(settings, "fields")}></t-tile-topic>`,
   },
   {
     type: "parameters", title: "Parameters", about: "Parameters of a robot's nodes that the description names, with what sets them.", icon: "devices", desktop: [4, 6], phone: [4, 6], least: [2, 3],

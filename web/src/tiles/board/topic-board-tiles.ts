@@ -1,6 +1,6 @@
 /** Raw topics as tiles: the newest message as a tree, and diagnostics. */
 
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { TopicFollower } from "../../controllers/topic-follower.js";
@@ -8,6 +8,8 @@ import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { topicPagePath } from "../../state/router.js";
+import { FieldTraces } from "../../topics/field-traces.js";
+import "../../elements/topic/field-plot.js";
 import "../../elements/topic/message-tree.js";
 import "../topic/diagnostics-tile.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
@@ -41,16 +43,27 @@ export class TopicBoardTile extends LitElement {
 
   @property({ attribute: false }) context: BoardTileContext | null = null;
   @property() topic = "";
+  /** Fields that are plotted from the beginning. */
+  @property({ attribute: false }) fields: readonly string[] = [];
   @state() private search = "";
 
-  private readonly follower = new TopicFollower(this);
+  private readonly plots = new FieldTraces();
+  private plotted = "";
+  private readonly follower = new TopicFollower(this, (tree, nowMs) => {
+    this.plots.addMessage(tree, nowMs);
+  });
 
   constructor() {
     super();
     new TickerController(this);
   }
 
-  protected override willUpdate(): void {
+  protected override willUpdate(changed: PropertyValues<this>): void {
+    if (changed.has("topic")) this.plots.clear();
+    // The same list comes anew with each drawing of the board: only another one is chosen.
+    const wanted = JSON.stringify(this.fields);
+    if (wanted !== this.plotted) this.plots.choose(this.fields);
+    this.plotted = wanted;
     this.follower.follow(this.context?.site ?? "", this.topic, RATE);
   }
 
@@ -68,8 +81,17 @@ export class TopicBoardTile extends LitElement {
         <input type="search" aria-label=${`Search ${this.topic}`} placeholder="Search a field" .value=${this.search} @input=${this.onSearch} />
         ${renderTopicStatus(facts)} <a href=${topicPagePath(this.context?.site ?? "", this.topic)}>Topic</a>
       </div>
-      ${renderTopicTrouble(facts)} ${tree === undefined || facts.state === "forbidden" ? nothing : html`<t-message-tree .value=${tree} .search=${this.search}></t-message-tree>`}`;
+      ${renderTopicTrouble(facts)}
+      ${facts.state === "forbidden" ? nothing : html`<t-field-plot .traces=${this.plots.traces} .nowMs=${nowMs} @t-plot=${this.onPlot}></t-field-plot>`}
+      ${tree === undefined || facts.state === "forbidden"
+        ? nothing
+        : html`<t-message-tree .value=${tree} .search=${this.search} .plotted=${this.plots.paths} @t-plot=${this.onPlot}></t-message-tree>`}`;
   }
+
+  private readonly onPlot = (event: CustomEvent<string>): void => {
+    this.plots.toggle(event.detail);
+    this.requestUpdate();
+  };
 
   private readonly onSearch = (event: Event): void => {
     if (event.target instanceof HTMLInputElement) this.search = event.target.value;
