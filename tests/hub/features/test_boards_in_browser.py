@@ -29,7 +29,7 @@ async def test_a_person_makes_arranges_shares_and_restores_a_board(chromium, hub
     await page.goto(f"{hub.origin}/boards")
     await page.get_by_role("link", name="Cockpit of").click()
     await expect(page.locator("t-board-tile").first).to_be_visible()
-    # On a phone nothing is wider than it, and what is wider than its tile scrolls there by keyboard.
+    # On a phone nothing is wider than the phone.
     await page.set_viewport_size({"width": 390, "height": 844})
     await expect(page.get_by_text("0.500").first).to_be_visible()
     assert await page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -1,7 +1,7 @@
 /** Ties endless rows to an element: older ones are asked for when its `.end` comes into view. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { comeback } from "../wire/comeback.js";
+import { comeback } from "../wire/backoff.js";
 import { InfiniteRows, type RowsPage, type IdentifiedRow } from "./infinite-rows.js";
 
 type InfiniteListHost = ReactiveControllerHost & { readonly renderRoot: ParentNode };

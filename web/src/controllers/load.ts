@@ -1,7 +1,7 @@
 /** Loads something for an element, once for each question; what failed is asked again once the hub is there again. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { comeback } from "../wire/comeback.js";
+import { comeback } from "../wire/backoff.js";
 
 export type Loaded<T> =
   | { readonly state: "idle" }

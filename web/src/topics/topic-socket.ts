@@ -1,9 +1,8 @@
 /** One raw topic of a robot over a socket of its own; the robot is heard for it while it is open. */
 
 import type { TopicBytes, TopicMessage, TopicToBrowser, TopicUpdate } from "../generated/wire.js";
-import { backoffMs } from "../wire/backoff.js";
+import { backoffMs, comeback } from "../wire/backoff.js";
 import { decodeTopic, encodeMessage, FrameError } from "../wire/codec.js";
-import { comeback } from "../wire/comeback.js";
 
 export type TopicLink = "connecting" | "open" | "lost" | "refused";
 

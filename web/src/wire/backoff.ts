@@ -1,4 +1,4 @@
-/** How long to wait before a lost connection is tried again. */
+/** When what was lost is tried again: after a while by itself, and at once where there is reason to. */
 
 const FIRST_MS = 250;
 const LONGEST_MS = 2000;
@@ -15,3 +15,21 @@ export function backoffMs(attempt: number, random: number): number {
   const full = Math.min(LONGEST_MS, FIRST_MS * 2 ** Math.min(attempt, 20));
   return full / 2 + (full / 2) * random;
 }
+
+/** Tells what stands still that asking again makes sense: the hub is there again, or somebody has signed in. */
+export class Comeback {
+  private readonly waiting = new Set<() => void>();
+
+  /** Calls `resume` each time, until what it returns is called. */
+  subscribe(resume: () => void): () => void {
+    this.waiting.add(resume);
+    return () => this.waiting.delete(resume);
+  }
+
+  announce(): void {
+    for (const resume of [...this.waiting]) resume();
+  }
+}
+
+/** That of this page: sockets and questions everywhere wait for the same hub. */
+export const comeback = new Comeback();

@@ -1,9 +1,8 @@
 /** One camera's pictures over a socket of their own, so that they never stand before a command. */
 
 import type { MediaToBrowser, CameraPicture, CameraPictureBoxes } from "../generated/wire.js";
-import { backoffMs } from "./backoff.js";
+import { backoffMs, comeback } from "./backoff.js";
 import { decodeMedia, encodeMessage, FrameError } from "./codec.js";
-import { comeback } from "./comeback.js";
 
 export type MediaState = "connecting" | "open" | "lost" | "refused";
 

@@ -1,7 +1,7 @@
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { expect, test } from "vitest";
 import { LoadController } from "../../src/controllers/load.js";
-import { comeback } from "../../src/wire/comeback.js";
+import { comeback } from "../../src/wire/backoff.js";
 
 /** An element that draws at once. */
 class Host implements ReactiveControllerHost {

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { comeback } from "../../src/wire/comeback.js";
+import { comeback } from "../../src/wire/backoff.js";
 import { mediaPath, MediaSocket, socketUrl, type MediaState } from "../../src/wire/media-socket.js";
 import type { CameraPicture, CameraPictureBoxes } from "../../src/generated/wire.js";
 import { FakeSocket } from "./fake-socket.js";

@@ -30,7 +30,7 @@ import { Session } from "../../state/session.js";
 import { Sites } from "../../state/sites.js";
 import { ThemeChoice } from "../../state/theme.js";
 import { UserActivity } from "../../state/user-activity.js";
-import { comeback } from "../../wire/comeback.js";
+import { comeback } from "../../wire/backoff.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/hub-api.js";
 import { socketUrl } from "../../wire/media-socket.js";

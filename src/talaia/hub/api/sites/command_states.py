@@ -1,8 +1,8 @@
-"""From which states of a node a command leads on, for pages that show what is possible. Pure."""
+"""What signals and commands are of a robot's nodes, for pages that show what is possible. Pure."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from talaia.hub.api.schemas.observatory_schemas import StateNeed
 from talaia.hub.auth.permissions import Grants, sees_signal
@@ -11,9 +11,31 @@ from talaia.model.connections.ros import LIFECYCLE_TRANSITIONS, TRANSITION
 from talaia.model.site import CommandKind, SignalType
 
 if TYPE_CHECKING:
-    from talaia.model.site import Command, Site
+    from talaia.model.site import Command, Signal, Site
 
-__all__ = ["state_need"]
+__all__ = ["command_part", "signal_part", "state_need"]
+
+# A part of a node: neither, where a signal or command is of something else.
+NodePart = Literal["", "parameter", "lifecycle"]
+
+_COMMANDS: dict[CommandKind, NodePart] = {
+    CommandKind.PARAMETER: "parameter",
+    CommandKind.LIFECYCLE: "lifecycle",
+}
+
+
+def signal_part(signal: Signal) -> NodePart:
+    """Tell whether a signal is a parameter or the state of a life cycle."""
+    # Of another kind of connection both are empty.
+    source = source_as(signal.source, RosSource)
+    if source.parameter:
+        return "parameter"
+    return "lifecycle" if source.lifecycle else ""
+
+
+def command_part(command: Command) -> NodePart:
+    """Tell whether a command sets parameters or is a transition of a life cycle."""
+    return _COMMANDS.get(command.kind, "")
 
 
 def state_need(site: Site, device: str, command: Command, grants: Grants) -> StateNeed | None:

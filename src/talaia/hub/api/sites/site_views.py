@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from talaia.hub.api.schemas.common import (
     StreamShape,
 )
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
-from talaia.hub.api.sites.command_states import state_need
+from talaia.hub.api.sites.command_states import command_part, signal_part, state_need
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,
@@ -34,7 +34,6 @@ from talaia.hub.auth.permissions import (
     sees_stream,
     sees_unblurred,
 )
-from talaia.model.connection import RosSource, source_as
 from talaia.model.derived_signals import detect_of
 from talaia.model.discovery.role_proposal import meanings_of, place_arguments, roles_of
 from talaia.model.interlocks.unguarded import unguarded_devices
@@ -51,12 +50,6 @@ if TYPE_CHECKING:
     from talaia.model.site import Command, Device, Drive, Signal, Site
 
 __all__ = ["describe_site", "list_devices", "summarise_site"]
-
-# What of ROS a command is for.
-_ROS_COMMANDS: dict[CommandKind, Literal["", "parameter", "lifecycle"]] = {
-    CommandKind.PARAMETER: "parameter",
-    CommandKind.LIFECYCLE: "lifecycle",
-}
 
 # Sees only what is public.
 _GUEST = Grants()
@@ -232,8 +225,6 @@ def _signal_schema(
     device_id: str, signal_id: str, signal: Signal, role: SignalRole | None
 ) -> SignalShape:
     address = f"{device_id}/{signal_id}"
-    # Of another kind of connection both are empty.
-    source = source_as(signal.source, RosSource)
     decimals = signal.decimals
     # The description leaves them to the unit.
     if decimals < 0:
@@ -254,7 +245,7 @@ def _signal_schema(
         max_age=signal.stale_after,
         primary=signal.primary,
         public=signal.visibility is Visibility.PUBLIC,
-        ros="parameter" if source.parameter else "lifecycle" if source.lifecycle else "",
+        ros=signal_part(signal),
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
     )
 
@@ -290,7 +281,7 @@ def _command_schema(
             for argument_id, argument in command.arguments.items()
         ],
         needs=needs,
-        ros=_ROS_COMMANDS.get(command.kind, ""),
+        ros=command_part(command),
     )
 
 

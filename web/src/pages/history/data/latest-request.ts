@@ -4,7 +4,7 @@
  * while it moves, and the hub never gets more than one question ahead of what is seen.
  */
 
-import { comeback } from "../../../wire/comeback.js";
+import { comeback } from "../../../wire/backoff.js";
 
 export type RequestStatus = "idle" | "loading" | "ready" | "failed";
 
