@@ -4,12 +4,10 @@
  */
 
 import type { BoardShape, BoardTileShape, DeviceShape, SignalShape, SiteShape } from "../generated/api.js";
+import { TEMPLATE_KEY } from "../state/router.js";
 import { COLUMNS, firstFree, type GridItem } from "./grid.js";
 import { DEVICE } from "./references.js";
 import type { TileSettings } from "./tile-settings.js";
-
-/** How the key of a template begins; behind it is the site, and the device where it is for one. */
-const TEMPLATE = "template:";
 
 export interface TemplateBoard {
   readonly key: string;
@@ -33,14 +31,14 @@ class TemplateTiles {
   }
 }
 
-export function siteTemplateKey(site: string): string {
-  return `${TEMPLATE}${site}`;
+function siteTemplateKey(site: string): string {
+  return `${TEMPLATE_KEY}${site}`;
 }
 
 /** The site and the device of a template's key; null where it is none. */
 export function readTemplateKey(key: string): { readonly site: string; readonly device: string } | null {
-  if (!key.startsWith(TEMPLATE)) return null;
-  const [site = "", device = ""] = key.slice(TEMPLATE.length).split(":");
+  if (!key.startsWith(TEMPLATE_KEY)) return null;
+  const [site = "", device = ""] = key.slice(TEMPLATE_KEY.length).split(":");
   return site === "" ? null : { site, device };
 }
 

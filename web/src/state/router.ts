@@ -93,6 +93,14 @@ export function routeOf(path: string): Route {
   return page === undefined || site === "" ? { page: "missing", site: "", device: "" } : { page, site, device: "" };
 }
 
+/** How the key of a board that is made of a description begins; behind it is the site, and the device where it is for one. */
+export const TEMPLATE_KEY = "template:";
+
+/** The path of the board that is made of a site's description. */
+export function templatePath(site: string): string {
+  return boardPath(`${TEMPLATE_KEY}${site}`);
+}
+
 /** The path of a board. */
 export function boardPath(key: string): string {
   return `/boards/${encodeURIComponent(key)}`;

@@ -5,14 +5,13 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { siteTemplateKey } from "../../boards/templates.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
-import { boardPath, sitePath, type PageName, type Router } from "../../state/router.js";
+import { sitePath, templatePath, type PageName, type Router } from "../../state/router.js";
 import { THEMES } from "../../state/theme.js";
 import type { Me } from "../../generated/api.js";
 import type { LinkState } from "../../wire/connection.js";
@@ -296,7 +295,7 @@ export class Header extends LitElement {
     if (!(event.target instanceof HTMLSelectElement)) return;
     const page = this.router.route.page;
     if (page === "board") {
-      this.router.navigate(boardPath(siteTemplateKey(event.target.value)));
+      this.router.navigate(templatePath(event.target.value));
       return;
     }
     const kept =
