@@ -36,13 +36,19 @@ class PagesFeature(Feature):
         audit: Audit,
     ) -> None:
         """Serve the sockets of pages by ``service``."""
+        shown = ShownUnits(core.database)
         sites = SitePages(
-            sites=core.sites, audit=audit, sightings=sightings.store, clock=core.clock
+            sites=core.sites,
+            shown=shown,
+            audit=audit,
+            sightings=sightings.store,
+            clock=core.clock,
         )
         self.sockets = [PageSockets(admission=admission, service=service).router()]
         # `Pages` last: it takes every path.
         self.routers = [
             sites.make_router(),
+            UnitChoicePages(core.sites, shown).make_router(),
             ApiDescription().make_router(),
             Pages(static_dir()).make_router(),
         ]

@@ -69,6 +69,7 @@ __all__ = [
     "ProblemShape",
     "SeriesShape",
     "SetupAsk",
+    "ShownUnitShape",
     "SignalShape",
     "SiteShape",
     "SiteSummary",
@@ -176,8 +177,19 @@ class SiteSummary(Schema):
     stale: int
 
 
+class ShownUnitShape(Schema):
+    """How values of a unit are shown to you: times ``factor``, plus ``offset``."""
+
+    unit: str
+    factor: float
+    offset: float
+    decimals: int
+
+
 class SignalShape(Schema):
     """A signal; ``channels`` are the addresses to subscribe to.
+
+    ``unit`` is that of its values everywhere; a page shows them as ``shown`` says, where it does.
 
     ``max_age`` is in seconds, and 1e9 of one that never goes stale.
 
@@ -202,6 +214,7 @@ class SignalShape(Schema):
     primary: bool
     public: bool
     channels: list[str]
+    shown: ShownUnitShape | None
 
 
 class DetectShape(Schema):
@@ -310,6 +323,8 @@ class SiteShape(Schema):
     devices: list[DeviceShape]
     rules: list[RuleShape]
     enclosures: list[EnclosureShape]
+    # By the unit of values as they are stored; of units that are shown as they are there is none.
+    shown_units: dict[str, ShownUnitShape]
 
 
 class GapShape(Schema):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from talaia.hub.api.schemas.common import (
     DetectShape,
     DeviceShape,
     DriveShape,
+    ShownUnitShape,
     SignalShape,
     SiteShape,
     SiteSummary,
@@ -20,6 +22,7 @@ from talaia.hub.api.schemas.common import (
 )
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
 from talaia.hub.api.sites.command_states import state_need
+from talaia.hub.api.sites.shown_signals import ShownSignals
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,
@@ -42,22 +45,27 @@ from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, par
 from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
     from talaia.hub.live.sites import LiveSite
     from talaia.model.detection import Detect
     from talaia.model.discovery.role_proposal import DeviceRoles
     from talaia.model.site import Command, Device, Drive, Signal, Site
+    from talaia.model.units.conversion import Conversion
 
 __all__ = ["describe_site", "list_devices", "summarise_site"]
 
+_AS_STORED: Mapping[str, Conversion] = MappingProxyType({})
 # Sees only what is public.
 _GUEST = Grants()
 
 
-def describe_site(live: LiveSite, grants: Grants) -> SiteShape:
-    """Describe a site, leaving out what is not open to the person."""
+def describe_site(
+    live: LiveSite, grants: Grants, shown: Mapping[str, Conversion] = _AS_STORED
+) -> SiteShape:
+    """Describe a site, leaving out what is not open to the person; ``shown`` is by stored unit."""
     site = live.description
+    ways = ShownSignals(site, shown)
     # Addresses of the commands that keep a roof's own supervision quiet.
     heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
     return SiteShape(
@@ -70,12 +78,13 @@ def describe_site(live: LiveSite, grants: Grants) -> SiteShape:
         catalogue=live.edition,
         place=describe_place(site, grants),
         devices=[
-            _device_schema(site, device_id, device, grants, heartbeats=heartbeats)
+            _device_schema(site, device_id, device, grants, heartbeats=heartbeats, shown=ways)
             for device_id, device in site.devices.items()
             if sees_device(grants, site, device_id)
         ],
         rules=describe_rules(site, grants),
         enclosures=describe_enclosures(site, grants),
+        shown_units={unit: ShownUnitShape(**way._asdict()) for unit, way in shown.items()},
     )
 
 
@@ -147,7 +156,13 @@ def _visible_signals(
 
 
 def _device_schema(
-    site: Site, device_id: str, device: Device, grants: Grants, *, heartbeats: Collection[str]
+    site: Site,
+    device_id: str,
+    device: Device,
+    grants: Grants,
+    *,
+    heartbeats: Collection[str],
+    shown: ShownSignals,
 ) -> DeviceShape:
     uses = grants.has_right(Right.USE, site.site, device_id)
     views = grants.has_right(Right.VIEW, site.site, device_id)
@@ -157,7 +172,12 @@ def _device_schema(
         name=device.name,
         kind=device.kind,
         signals=[
-            _signal_schema(device_id, signal_id, signal, roles.signals.get(signal_id))
+            _signal_schema(
+                f"{device_id}/{signal_id}",
+                signal,
+                roles.signals.get(signal_id),
+                shown.conversion_of(signal),
+            )
             for signal_id, signal in device.signals.items()
             if sees_signal(grants, site, device_id, signal_id)
         ],
@@ -222,15 +242,14 @@ def _slew_schema(device: Device, roles: DeviceRoles) -> SlewShape | None:
 
 
 def _signal_schema(
-    device_id: str, signal_id: str, signal: Signal, role: SignalRole | None
+    address: str, signal: Signal, role: SignalRole | None, shown: Conversion | None
 ) -> SignalShape:
-    address = f"{device_id}/{signal_id}"
     decimals = signal.decimals
     # The description leaves them to the unit.
     if decimals < 0:
-        decimals = unit_of(address, signal.unit).decimals
+        decimals = unit_of(signal.unit).decimals
     return SignalShape(
-        id=signal_id,
+        id=address.partition("/")[2],
         address=address,
         name=signal.name,
         type=signal.type,
@@ -246,6 +265,7 @@ def _signal_schema(
         primary=signal.primary,
         public=signal.visibility is Visibility.PUBLIC,
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
+        shown=None if shown is None else ShownUnitShape(**shown._asdict()),
     )
 
 
