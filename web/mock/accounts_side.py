@@ -134,6 +134,18 @@ def own(routes: APIRouter, accounts: Accounts) -> None:
         name = request.state.who
         return next((one for one in accounts.people if one["name"] == name), {})
 
+    @routes.get("/api/me/units")
+    async def units() -> JSONResponse:
+        choices = {"m/s": ["km/h", "mph", "kn"], "°C": ["°F", "K"]}
+        return JSONResponse(
+            {
+                "units": [
+                    {"unit": unit, "name": unit, "sites": [], "shown": "", "choices": others}
+                    for unit, others in choices.items()
+                ]
+            }
+        )
+
     @routes.post("/api/me/password")
     async def password(request: Request) -> Response:
         if (await request.json()).get("old") != "demo":

@@ -25,6 +25,7 @@ def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any
         "decimals": signal.decimals,
         "minimum": signal.minimum,
         "maximum": signal.maximum,
+        "shown": None,
         "states": signal.states,
         "meanings": signal.meanings,
         "frame": signal.frame,
@@ -42,6 +43,8 @@ def drive_json(device: Device) -> dict[str, Any] | None:
         return None
     return {
         "max_speed": drive.max_speed,
+        "shown_speed": None,
+        "shown_turn": None,
         "max_reverse": drive.max_speed if drive.max_reverse is None else drive.max_reverse,
         "max_turn": drive.max_turn,
         "ttl": drive.ttl,

@@ -168,6 +168,7 @@ def build(site: Site) -> FastAPI:
             "place": None,
             "rules": [],
             "enclosures": [],
+            "shown_units": {},
             "devices": devices if name == site.site else [],
         }
         return JSONResponse(detail)

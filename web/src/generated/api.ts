@@ -115,6 +115,8 @@ export interface DriveShape {
   readonly picture: string;
   readonly position: string;
   readonly stop: boolean;
+  readonly shown_speed: ShownUnitShape | null;
+  readonly shown_turn: ShownUnitShape | null;
 }
 
 /** The newest events first. ``more``: older ones of the window were left out. */
@@ -221,6 +223,14 @@ export interface SetupAsk {
   readonly password: string;
 }
 
+/** How values of a unit are shown to you: times ``factor``, plus ``offset``. */
+export interface ShownUnitShape {
+  readonly unit: string;
+  readonly factor: number;
+  readonly offset: number;
+  readonly decimals: number;
+}
+
 /** A signal; ``channels`` are the addresses to subscribe to. */
 export interface SignalShape {
   readonly id: string;
@@ -239,6 +249,7 @@ export interface SignalShape {
   readonly primary: boolean;
   readonly public: boolean;
   readonly channels: readonly string[];
+  readonly shown: ShownUnitShape | null;
 }
 
 /** A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs. */
@@ -254,6 +265,7 @@ export interface SiteShape {
   readonly devices: readonly DeviceShape[];
   readonly rules: readonly RuleShape[];
   readonly enclosures: readonly EnclosureShape[];
+  readonly shown_units: Readonly<Record<string, ShownUnitShape>>;
 }
 
 /** A site in the list. */
@@ -2206,6 +2218,25 @@ export interface TileSignalShape {
   readonly unit: string;
   readonly id: string;
   readonly role: SignalRole | "";
+}
+
+/** A unit of values that you may see, and in which others they can be shown. */
+export interface UnitChoice {
+  readonly unit: string;
+  readonly name: string;
+  readonly sites: readonly string[];
+  readonly shown: string;
+  readonly choices: readonly string[];
+}
+
+/** What to show in what: stored unit to shown unit. What is not named is as the site has it. */
+export interface UnitChoiceAsk {
+  readonly shown: Readonly<Record<string, string>>;
+}
+
+/** Your choices; units that can be shown in no other are left out. */
+export interface UnitChoiceList {
+  readonly units: readonly UnitChoice[];
 }
 
 /** A broker that the hub connects to, as the file that it was started with says. */

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.accounts.unit_choices import UnitChoicePages
 from talaia.hub.api.openapi import ApiDescription
 from talaia.hub.api.sites.sites import SitePages
 from talaia.hub.api.sockets.page_sockets import PageSockets
 from talaia.hub.api.static_pages import Pages
 from talaia.hub.features.feature import Feature
+from talaia.hub.store.accounts.shown_units import ShownUnits
 from talaia.web import static_dir
 
 if TYPE_CHECKING:

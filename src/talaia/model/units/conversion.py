@@ -39,6 +39,10 @@ class Conversion(NamedTuple):
     offset: float
     decimals: int
 
+    def convert(self, value: float) -> float:
+        """Give a stored value as it is shown."""
+        return value * self.factor + self.offset
+
     def of_difference(self) -> Conversion:
         """Give the one for what is the difference of two values: 1 °C more is 1.8 °F more."""
         return self._replace(offset=0.0)
@@ -86,7 +90,9 @@ def units_like(symbol: str) -> list[str]:
         return []
     own = OTHER_NAMES.get(symbol, symbol)
     return [
-        other for other, found in MEASURES.items() if found.powers == measure.powers and other != own
+        other
+        for other, found in MEASURES.items()
+        if found.powers == measure.powers and other != own
     ]
 
 
@@ -95,6 +101,8 @@ def likely_unit(text: str) -> str:
 
     Where those that are spelled alike measure different things, none is proposed: °F is no angle.
     """
+    if measure_of(text) is not None:
+        return ""
     folded = {symbol.casefold(): symbol for symbol in MEASURES if len(symbol) > 1}
     # Small letters for capitals first: ``KPA``, ``hz``.
     if text.casefold() in folded:

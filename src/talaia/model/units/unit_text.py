@@ -36,7 +36,8 @@ _RAISED = str.maketrans("⁻−⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 @lru_cache(maxsize=2000)
 def measure_of(text: str) -> Measure | None:
     """Tell what a unit measures; None where nobody knows it. No text makes it raise."""
-    known = MEASURES.get(OTHER_NAMES.get(text, text))
+    text = OTHER_NAMES.get(text, text)
+    known = MEASURES.get(text)
     if known is not None:
         return known
     if not text or len(text) > LONGEST_UNIT:
@@ -98,6 +99,6 @@ def _measure_of_name(name: str) -> Measure | None:
         # Pixels are no pulses: each is a dimension of its own.
         return Measure(((name, 1),), 1.0)
     # Here and not above: most descriptions need no more than the table.
-    from talaia.model.units.pint_names import measure_by_pint  # noqa: PLC0415
+    from talaia.model.units.pint_names import measure_by_pint
 
     return measure_by_pint(name)

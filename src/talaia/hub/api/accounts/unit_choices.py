@@ -55,12 +55,13 @@ class UnitChoicePages:
         """Say in which units you want to see values, from now on; nothing stored is changed."""
         known = await asyncio.to_thread(shown_units, asked.shown)
         for stored, shown in asked.shown.items():
-            if stored not in known:
+            # As stored, whatever the site prefers.
+            if stored != shown and stored not in known:
                 raise ApiProblem(422, "invalid", f"{stored} cannot be shown in {shown}")
         await self._shown.choose(who_of(request).user, asked.shown)
 
     def _units_seen(self, grants: Grants) -> dict[str, list[str]]:
-        """Give the units of the signals that are open to somebody, with the sites that have them."""
+        """Give the units of the signals that somebody may see, with the sites that have them."""
         found: dict[str, list[str]] = {}
         for live in self._sites:
             site = live.description

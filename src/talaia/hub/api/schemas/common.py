@@ -273,7 +273,10 @@ class CommandShape(Schema):
 
 
 class DriveShape(Schema):
-    """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
+    """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software).
+
+    Pages show speeds and turns to you as ``shown_speed`` and ``shown_turn`` say, where they do.
+    """
 
     max_speed: float  # m/s
     max_reverse: float
@@ -284,6 +287,8 @@ class DriveShape(Schema):
     picture: str
     position: str
     stop: bool
+    shown_speed: ShownUnitShape | None
+    shown_turn: ShownUnitShape | None
 
 
 class DeviceShape(Schema):

@@ -57,7 +57,7 @@ class ShownSignals:
             parts = [infer_quantity(part, self._quantities) for part in tree.parts]
             if tree.form == "-" and all(part.zero for part in parts):
                 return conversion.of_difference()
-            # With plain numbers in it nobody knows whether it is still on the scale: shown as it is.
+            # With plain numbers in it nobody knows what scale it is on: shown as it is.
             return conversion if infer_quantity(tree, self._quantities).factor else None
         except ExpressionError:
             # Checked when the description came; what cannot be read has no values, either.

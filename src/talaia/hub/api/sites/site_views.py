@@ -22,13 +22,13 @@ from talaia.hub.api.schemas.common import (
 )
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
 from talaia.hub.api.sites.command_states import state_need
-from talaia.hub.api.sites.shown_signals import ShownSignals
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,
     describe_pointing,
     describe_rules,
 )
+from talaia.hub.api.sites.shown_signals import ShownSignals
 from talaia.hub.auth.permissions import (
     Grants,
     Right,
@@ -207,7 +207,7 @@ def _device_schema(
             # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
         ],
-        drive=_drive_schema(device.drive) if device.drive and views else None,
+        drive=_drive_schema(device.drive, shown.by_unit) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
@@ -265,8 +265,12 @@ def _signal_schema(
         primary=signal.primary,
         public=signal.visibility is Visibility.PUBLIC,
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
-        shown=None if shown is None else ShownUnitShape(**shown._asdict()),
+        shown=_shown_schema(shown),
     )
+
+
+def _shown_schema(shown: Conversion | None) -> ShownUnitShape | None:
+    return None if shown is None else ShownUnitShape(**shown._asdict())
 
 
 def _detect_schema(detect: Detect | None) -> DetectShape | None:
@@ -303,7 +307,7 @@ def _command_schema(
     )
 
 
-def _drive_schema(drive: Drive) -> DriveShape:
+def _drive_schema(drive: Drive, shown: Mapping[str, Conversion]) -> DriveShape:
     return DriveShape(
         max_speed=drive.max_speed,
         # None: as fast as forwards.
@@ -315,4 +319,6 @@ def _drive_schema(drive: Drive) -> DriveShape:
         picture=drive.picture,
         position=drive.position,
         stop=True,
+        shown_speed=_shown_schema(shown.get("m/s")),
+        shown_turn=_shown_schema(shown.get("rad/s")),
     )
