@@ -1108,6 +1108,7 @@ export interface FindingShape {
   readonly remedy: string;
   readonly line: number;
   readonly column: number;
+  readonly note?: boolean;
 }
 
 /** Go back; ``base`` is the SHA-256 of what counts now, as the person saw it. */
