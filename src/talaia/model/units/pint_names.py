@@ -51,10 +51,11 @@ def measure_by_pint(name: str) -> Measure | None:
     start, step, next_step = zero.magnitude, one.magnitude - zero.magnitude, two.magnitude
     if not math.isclose(next_step - one.magnitude, step, rel_tol=1e-9) or not step > 0:
         return None
-    powers = {}
+    powers: dict[str, int] = {}
     for base, power in one.unit_items():
+        exponent = float(str(power))
         # Roots of units are nobody's unit.
-        if base not in _BASES or power != int(power):
+        if base not in _BASES or not exponent.is_integer():
             return None
-        powers[_BASES[base]] = int(power)
+        powers[_BASES[base]] = int(exponent)
     return Measure(tuple(sorted(powers.items())), step, start)

@@ -3,9 +3,11 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import type { ActionController } from "../../controllers/action.js";
 import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
+import { styled } from "../../elements/base/style-directive.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
