@@ -49,9 +49,11 @@ COMMANDS = {
     "generate": Subcommand(
         "talaia.cli.generate", "write a deployment: compose project and systemd units", ""
     ),
-    "hub": Subcommand("talaia.hub.run", "the server: accounts, history and dashboard", "hub"),
+    "hub": Subcommand(
+        "talaia.hub.command_line", "the server: accounts, history and dashboard", "hub"
+    ),
     "gateway": Subcommand(
-        "talaia.gateway.run", "the process that connects a robot to the hub", "ros2"
+        "talaia.gateway.program", "the process that connects a robot to the hub", "ros2"
     ),
     "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
     "account": Subcommand("talaia.cli.account", "create or change an account", "hub"),
@@ -84,8 +86,13 @@ COMMANDS = {
     "upgrade": Subcommand(
         "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
     ),
-    "doctor": Subcommand("talaia.cli.doctor", "say what of ROS, INDI and Talaia is here", ""),
+    "doctor": Subcommand(
+        "talaia.cli.examining.doctor", "say what is here, what runs, and what is missing", ""
+    ),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
+    "completion": Subcommand(
+        "talaia.cli.completion", "print what makes a shell complete commands and options", ""
+    ),
     "schema": Subcommand("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
 # These make keys, accounts, histories, recordings or descriptions: whatever they write is its
