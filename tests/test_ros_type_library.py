@@ -25,7 +25,7 @@ def workspace(tmp_path: Path) -> Path:
 
 def test_fields_are_read_from_a_folder_of_definitions(workspace: Path) -> None:
     library = RosTypeLibrary([workspace])
-    assert library.versions_of("my_robot/msg/State") == [
+    assert list(library.versions_of("my_robot/msg/State")) == [
         {
             "header": FieldKind("std_msgs/msg/Header"),
             "arm": FieldKind("float64", many=True, length=3),
@@ -33,18 +33,20 @@ def test_fields_are_read_from_a_folder_of_definitions(workspace: Path) -> None:
             "wheels": FieldKind("my_robot/msg/Wheel", many=True),
         }
     ]
-    assert library.versions_of("my_robot/srv/Ask", "_Request") == [{}]
-    assert library.versions_of("my_robot/srv/Ask", "_Response") == [{"done": FieldKind("bool")}]
-    assert library.versions_of("my_robot/action/Go", "_Goal") == [{"x": FieldKind("float64")}]
-    assert library.versions_of("my_robot/action/Go", "_Result") == [{}]
-    assert library.versions_of("my_robot/action/Go", "_Feedback") == [
+    assert list(library.versions_of("my_robot/srv/Ask", "_Request")) == [{}]
+    assert list(library.versions_of("my_robot/srv/Ask", "_Response")) == [
+        {"done": FieldKind("bool")}
+    ]
+    assert list(library.versions_of("my_robot/action/Go", "_Goal")) == [{"x": FieldKind("float64")}]
+    assert list(library.versions_of("my_robot/action/Go", "_Result")) == [{}]
+    assert list(library.versions_of("my_robot/action/Go", "_Feedback")) == [
         {"left": FieldKind("float32")}
     ]
 
 
 def test_a_file_that_cannot_be_read_tells_nothing_but_its_name(workspace: Path) -> None:
     library = RosTypeLibrary([workspace, workspace / "missing"])
-    assert library.versions_of("my_robot/msg/Broken") == []
+    assert list(library.versions_of("my_robot/msg/Broken")) == []
     assert library.names_in("my_robot", "msg") == ["Broken", "State"]
     assert "my_robot" in library.packages()
 
@@ -54,4 +56,4 @@ def test_common_types_are_known_without_a_ros_on_the_machine() -> None:
     assert any("linear" in fields for fields in library.versions_of("geometry_msgs/msg/Twist"))
     assert "LaserScan" in library.names_in("sensor_msgs", "msg")
     assert library.names_in("nobody_has_it", "msg") == []
-    assert library.versions_of("nobody_has_it/msg/Thing") == []
+    assert list(library.versions_of("nobody_has_it/msg/Thing")) == []

@@ -66,21 +66,21 @@ class RosTypeLibrary:
         """Know what is installed, and what lies in ``folders`` (``package/msg/Name.msg``)."""
         self._prefixes = installed_prefixes()
         self._named = _files_below(folders)
-        # By type and part; each is read once.
-        self._known: dict[str, list[Mapping[str, FieldKind]]] = {}
 
-    def versions_of(self, type_name: str, part: str = "") -> list[Mapping[str, FieldKind]]:
+    def versions_of(self, type_name: str, part: str = "") -> Iterator[Mapping[str, FieldKind]]:
         """Give the fields of each known version of a type; none where nothing knows it.
+
+        Those of files come first; a distribution's definitions are read when they are asked for.
 
         Args:
             type_name: ``package/msg/Name``, or with ``srv`` or ``action``.
             part: of a service or an action: ``_Request``, ``_Goal``, ``_Feedback``.
 
         """
-        key = type_name + part
-        if key not in self._known:
-            self._known[key] = [*self._read_files(type_name, part), *_read_stores(key)]
-        return self._known[key]
+        yield from self._read_files(type_name, part)
+        for store in _stores():
+            if type_name + part in store:
+                yield _fields_of(store[type_name + part])
 
     def names_in(self, package: str, middle: str) -> list[str]:
         """List the types of a package, ``Twist``; empty where nothing knows the package."""
@@ -134,6 +134,7 @@ def _files_below(folders: Iterable[Path]) -> dict[tuple[str, str, str], Path]:
     return found
 
 
+@functools.lru_cache(maxsize=1000)
 def _fields_in_file(
     path: Path, package: str, middle: str, part: str
 ) -> Mapping[str, FieldKind] | None:
@@ -158,20 +159,21 @@ def _fields_in_file(
     return _fields_of(types[f"{package}/msg/Part"])
 
 
-def _read_stores(name: str) -> Iterator[Mapping[str, FieldKind]]:
-    for store in _stores():
-        if name in store:
-            yield _fields_of(store[name])
+def _stores() -> Iterator[Mapping[str, Any]]:
+    """Give the definitions of each distribution, by type; none where rosbags is not installed."""
+    try:
+        from rosbags.typesys import Stores
+    except ModuleNotFoundError:
+        return
+    # The newest first: their messages have the most fields.
+    yield from (_store(name) for name in sorted(Stores.__members__, reverse=True))
 
 
 @functools.cache
-def _stores() -> tuple[Mapping[str, Any], ...]:
-    """Give the definitions of each distribution, by type; none where rosbags is not installed."""
-    try:
-        from rosbags.typesys import Stores, get_typestore
-    except ModuleNotFoundError:
-        return ()
-    return tuple(get_typestore(store).fielddefs for store in Stores)
+def _store(name: str) -> Mapping[str, Any]:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores[name]).fielddefs
 
 
 @functools.cache

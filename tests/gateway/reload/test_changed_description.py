@@ -145,7 +145,7 @@ async def test_bad_file_is_refused_with_path_and_remedy_and_the_last_good_one_ru
 ) -> None:
     async with following(tmp_path) as (hub, file):
         await peer.until_heard_by(1)
-        file.write_text(SITE.replace("unit: m/s", "unti: m/s, deadband: no"))
+        file.write_text(SITE.replace("unit: m/s", "unti: m/s\n        deadband: much"))
         told = await hub.next(ChangeState)
         assert told.phase is ChangePhase.REFUSED
         # All of them, though the first kept the rest from being read.

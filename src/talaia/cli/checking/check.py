@@ -93,7 +93,7 @@ class _TypesBesideFile:
         self._named = [self._folder / one for one in named if one]
         return with_files(site, self._folder)
 
-    def versions_of(self, type_name: str, part: str = "") -> Sequence[Mapping[str, FieldKind]]:
+    def versions_of(self, type_name: str, part: str = "") -> Iterator[Mapping[str, FieldKind]]:
         """See `KnownTypes`."""
         return self._all().versions_of(type_name, part)
 

@@ -22,7 +22,8 @@ from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.text_checks import check_text
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, NotReadable
-from talaia.model.yaml_text.load import site_in
+from talaia.model.yaml_text.load import plain_of_text, site_in
+from talaia.model.yaml_text.shape_errors import list_shape_errors
 from talaia.ros_type_library import RosTypeLibrary
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import ChangePhase, ChangeState
@@ -310,9 +311,15 @@ class ChangeRequests:
 
 
 def _all_mistakes(text: str) -> ChangeRefused | None:
-    """Give all that a text of the wrong shape has wrong; None where the text itself is right."""
-    mistakes = check_text(text).mistakes
-    if not mistakes:
+    """Give all that a text of the wrong shape has wrong; None where its shape is right."""
+    try:
+        wrong, _ = list_shape_errors(plain_of_text(text))
+    except DescriptionError:
+        # No YAML at all: that is all there is to say.
         return None
+    # What is wrong is a file beside it, then.
+    if not wrong:
+        return None
+    mistakes = check_text(text).mistakes
     found = tuple(Finding(each.where, each.problem, each.remedy) for each in mistakes)
     return ChangeRefused("the description cannot be used as written", found)

@@ -15,7 +15,7 @@ from talaia.model.closed_lists import CommandKind
 from talaia.model.connections.ros import RosSource
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from talaia.model.site import Command, Device, Signal, Site
 
@@ -43,8 +43,8 @@ class _Kind(Protocol):
 class KnownTypes(Protocol):
     """What knows types; see `talaia.ros_type_library.RosTypeLibrary`."""
 
-    def versions_of(self, type_name: str, part: str = "") -> Sequence[Mapping[str, _Kind]]:
-        """Give the fields of each known version of a type."""
+    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, _Kind]]:
+        """Give the fields of each known version of a type, the installed one first."""
         ...
 
     def names_in(self, package: str, middle: str) -> list[str]:
@@ -85,11 +85,9 @@ def ros_type_findings(site: Site, known: KnownTypes) -> RosTypeFindings:
         # One that is no type's name has its own finding.
         if not _TYPE.match(named.type):
             continue
-        versions = known.versions_of(named.type, named.part)
-        if versions:
-            for where, path in named.fields:
-                if FIELD.match(path) and (problem := _field_problem(known, versions, named, path)):
-                    mistakes.append(Finding(where, *problem))
+        problems = _field_problems(known, named)
+        if problems is not None:
+            mistakes += problems
             continue
         package, middle, name = named.type.split("/")
         names = known.names_in(package, middle)
@@ -159,18 +157,29 @@ def _asked_fields(where: str, command: Command) -> tuple[tuple[str, str], ...]:
     return (*arguments, *((f"{where}.fixed.{path}", path) for path in command.fixed))
 
 
-def _field_problem(
-    known: KnownTypes, versions: Sequence[Mapping[str, _Kind]], named: _Named, path: str
-) -> tuple[str, str] | None:
-    """Tell what is wrong with a path: nothing, as soon as one version of the type has it."""
-    problem = None
-    for fields in versions:
-        found = _follow_path(known, fields, named.type, path.split("."))
-        if found is None:
-            return None
-        # The first version is the installed one: what it lacks is told.
-        problem = problem or found
-    return problem
+def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
+    """Tell what is wrong with the fields of a type; None where nothing knows the type.
+
+    Right is what any version has; so further ones are read for what is missing in the first alone.
+    """
+    # A path that is none has its own finding.
+    open_ = {where: path for where, path in named.fields if FIELD.match(path)}
+    first: dict[str, tuple[str, str]] = {}
+    is_known = False
+    for fields in known.versions_of(named.type, named.part):
+        is_known = True
+        for where, path in list(open_.items()):
+            found = _follow_path(known, fields, named.type, path.split("."))
+            if found is None:
+                del open_[where]
+            else:
+                # The first version is the installed one: what it lacks is told.
+                first.setdefault(where, found)
+        if not open_:
+            break
+    if not is_known:
+        return None
+    return [Finding(where, *first[where]) for where in open_]
 
 
 def _follow_path(
@@ -191,12 +200,14 @@ def _follow_path(
         return f"{name} of {owner} is a {kind.base} and has no fields", f"leave out .{below}"
     if kind.many and "[" not in steps[0]:
         return f"{name} of {owner} is a list", f"write {name}[0].{below}"
-    problems = [
-        _follow_path(known, version, kind.base, steps[1:])
-        for version in known.versions_of(kind.base)
-    ]
-    # A part that nothing knows is no mistake; and any version that has it will do.
-    return None if not problems or None in problems else problems[0]
+    problem = None
+    for version in known.versions_of(kind.base):
+        found = _follow_path(known, version, kind.base, steps[1:])
+        # Any version that has it will do; and a part that nothing knows is no mistake.
+        if found is None:
+            return None
+        problem = problem or found
+    return problem
 
 
 def _index_problem(kind: _Kind, step: str) -> tuple[str, str] | None:
