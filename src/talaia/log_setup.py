@@ -58,7 +58,7 @@ class _TextFormatter(logging.Formatter):
 class _JsonFormatter(logging.Formatter):
     """One object of JSON in each line; times are UTC."""
 
-    converter = time.gmtime
+    converter = time.gmtime  # type: ignore[assignment] - typeshed takes it for a method
 
     def __init__(self, mask: Callable[[str], str]) -> None:
         super().__init__()

@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
@@ -49,7 +50,7 @@ export class AccountUnits extends LitElement {
       ${renderLoaded(this.known, "the units of your sites", (known) =>
         known.length === 0
           ? html`<p class="muted">No value that you may see has a unit that could be shown in another.</p>`
-          : html`<div class="units">${known.map((choice) => this.renderChoice(choice, known))}</div>`,
+          : html`<div class="units">${map(known, (choice) => this.renderChoice(choice, known))}</div>`,
       )}`;
   }
 
