@@ -58,16 +58,15 @@ class _TextFormatter(logging.Formatter):
 class _JsonFormatter(logging.Formatter):
     """One object of JSON in each line; times are UTC."""
 
-    converter = time.gmtime  # type: ignore[assignment] - typeshed takes it for a method
-
     def __init__(self, mask: Callable[[str], str]) -> None:
         super().__init__()
         self._mask = mask
 
     def format(self, record: logging.LogRecord) -> str:
         """Write a record, its traceback too, with each secret masked."""
+        moment = time.gmtime(record.created)
         row: dict[str, object] = {
-            "time": f"{self.formatTime(record, '%Y-%m-%dT%H:%M:%S')}.{int(record.msecs):03d}Z",
+            "time": f"{time.strftime('%Y-%m-%dT%H:%M:%S', moment)}.{int(record.msecs):03d}Z",
             "level": record.levelname.lower(),
             "logger": record.name,
             "message": self._mask(record.getMessage()),
