@@ -50,7 +50,6 @@ from talaia.hub.api.schemas import (
     sighting_schemas,
     tap_schemas,
     tile_schemas,
-    unit_schemas,
 )
 from talaia.model.units.unit import UNITS
 from talaia.wire import browser, message
@@ -93,7 +92,6 @@ SHAPES = (
     sighting_schemas,
     tap_schemas,
     tile_schemas,
-    unit_schemas,
     client_schemas,
 )
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}

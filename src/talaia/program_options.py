@@ -111,9 +111,11 @@ def parse_options(
 
 def settings_text(sources: Sequence[OptionSource]) -> str:
     """Print every option as the settings file has it, with where it comes from and its variable."""
-    rows = [(f"{each.name}: {_value_text(each.value)}", each) for each in sources]
+    rows = [(f"{option.name}: {_value_text(option.value)}", option) for option in sources]
     width = max((len(text) for text, _ in rows), default=0)
-    return "\n".join(f"{text:<{width}}  # {each.source} ({each.variable})" for text, each in rows)
+    return "\n".join(
+        f"{text:<{width}}  # {option.source} ({option.variable})" for text, option in rows
+    )
 
 
 def _options_of(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:

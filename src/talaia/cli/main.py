@@ -91,7 +91,9 @@ COMMANDS = {
     ),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
     "completion": Subcommand(
-        "talaia.cli.completion", "print what makes a shell complete commands and options", ""
+        "talaia.cli.examining.completion",
+        "print what makes a shell complete commands and options",
+        "",
     ),
     "schema": Subcommand("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }

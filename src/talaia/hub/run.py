@@ -1,4 +1,7 @@
-"""The hub as a process: open the door, serve until told to stop."""
+"""The hub as a process: open the door, serve until told to stop.
+
+Long, because start and end of the server are read together.
+"""
 
 from __future__ import annotations
 

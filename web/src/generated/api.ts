@@ -597,6 +597,25 @@ export interface TokenShape {
   readonly used_us: number;
 }
 
+/** A unit of values that you may see, and in which others they can be shown. */
+export interface UnitChoice {
+  readonly unit: string;
+  readonly name: string;
+  readonly sites: readonly string[];
+  readonly shown: string;
+  readonly choices: readonly string[];
+}
+
+/** What to show in what: stored unit to shown unit. What is not named is as the site has it. */
+export interface UnitChoiceAsk {
+  readonly shown: Readonly<Record<string, string>>;
+}
+
+/** Your choices; units that can be shown in no other are left out. */
+export interface UnitChoiceList {
+  readonly units: readonly UnitChoice[];
+}
+
 /** Make a one-time code for the gateway of a site; ``name`` is what people call it. */
 export interface CodeAsk {
   readonly site: string;
@@ -2219,25 +2238,6 @@ export interface TileSignalShape {
   readonly unit: string;
   readonly id: string;
   readonly role: SignalRole | "";
-}
-
-/** A unit of values that you may see, and in which others they can be shown. */
-export interface UnitChoice {
-  readonly unit: string;
-  readonly name: string;
-  readonly sites: readonly string[];
-  readonly shown: string;
-  readonly choices: readonly string[];
-}
-
-/** What to show in what: stored unit to shown unit. What is not named is as the site has it. */
-export interface UnitChoiceAsk {
-  readonly shown: Readonly<Record<string, string>>;
-}
-
-/** Your choices; units that can be shown in no other are left out. */
-export interface UnitChoiceList {
-  readonly units: readonly UnitChoice[];
 }
 
 /** A broker that the hub connects to, as the file that it was started with says. */

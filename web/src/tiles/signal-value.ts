@@ -3,7 +3,7 @@ import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
 import { messageLevel, stateLevel, type SeverityLevel } from "../format/severity.js";
 import { formatNumber } from "../format/number.js";
-import { shownText, shownUnit, toShown } from "../format/shown-unit.js";
+import { shownText, shownUnit, toShown } from "../format/unit.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
 import { base, quietText } from "../elements/base/base-style.js";
 import { angleText } from "./observatory/roles.js";

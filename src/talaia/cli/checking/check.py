@@ -46,7 +46,7 @@ def main(argv: Sequence[str]) -> int:
     checked = {path: check_file(path) for path in options.file}
     wrong = any(report.mistakes for report in checked.values())
     if options.json:
-        found = {str(path): (each.mistakes, each.notes) for path, each in checked.items()}
+        found = {str(path): (report.mistakes, report.notes) for path, report in checked.items()}
         print(json_text(found))
         return int(wrong)
     for path, report in checked.items():

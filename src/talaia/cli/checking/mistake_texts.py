@@ -67,9 +67,9 @@ def _width_of(line: str, column: int) -> int:
 def json_text(found: Mapping[str, tuple[Sequence[Mistake], Sequence[Mistake]]]) -> str:
     """Write the mistakes and the notes of each file as a JSON list, one object for each."""
     rows = [
-        {"file": name, "level": level, **each._asdict()}
+        {"file": name, "level": level, **mistake._asdict()}
         for name, (mistakes, notes) in found.items()
         for level, some in (("error", mistakes), ("note", notes))
-        for each in some
+        for mistake in some
     ]
     return json.dumps(rows, ensure_ascii=False, indent=2)

@@ -1,1 +1,1 @@
-"""Looking at the machine: which parts are there, and whether it is fit to run them."""
+"""What the command line says of itself and of its machine: completion, and the doctor."""

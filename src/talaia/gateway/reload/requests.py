@@ -1,6 +1,7 @@
 """Changes of the description while the gateway runs: of its own file, and asked for by the hub.
 
 One after the other. Whatever is wrong with a change, the description that counts stays.
+Long, because the way of a change is read from end to end.
 """
 
 from __future__ import annotations
@@ -321,5 +322,5 @@ def _all_mistakes(text: str) -> ChangeRefused | None:
     if not wrong:
         return None
     mistakes = check_text(text).mistakes
-    found = tuple(Finding(each.where, each.problem, each.remedy) for each in mistakes)
-    return ChangeRefused("the description cannot be used as written", found)
+    findings = tuple(Finding(found.where, found.problem, found.remedy) for found in mistakes)
+    return ChangeRefused("the description cannot be used as written", findings)

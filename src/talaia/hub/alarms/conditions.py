@@ -1,4 +1,7 @@
-"""Whether an alarm's condition holds, and why, by what is known now."""
+"""Whether an alarm's condition holds, and why, by what is known now.
+
+Long, because every kind of alarm is judged here.
+"""
 
 from __future__ import annotations
 

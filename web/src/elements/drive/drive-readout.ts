@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
-import { shownUnit, toShown } from "../../format/shown-unit.js";
+import { shownUnit, toShown } from "../../format/unit.js";
 import type { ShownUnitShape } from "../../generated/api.js";
 import { base, quietText } from "../base/base-style.js";
 import "../base/icon.js";

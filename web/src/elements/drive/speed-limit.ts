@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import { shownText } from "../../format/shown-unit.js";
+import { shownText } from "../../format/unit.js";
 import type { ShownUnitShape } from "../../generated/api.js";
 import { base, quietText } from "../base/base-style.js";
 

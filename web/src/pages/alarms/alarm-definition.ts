@@ -1,6 +1,6 @@
 /** An alarm's definition as the fields of a form, and back. Pure. */
 
-import { shownDifferenceText, shownText, type Showable } from "../../format/shown-unit.js";
+import { shownDifferenceText, shownText, type Showable } from "../../format/unit.js";
 import type { AlarmDefinition, AlarmKind, EscalationShape, SignalType } from "../../generated/api.js";
 
 export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }[] = [

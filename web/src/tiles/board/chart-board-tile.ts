@@ -8,7 +8,7 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChartAxis, ChartSeries, FollowWindow } from "../../elements/chart/chart-model.js";
 import { seriesMarks } from "../../elements/chart/series-marks.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
-import { shownUnit, toShown } from "../../format/shown-unit.js";
+import { shownUnit, toShown } from "../../format/unit.js";
 import { formatAge } from "../../format/duration.js";
 import { stateWord } from "../../format/state-label.js";
 import type { SignalShape } from "../../generated/api.js";

@@ -4,7 +4,7 @@ import { html, LitElement, nothing, css, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import type { ValueState } from "../../elements/values/value.js";
-import { shownUnit, toShown } from "../../format/shown-unit.js";
+import { shownUnit, toShown } from "../../format/unit.js";
 import { outOfRange } from "../../format/state-label.js";
 import type { SignalShape } from "../../generated/api.js";
 import "../../elements/values/gauge.js";

@@ -5,7 +5,7 @@ import { customElement, property } from "lit/decorators.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
-import { shownUnit } from "../../format/shown-unit.js";
+import { shownUnit } from "../../format/unit.js";
 import { formatAge } from "../../format/duration.js";
 import type { SignalShape } from "../../generated/api.js";
 import { roomFor, xyPairs } from "../../boards/xy-pairs.js";

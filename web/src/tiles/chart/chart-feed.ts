@@ -4,7 +4,7 @@ import { Trace } from "../../series/trace.js";
 import { LiveEdge } from "../../series/live-edge.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { SECOND_US } from "../../series/zone-clock.js";
-import { toShown } from "../../format/shown-unit.js";
+import { toShown } from "../../format/unit.js";
 import type { GapShape, HistoryAnswer, ShownUnitShape, SignalShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
@@ -32,7 +32,7 @@ const WRITTEN_S = 130;
 
 /** One channel of the feed. */
 export interface FeedChannel {
-  /** Numbers as they are shown to the person, see `format/shown-unit.ts`; parts of a position as they are stored. */
+  /** Numbers as they are shown to the person, see `format/unit.ts`; parts of a position as they are stored. */
   readonly trace: Trace;
   /** Stretches that the hub knows to be missing; added to in place. */
   readonly gaps: GapShape[];

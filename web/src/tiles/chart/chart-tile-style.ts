@@ -3,7 +3,7 @@
 import { css } from "lit";
 import { raisedBox, quietText } from "../../elements/base/base-style.js";
 import { formatNumber } from "../../format/number.js";
-import { shownText } from "../../format/shown-unit.js";
+import { shownText } from "../../format/unit.js";
 import type { SignalShape } from "../../generated/api.js";
 
 export interface PositionPart {

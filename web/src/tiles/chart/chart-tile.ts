@@ -20,7 +20,7 @@ import type { ValueState } from "../../elements/values/value.js";
 import { formatAge } from "../../format/duration.js";
 import { messageLevel, stateLevel } from "../../format/severity.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
-import { limitToShown, shownUnit, toStored } from "../../format/shown-unit.js";
+import { limitToShown, shownUnit, toStored } from "../../format/unit.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
 import { formatClock } from "../../format/time.js";
 import type { AlarmMark } from "../../series/alarm-marks.js";

@@ -5,7 +5,7 @@ import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
-import { shownText } from "../../format/shown-unit.js";
+import { shownText } from "../../format/unit.js";
 import type { EnclosurePartShape, EnclosureShape, SightingShape, SignalShape } from "../../generated/api.js";
 import { sensorsDisagree, type RoofSensor } from "./sensor-agreement.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";

@@ -4,8 +4,7 @@
  */
 
 import type { InterlockUpdate } from "../../generated/wire.js";
-import { differenceToShown, shownDifferenceText, shownText, shownUnit, toShown } from "../../format/shown-unit.js";
-import { formatWithUnit } from "../../format/unit.js";
+import { differenceToShown, formatWithUnit, shownDifferenceText, shownText, shownUnit, toShown } from "../../format/unit.js";
 import type { LimitShape, RuleShape, SignalShape } from "../../generated/api.js";
 
 export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 from talaia.hub.api.access import who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.unit_schemas import UnitChoice, UnitChoiceAsk, UnitChoiceList
+from talaia.hub.api.schemas.account_schemas import UnitChoice, UnitChoiceAsk, UnitChoiceList
 from talaia.hub.auth.permissions import sees_signal
 from talaia.model.units.conversion import shown_units, units_like
 from talaia.model.units.unit import unit_of

@@ -1,4 +1,7 @@
-"""A site's description as a person may see it. Pure."""
+"""A site's description as a person may see it. Pure.
+
+Long, because each part of a description has its view here.
+"""
 
 from __future__ import annotations
 

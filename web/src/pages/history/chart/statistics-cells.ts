@@ -2,7 +2,7 @@
 
 import { html, nothing, type TemplateResult } from "lit";
 import { decimalsFor, formatNumber, NOTHING } from "../../../format/number.js";
-import { differenceToShown, limitToShown } from "../../../format/shown-unit.js";
+import { differenceToShown, limitToShown } from "../../../format/unit.js";
 import type { ColumnsSummary } from "../../../series/columns.js";
 import type { StatisticsShape } from "../../../generated/api.js";
 import type { ChannelRow } from "../data/channel-rows.js";

@@ -1,6 +1,6 @@
 /** The channels of a site that have a history, and how they share charts. */
 
-import { shownUnit } from "../../../format/shown-unit.js";
+import { shownUnit } from "../../../format/unit.js";
 import type { DeviceShape, ShownUnitShape, SignalShape, SiteShape, StoredShape } from "../../../generated/api.js";
 
 /** One channel that can be chosen. */
@@ -9,7 +9,7 @@ export interface ChannelRow {
   readonly device: Pick<DeviceShape, "id" | "name">;
   readonly name: string;
   readonly type: "number" | "state" | "text";
-  /** As they are shown; see `format/shown-unit.ts`. */
+  /** As they are shown; see `format/unit.ts`. */
   readonly unit: string;
   readonly decimals: number;
   /** How stored values are shown; null: as they are. */

@@ -5,7 +5,7 @@ import { Trace } from "../../../series/trace.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import { samplesOf } from "../../../tiles/chart/history-samples.js";
-import { toShown } from "../../../format/shown-unit.js";
+import { toShown } from "../../../format/unit.js";
 import type { GapShape, HistoryAnswer, SeriesShape, ShownUnitShape } from "../../../generated/api.js";
 import type { HistoryQuery } from "../../../wire/hub-api.js";
 import { LatestRequest, type RequestStatus } from "./latest-request.js";

@@ -1,6 +1,6 @@
 /** Where outliers begin, in the unit that is shown. */
 
-import { limitToShown } from "../../../format/shown-unit.js";
+import { limitToShown } from "../../../format/unit.js";
 import type { OutlierShape, ShownUnitShape } from "../../../generated/api.js";
 
 // The same fence is the same object again: points are sought anew for another one only.

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { differenceToShown, limitToShown, shownDifferenceText, shownText, shownUnit, toShown, toStored } from "../../src/format/shown-unit.js";
+import { differenceToShown, limitToShown, shownDifferenceText, shownText, shownUnit, toShown, toStored } from "../../src/format/unit.js";
 import { shownFence } from "../../src/pages/history/data/shown-fence.js";
 import { channelRows } from "../../src/pages/history/data/channel-rows.js";
 import { ChartFeed } from "../../src/tiles/chart/chart-feed.js";

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from talaia.cli.completion import main, option_words
+from talaia.cli.examining.completion import main, option_words
 from talaia.cli.main import COMMANDS
 
 
