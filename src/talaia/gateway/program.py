@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.command_line import parse_arguments
 from talaia.program_options import print_settings
+from talaia.quiet_import import quiet_imports
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,6 +36,7 @@ def main(argv: Sequence[str]) -> int:
         print_settings(sources)
         return 0
     # The gateway with all its libraries: about a second of a core.
-    from talaia.gateway.run import run_gateway
+    with quiet_imports():
+        from talaia.gateway.run import run_gateway
 
     return run_gateway(arguments)

@@ -17,6 +17,7 @@ from talaia.hub.errors import CannotStart
 from talaia.hub.settings import Settings, is_loopback
 from talaia.log_setup import add_log_options
 from talaia.program_options import parse_options, print_settings
+from talaia.quiet_import import quiet_imports
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,7 +42,8 @@ def main(argv: Sequence[str]) -> int:
         sys.stderr.write(f"talaia hub: {error}\n")
         return 2
     # The server and all its libraries: more than a second of a core.
-    from talaia.hub.run import serve_hub
+    with quiet_imports():
+        from talaia.hub.run import serve_hub
 
     return serve_hub(settings, options.log_level, options.log_format)
 
