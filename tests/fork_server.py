@@ -46,8 +46,9 @@ ROS2 = ("ros_wheels_bootstrapper", "rclpy", "rclpy.executors", "rclpy.node", "rc
         "std_srvs.srv", "rcl_interfaces.srv", "rosidl_generator_py")  # fmt: skip
 # What a command imports only when it is needed, which it always is.
 LATER = {
-    "gateway": (*ROS2, "talaia.gateway.adapters.ros2.adapter"),
-    "hub": ("pydantic.v1", "aiosqlite", "alembic.command", "alembic.context", "email_validator"),
+    "gateway": (*ROS2, "talaia.gateway.run", "talaia.gateway.adapters.ros2.adapter"),
+    "hub": ("talaia.hub.run", "pydantic.v1", "aiosqlite", "alembic.command", "alembic.context",
+            "email_validator"),
     "sim": (*ROS2, "talaia.sim.vehicle.node", "talaia.sim.vehicle.world",
             "talaia.sim.observatory.ros2_shell"),
 }  # fmt: skip

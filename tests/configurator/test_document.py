@@ -86,7 +86,7 @@ def test_saving_changes_one_line_and_leaves_the_comments() -> None:
 @pytest.mark.parametrize(
     ("path", "value", "node", "field"),
     [
-        ((*SPEED, "unit"), "m/z", SPEED, ("unit",)),
+        ((*SPEED, "unit"), "metres in one second of time", SPEED, ("unit",)),
         ((*SPEED, "minimum"), 7.0, SPEED, ("minimum",)),
         ((*SPEED, "source", "topic"), "odom", SPEED, ("source", "topic")),
         (

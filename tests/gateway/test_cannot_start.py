@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.gateway.run import main
+from talaia.gateway.program import main
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,9 +10,13 @@ import secrets
 import time
 from typing import TYPE_CHECKING, Any
 
+from described import CHOSEN
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 from keys_side import keys_router
+
+from talaia.model.units.conversion import units_like
+from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -133,6 +137,28 @@ def own(routes: APIRouter, accounts: Accounts) -> None:
     def mine(request: Request) -> dict[str, Any]:
         name = request.state.who
         return next((one for one in accounts.people if one["name"] == name), {})
+
+    @routes.get("/api/me/units")
+    async def units() -> JSONResponse:
+        return JSONResponse(
+            {
+                "units": [
+                    {
+                        "unit": unit,
+                        "name": unit_of(unit).name,
+                        "sites": ["House vehicle"],
+                        "shown": CHOSEN.get(unit, ""),
+                        "choices": units_like(unit),
+                    }
+                    for unit in ("m/s", "rad/s", "°C", "V", "m")
+                ]
+            }
+        )
+
+    @routes.put("/api/me/units", status_code=204)
+    async def choose_units(asked: dict[str, dict[str, str]]) -> None:
+        CHOSEN.clear()
+        CHOSEN.update(asked["shown"])
 
     @routes.post("/api/me/password")
     async def password(request: Request) -> Response:

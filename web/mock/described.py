@@ -7,9 +7,20 @@ from typing import TYPE_CHECKING, Any
 from seen_side import CLASSES
 
 from talaia.model.site import parts_of
+from talaia.model.units.conversion import shown_units
 
 if TYPE_CHECKING:
     from talaia.model.site import Device, Signal
+
+
+# Stored unit to shown unit, as the account page has chosen.
+CHOSEN: dict[str, str] = {}
+
+
+def shown_json(unit: str) -> dict[str, Any] | None:
+    """Say in which unit values are shown, as the hub does."""
+    way = shown_units(CHOSEN).get(unit)
+    return None if way is None else way._asdict()
 
 
 def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any]:
@@ -25,6 +36,7 @@ def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any
         "decimals": signal.decimals,
         "minimum": signal.minimum,
         "maximum": signal.maximum,
+        "shown": shown_json(signal.unit),
         "states": signal.states,
         "meanings": signal.meanings,
         "frame": signal.frame,
@@ -43,6 +55,8 @@ def drive_json(device: Device) -> dict[str, Any] | None:
         return None
     return {
         "max_speed": drive.max_speed,
+        "shown_speed": shown_json("m/s"),
+        "shown_turn": shown_json("rad/s"),
         "max_reverse": drive.max_speed if drive.max_reverse is None else drive.max_reverse,
         "max_turn": drive.max_turn,
         "ttl": drive.ttl,

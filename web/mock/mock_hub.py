@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 from accounts_side import CODE, Accounts, router
 from boards_side import router as boards_router
-from described import device_json
+from described import CHOSEN, device_json, shown_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
 from scene_side import scene_router
@@ -168,6 +168,7 @@ def build(site: Site) -> FastAPI:
             "place": None,
             "rules": [],
             "enclosures": [],
+            "shown_units": {unit: shown_json(unit) for unit in CHOSEN if shown_json(unit)},
             "devices": devices if name == site.site else [],
         }
         return JSONResponse(detail)

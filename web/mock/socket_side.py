@@ -213,7 +213,7 @@ class Browser:
         columns = now_columns(self.world, list(ask.channels), self.known, times)
         if not len(columns):
             return
-        base, channel, offset, value = pack_columns(columns)
+        base, channel, offset, value, *_ = pack_columns(columns)
         age = 0.0 if self.world.online else (time.time() - self.world.since) * 1000
         self.say(
             wire.Values(

@@ -6,17 +6,18 @@ import gc
 import importlib
 import os
 import sys
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from talaia import __version__
 from talaia.cli.errors import PartMissing
 from talaia.errors import TalaiaError
+from talaia.quiet_import import quiet_imports
 from talaia.ros_installation import ForeignRos, use_ros
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 __all__ = ["COMMANDS", "main"]
 
@@ -49,9 +50,11 @@ COMMANDS = {
     "generate": Subcommand(
         "talaia.cli.generate", "write a deployment: compose project and systemd units", ""
     ),
-    "hub": Subcommand("talaia.hub.run", "the server: accounts, history and dashboard", "hub"),
+    "hub": Subcommand(
+        "talaia.hub.command_line", "the server: accounts, history and dashboard", "hub"
+    ),
     "gateway": Subcommand(
-        "talaia.gateway.run", "the process that connects a robot to the hub", "ros2"
+        "talaia.gateway.program", "the process that connects a robot to the hub", "ros2"
     ),
     "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
     "account": Subcommand("talaia.cli.account", "create or change an account", "hub"),
@@ -84,8 +87,15 @@ COMMANDS = {
     "upgrade": Subcommand(
         "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
     ),
-    "doctor": Subcommand("talaia.cli.doctor", "say what of ROS, INDI and Talaia is here", ""),
+    "doctor": Subcommand(
+        "talaia.cli.examining.doctor", "say what is here, what runs, and what is missing", ""
+    ),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
+    "completion": Subcommand(
+        "talaia.cli.examining.completion",
+        "print what makes a shell complete commands and options",
+        "",
+    ),
     "schema": Subcommand("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
 # These make keys, accounts, histories, recordings or descriptions: whatever they write is its
@@ -132,7 +142,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             # This process is the command's own: what was imported stays until it ends, and no
             # garbage collection goes through it, the one at the end included.
             gc.freeze()
-        return run(arguments[1:])
+        # A hub and a gateway are imported once their words are read.
+        with _missing_parts(first, command):
+            return run(arguments[1:])
     # On purpose, so a sentence is enough; all else is a mistake of ours, and shows its traceback.
     except TalaiaError as error:
         print(f"talaia {first}: {error}", file=sys.stderr)
@@ -163,20 +175,19 @@ def _help_text() -> str:
     )
 
 
-def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
-    # Imports make no garbage to speak of. To look for it was a fifth of the time that a hub takes
-    # to import (0.22 of 1.13 s).
-    collecting = gc.isenabled()
-    gc.disable()
+@contextmanager
+def _missing_parts(name: str, command: Subcommand) -> Iterator[None]:
+    """Say which extra brings a module that is missing."""
     try:
-        module = importlib.import_module(command.module)
+        yield
     except ModuleNotFoundError as error:
         # A module of our own that is missing is no extra that one could install.
         if error.name is None or error.name.startswith("talaia"):
             raise
         raise PartMissing(f"talaia {name}", error.name, command.extra) from error
-    finally:
-        # Left off where a caller had it off.
-        if collecting:
-            gc.enable()
+
+
+def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
+    with _missing_parts(name, command), quiet_imports():
+        module = importlib.import_module(command.module)
     return cast("Callable[[Sequence[str]], int]", module.main)

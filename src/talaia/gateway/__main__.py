@@ -4,6 +4,6 @@ from __future__ import annotations
 
 import sys
 
-from talaia.gateway.run import main
+from talaia.gateway.program import main
 
 sys.exit(main(sys.argv[1:]))

@@ -12,12 +12,15 @@ from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import read_key_file
 from talaia.gateway.notices.settings import read_notice_settings
 from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
+from talaia.log_setup import add_log_options
+from talaia.program_options import parse_options
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.gateway.key_file import KeyFile
     from talaia.model.site import Site
+    from talaia.program_options import OptionSource
 
 __all__ = ["parse_arguments", "settings_of"]
 
@@ -28,8 +31,16 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"talaia gateway: {message}\n")
 
 
-def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
-    """Read the words; a mistake ends the process with 2 and one line."""
+def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[OptionSource]]:
+    """Read words, variables and settings file; a mistake ends the process with 2 and one line.
+
+    Returns:
+        The options, and where each comes from.
+
+    Raises:
+        OptionRefused: the settings file cannot be read, or does not fit.
+
+    """
     parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
     parser.add_argument("site", type=Path, help="site description (YAML)")
     parser.add_argument(
@@ -92,8 +103,9 @@ def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
     classic.add_argument(
         "--classic-token-file", type=Path, metavar="FILE", help="holds the token clients must give"
     )
-    parser.add_argument("--verbose", action="store_true", help="log more")
-    return parser.parse_args(argv)
+    parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
+    add_log_options(parser)
+    return parse_options(parser, argv, "TALAIA_GATEWAY_")
 
 
 def _read_port(text: str) -> int:

@@ -1,11 +1,10 @@
-"""``talaia gateway``: read the words and the description, run gateways until told to stop."""
+"""The gateway as a process: read the description, run gateways until told to stop."""
 
 from __future__ import annotations
 
 import asyncio
 import faulthandler
 import logging
-import os
 import signal
 import sys
 from typing import TYPE_CHECKING
@@ -15,12 +14,11 @@ import uvloop
 from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
-from talaia.gateway import enrolment
 from talaia.gateway.app import Gateway
-from talaia.gateway.command_line import parse_arguments, settings_of
-from talaia.gateway.notices import own_notices
+from talaia.gateway.command_line import settings_of
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.reload.discovered_devices import with_kept
+from talaia.log_setup import set_up_log
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import site_in
 from talaia.resource_usage import report_usage_on_signal
@@ -28,32 +26,21 @@ from talaia.service_manager import own_service_manager
 from talaia.time_slice import shorten_time_slice
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import argparse
 
     from talaia.gateway.settings import GatewaySettings
     from talaia.model.site import Site
 
-__all__ = ["main", "serve_gateway"]
+__all__ = ["run_gateway", "serve_gateway"]
 
 
-def main(argv: Sequence[str]) -> int:
+def run_gateway(arguments: argparse.Namespace) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
-    # Whatever it makes in its folder, now or later, is its own user's alone.
-    os.umask(0o077)
-    # Before the arguments are parsed: these two have arguments of their own.
-    if argv and argv[0] == "enrol":
-        return enrolment.main(argv[1:])
-    if argv and argv[0] == "test-notice":
-        return own_notices.main(argv[1:])
-    arguments = parse_arguments(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     # The process's own, which has a descriptor; whoever calls this may have put another in place.
     if sys.__stderr__ is not None:
         faulthandler.enable(sys.__stderr__)
-    logging.basicConfig(
-        level=logging.DEBUG if arguments.verbose else logging.INFO,
-        format="%(asctime)s %(levelname)s %(name)s: %(message)s",
-    )
+    set_up_log("debug" if arguments.verbose else arguments.log_level, arguments.log_format)
     # It logs each frame, which at DEBUG would be everything a robot says.
     logging.getLogger("websockets").setLevel(logging.WARNING)
     try:

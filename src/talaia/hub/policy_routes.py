@@ -311,6 +311,8 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     },
     "pages": {
         # For whoever watches the hub from outside, without an account.
+        ("GET", "/api/me/units"): AccessNeed.OWN,
+        ("PUT", "/api/me/units"): AccessNeed.OWN,
         ("GET", "/api/health"): AccessNeed.OPEN,
         ("GET", "/api/openapi.json"): AccessNeed.ADMIN,
         # Lists what is open to the person, and no more.

@@ -1,22 +1,19 @@
-"""``talaia hub``: read the settings, open the door, serve until told to stop.
+"""The hub as a process: open the door, serve until told to stop.
 
-Long, because options, start and end of the server are read together.
+Long, because start and end of the server are read together.
 """
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import contextlib
 import datetime as dt
 import faulthandler
-import ipaddress
 import logging
 import os
 import signal
 import socket
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import uvicorn
@@ -31,7 +28,6 @@ from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.api.server.large_messages import HubSocketProtocol
 from talaia.hub.api.server.silent_connections import SilentConnections, defer_silent
 from talaia.hub.app import build_hub
-from talaia.hub.audit_options import add_audit_options
 from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
     certificate_fingerprint,
@@ -42,9 +38,10 @@ from talaia.hub.certificate import (
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.live.gc_schedule import collect_at_rest
 from talaia.hub.lock import hub_lock
-from talaia.hub.settings import Settings, is_loopback
+from talaia.hub.settings import is_loopback
 from talaia.hub.store.backup import take_restored
 from talaia.hub.store.quarantine import set_aside_if_damaged
+from talaia.log_setup import set_up_log
 from talaia.resource_usage import report_usage_on_signal
 from talaia.service_manager import own_service_manager
 from talaia.time_slice import shorten_time_slice
@@ -55,22 +52,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from talaia.hub.app import Hub
-    from talaia.hub.settings import Network
+    from talaia.hub.settings import Network, Settings
     from talaia.service_manager import ServiceManager
 
-__all__ = ["HubServer", "main", "renew_certificate", "server_of"]
+__all__ = ["HubServer", "renew_certificate", "serve_hub", "server_of"]
 
 _LOG = logging.getLogger(__name__)
 # Between two looks at the certificate (s); it is due 30 days before its end.
 _RENEW_S = 3600.0
-
-
-class _MaskingFormatter(logging.Formatter):
-    """Writes no API token into a log, whoever logs it: tools bring theirs in the address."""
-
-    def format(self, record: logging.LogRecord) -> str:
-        """Write a record, its traceback too, with each token masked."""
-        return mask_tokens(super().format(record))
 
 
 class HubServer(uvicorn.Server):
@@ -156,15 +145,12 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
     return HubServer(config, on_ready, settings.proxies)
 
 
-def main(argv: Sequence[str]) -> int:
+def serve_hub(settings: Settings, log_level: str = "info", log_format: str = "text") -> int:
     """Serve until SIGTERM or SIGINT; 0 after a clean end, 2 when it cannot start."""
-    options = _read_options(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     faulthandler.enable()
-    # To stderr, as without one.
-    handler = logging.StreamHandler()
-    handler.setFormatter(_MaskingFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
-    logging.basicConfig(level=logging.INFO, handlers=[handler])
+    # No API token gets into the log, whoever logs it: tools bring theirs in the address.
+    set_up_log(log_level, log_format, mask_tokens)
     logging.getLogger("alembic").setLevel(logging.WARNING)
     # Whatever it makes in its folders, now or later, is its own user's alone.
     os.umask(0o077)
@@ -177,183 +163,12 @@ def main(argv: Sequence[str]) -> int:
     keep_little_free_memory()
     try:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-            runner.run(_serve_hub(_make_settings(options)))
+            runner.run(_serve_hub(settings))
     except HubError as error:
         # A sentence with what to do, and no traceback: it is nothing that went wrong in the hub.
         sys.stderr.write(f"talaia hub: {error}\n")
         return 2
     return 0
-
-
-def _read_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser("talaia hub", description="Serve the control room.")
-    parser.add_argument(
-        "--data", type=Path, default=Path("talaia-data"), help="data folder (talaia-data)"
-    )
-    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (127.0.0.1)")
-    parser.add_argument("--port", type=int, default=8443, help="0 takes any free one (8443)")
-    parser.add_argument("--plain", action="store_true", help="no TLS; on a loopback address only")
-    parser.add_argument(
-        "--tls-cert",
-        "--cert",
-        type=Path,
-        metavar="FILE",
-        help="certificate chain (PEM); else one is made",
-    )
-    said = "the certificate's private key (PEM)"
-    parser.add_argument("--tls-key", "--key", type=Path, metavar="FILE", help=said)
-    parser.add_argument(
-        "--allow-host",
-        "--name",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="another host name under which this hub is reached; may repeat",
-    )
-    parser.add_argument(
-        "--proxy",
-        action="append",
-        default=[],
-        metavar="ADDRESS",
-        help="address or network of a reverse proxy that ends TLS before this hub; its"
-        " X-Forwarded headers are believed, and nobody else's; may repeat",
-    )
-    parser.add_argument(
-        "--notify-network",
-        action="append",
-        default=[],
-        metavar="NETWORK",
-        help="messages about alarms may go to servers in this network besides public addresses;"
-        " may repeat",
-    )
-    parser.add_argument(
-        "--history-gb",
-        type=float,
-        default=0.0,
-        help="the history's blocks may take so many GB; then the oldest go (no limit)",
-    )
-    parser.add_argument(
-        "--recordings-gb",
-        type=float,
-        default=20.0,
-        help="recordings of one site may take so many GB; then its oldest go (20; 0: no limit)",
-    )
-    parser.add_argument(
-        "--sightings-days",
-        type=float,
-        default=90.0,
-        help="what cameras have seen is kept for so many days (90; 0: for good)",
-    )
-    parser.add_argument(
-        "--sightings-most",
-        type=int,
-        default=10_000,
-        help="of each site so many sightings are kept at the most; then the oldest go (10000)",
-    )
-    parser.add_argument(
-        "--extensions",
-        type=Path,
-        metavar="FOLDER",
-        help="web components of the administrator's own, a folder for each tile, that devices'"
-        " pages show; read at the start",
-    )
-    _add_neighbours(parser)
-    return parser.parse_args(argv)
-
-
-def _add_neighbours(parser: argparse.ArgumentParser) -> None:
-    said = "names a provider (OpenID Connect) by which people sign in besides"
-    parser.add_argument("--oidc", type=Path, metavar="FILE", help=said)
-    parser.add_argument(
-        "--mqtt",
-        type=Path,
-        metavar="FILE",
-        help="names an MQTT broker and what is published there, once an admin opens it",
-    )
-    parser.add_argument(
-        "--alpaca",
-        type=Path,
-        metavar="FILE",
-        help="says at which address a site's domes, weather and safety are served as ASCOM Alpaca"
-        " devices, once an admin opens it",
-    )
-    parser.add_argument(
-        "--alerts",
-        type=Path,
-        metavar="FOLDER",
-        help="notices of transients (VOEvent, GCN's JSON) that come there become rapid requests by"
-        " the rules of proposals",
-    )
-    parser.add_argument(
-        "--archive-hook",
-        type=Path,
-        metavar="FILE",
-        help="names a command or webhook to which each new picture is handed over",
-    )
-    add_audit_options(parser)
-    parser.add_argument(
-        "--simulated-site",
-        action="append",
-        default=[],
-        metavar="SITE",
-        help="a site that is a simulator: its page has a button for a night in minutes; repeatable",
-    )
-    parser.add_argument(
-        "--assets",
-        type=Path,
-        metavar="FOLDER",
-        help="meshes of robots for Foxglove, in a folder for each site: package://arm/a.stl of the"
-        " site agv is agv/arm/a.stl",
-    )
-
-
-def _make_settings(options: argparse.Namespace) -> Settings:
-    # On loopback it is for development, or for a proxy on this machine that ends TLS.
-    if options.plain and not is_loopback(options.host):
-        raise CannotStart(
-            f"--plain would send passwords over the network on {options.host}",
-            "leave --plain out, or listen on 127.0.0.1",
-        )
-    if options.assets is not None and not options.assets.is_dir():
-        raise CannotStart(f"--assets: {options.assets} is no folder", "name one, or leave it out")
-    if options.alerts is not None and not options.alerts.is_dir():
-        raise CannotStart(f"--alerts: {options.alerts} is no folder", "name one, or leave it out")
-    return Settings(
-        data=options.data,
-        host=options.host,
-        port=options.port,
-        plain=options.plain,
-        cert=options.tls_cert,
-        key=options.tls_key,
-        hosts=tuple(options.allow_host),
-        proxies=_read_networks("--proxy", options.proxy),
-        notify_networks=_read_networks("--notify-network", options.notify_network),
-        database_url=Settings.url_from(os.environ),
-        history_bytes=max(0, round(options.history_gb * 1e9)),
-        recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
-        sightings_days=max(0.0, options.sightings_days),
-        sightings_most=max(1, options.sightings_most),
-        extensions=options.extensions,
-        assets=options.assets,
-        oidc=options.oidc,
-        mqtt=options.mqtt,
-        alpaca=options.alpaca,
-        alerts=options.alerts,
-        archive_hook=options.archive_hook,
-        audit_heads=tuple(options.audit_heads),
-        audit_syslog=options.audit_syslog,
-        audit_mail=options.audit_mail or "",
-        audit_mail_s=options.audit_mail_hours * 3600.0,
-        audit_hub=options.audit_hub,
-        simulated_sites=tuple(options.simulated_site),
-    )
-
-
-def _read_networks(option: str, texts: Sequence[str]) -> tuple[Network, ...]:
-    try:
-        return tuple(ipaddress.ip_network(text) for text in texts)
-    except ValueError as error:
-        raise CannotStart(f"{option}: {error}", "write it like 10.0.0.5 or 10.0.0.0/24") from error
 
 
 async def _serve_hub(settings: Settings) -> None:

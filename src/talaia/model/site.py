@@ -370,6 +370,7 @@ class Site(Shape, frozen=True, kw_only=True):
         topics: who may have which raw topics of the robot; the first rule that fits counts.
             Without one: admins, and those with the right ``tap``. See `TopicRule`.
         boards: grids of tiles that the hub's pages offer, by name; see `Board`.
+        shown_units: in which unit pages show values of another, ``°C: °F``, to who chose none.
 
     """
 
@@ -391,18 +392,13 @@ class Site(Shape, frozen=True, kw_only=True):
     object_models: dict[str, ObjectModel] = {}
     topics: tuple[TopicRule, ...] = ()
     boards: dict[str, Board] = {}
+    shown_units: dict[str, str] = {}
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""
         if self.ros2 is None:
             return self.connections
-        short = Ros2Connection(
-            domain=self.ros2.domain,
-            node=self.ros2.node,
-            definitions=self.ros2.definitions,
-            log=self.ros2.log,
-            use_sim_time=self.ros2.use_sim_time,
-        )
+        short = Ros2Connection(**msgspec.structs.asdict(self.ros2))
         # A connection of the same name wins; `check` says that it stands there twice.
         return {"ros2": short, **self.connections}
 

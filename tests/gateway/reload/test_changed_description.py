@@ -19,6 +19,7 @@ from talaia.wire.frames import (
     ChangeState,
     DescriptionUpdate,
     DriveFrame,
+    Event,
     LeaseOp,
     LeaseRequest,
     LeaseState,
@@ -144,16 +145,27 @@ async def test_bad_file_is_refused_with_path_and_remedy_and_the_last_good_one_ru
 ) -> None:
     async with following(tmp_path) as (hub, file):
         await peer.until_heard_by(1)
-        file.write_text(SITE.replace("unit: m/s", "unit: mps"))
+        file.write_text(SITE.replace("unit: m/s", "unti: m/s\n        deadband: much"))
         told = await hub.next(ChangeState)
         assert told.phase is ChangePhase.REFUSED
-        assert told.problems[0].where == "$.devices.base.signals.speed.unit"
+        # All of them, though the first kept the rest from being read.
+        assert [each.where.rpartition(".")[2] for each in told.problems] == ["unti", "deadband"]
+        assert told.problems[0].where == "$.devices.base.signals.speed.unti"
         assert told.problems[0].remedy.startswith("did you mean")
         await peer.do("count", **{"from": 0, "to": 5, "hz": 100})
         await hub.until(lambda: len(hub.values("base/number")) == 5, "numbers")
         file.write_text(SITE)
         assert (await hub.next(ChangeState)).phase is ChangePhase.APPLIED
         assert not hub.of(DescriptionUpdate)
+
+
+async def test_a_field_that_no_type_has_is_told_in_the_logbook(peer: Peer, tmp_path: Path) -> None:
+    async with following(tmp_path) as (hub, file):
+        await peer.until_heard_by(1)
+        file.write_text(with_signal(SITE, "wind", SPEED.replace("linear", "linaer")))
+        told = await hub.next(Event, lambda each: each.kind == "description_doubtful")
+        assert told.message.startswith("$.devices.base.signals.wind.source.field: no field linaer")
+        assert told.message.endswith("did you mean linear?")
 
 
 async def drive(hub: FakeHub, session: str = "tab") -> None:

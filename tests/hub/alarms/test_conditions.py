@@ -297,3 +297,11 @@ def test_public_address_and_named_network_are_reached() -> None:
     assert may_reach("2606:4700::1111", [])
     assert may_reach("10.0.0.7", named)
     assert not may_reach("10.0.1.7", named)
+
+
+def test_a_message_is_in_the_unit_that_the_site_chose() -> None:
+    site = load_site(SITE + "shown_units: {V: mV}\n")
+    condition = AlarmCondition(Addresses(site), LOW)
+    readings = {"base/volts": ConditionReading(10.9, "", 0)}
+    judged_so = condition.judge_condition(readings, (), held=False, online=True)
+    assert judged_so == (Truth.HOLDS, "Battery is 10900 mV, below 11000 mV")

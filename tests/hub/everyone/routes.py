@@ -775,6 +775,8 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/alarm-preview"): Recipe(_preview, SITES),
     ("PUT", "/api/sites/{site}/alarms/{alarm}"): Recipe(_define, SITES),
     ("DELETE", "/api/sites/{site}/alarms/{alarm}"): Recipe(_undefine, SITES),
+    ("GET", "/api/me/units"): Recipe(plain()),
+    ("PUT", "/api/me/units"): Recipe(plain(json={"shown": {"m/s": "kn"}}, done=(204,))),
     ("GET", "/api/me/ways"): Recipe(plain()),
     ("GET", "/api/me/rules"): Recipe(plain()),
     ("POST", "/api/me/rules"): Recipe(_add_rule),

@@ -30,7 +30,13 @@ def test_every_example_is_right_and_survives_a_round_trip(path: Path) -> None:
 
 MISTAKES = [
     # (what is written, instead of what, the place it is told, a word of the problem, of the remedy)
-    ("unit: m/z\n", "unit: m/s\n", "$.devices.base.signals.speed.unit", "'m/z'", "'m/s'"),
+    (
+        "unit: metres in one second of time\n",
+        "unit: m/s\n",
+        "$.devices.base.signals.speed.unit",
+        "at most 24 characters",
+        "like m/s",
+    ),
     ("feild: range", "field: range", ".signals.ultrasonic1.source.feild", "'feild'", "'field'"),
     ("kind: pwer", "kind: power", "$.devices.power.kind", "'pwer'", "'power'"),
     (

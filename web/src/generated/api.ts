@@ -116,6 +116,8 @@ export interface DriveShape {
   readonly picture: string;
   readonly position: string;
   readonly stop: boolean;
+  readonly shown_speed: ShownUnitShape | null;
+  readonly shown_turn: ShownUnitShape | null;
 }
 
 /** The newest events first. ``more``: older ones of the window were left out. */
@@ -222,6 +224,14 @@ export interface SetupAsk {
   readonly password: string;
 }
 
+/** How values of a unit are shown to you: times ``factor``, plus ``offset``. */
+export interface ShownUnitShape {
+  readonly unit: string;
+  readonly factor: number;
+  readonly offset: number;
+  readonly decimals: number;
+}
+
 /** A signal; ``channels`` are the addresses to subscribe to. */
 export interface SignalShape {
   readonly id: string;
@@ -241,6 +251,7 @@ export interface SignalShape {
   readonly public: boolean;
   readonly ros: "" | "parameter" | "lifecycle";
   readonly channels: readonly string[];
+  readonly shown: ShownUnitShape | null;
 }
 
 /** A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs. */
@@ -256,6 +267,7 @@ export interface SiteShape {
   readonly devices: readonly DeviceShape[];
   readonly rules: readonly RuleShape[];
   readonly enclosures: readonly EnclosureShape[];
+  readonly shown_units: Readonly<Record<string, ShownUnitShape>>;
 }
 
 /** A site in the list. */
@@ -585,6 +597,25 @@ export interface TokenShape {
   readonly created_us: number;
   readonly ends_us: number;
   readonly used_us: number;
+}
+
+/** A unit of values that you may see, and in which others they can be shown. */
+export interface UnitChoice {
+  readonly unit: string;
+  readonly name: string;
+  readonly sites: readonly string[];
+  readonly shown: string;
+  readonly choices: readonly string[];
+}
+
+/** What to show in what: stored unit to shown unit. What is not named is as the site has it. */
+export interface UnitChoiceAsk {
+  readonly shown: Readonly<Record<string, string>>;
+}
+
+/** Your choices; units that can be shown in no other are left out. */
+export interface UnitChoiceList {
+  readonly units: readonly UnitChoice[];
 }
 
 /** Make a one-time code for the gateway of a site; ``name`` is what people call it. */
@@ -1098,6 +1129,7 @@ export interface FindingShape {
   readonly remedy: string;
   readonly line: number;
   readonly column: number;
+  readonly note?: boolean;
 }
 
 /** Go back; ``base`` is the SHA-256 of what counts now, as the person saw it. */

@@ -83,6 +83,12 @@ export class Sites extends Store {
     return detail;
   }
 
+  /** Descriptions are asked for anew: the person sees them otherwise now, in other units, say. */
+  forgetDetails(): void {
+    this.details.clear();
+    this.notifyWatchers();
+  }
+
   /** Takes in that a site came, went, or changed its description. */
   applyUpdate(news: SiteUpdate): void {
     if (news.catalogue !== "") this.catalogues.set(news.site, news.catalogue);

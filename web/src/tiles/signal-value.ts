@@ -2,7 +2,8 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
 import { messageLevel, stateLevel, type SeverityLevel } from "../format/severity.js";
-import { decimalsFor, formatNumber } from "../format/number.js";
+import { formatNumber } from "../format/number.js";
+import { shownText, shownUnit, toShown } from "../format/unit.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
 import { base, quietText } from "../elements/base/base-style.js";
 import { angleText } from "./observatory/roles.js";
@@ -58,10 +59,10 @@ export class SignalValue extends LitElement {
       <t-value
         size=${isLong && this.size !== "s" ? "m" : this.size}
         state=${this.freshness(signal, channel)}
-        .value=${reading?.value ?? Number.NaN}
+        .value=${toShown(signal.shown, reading?.value ?? Number.NaN)}
         .text=${this.readingText(signal)}
-        .unit=${signal.unit}
-        .decimals=${signal.decimals}
+        .unit=${shownUnit(signal).unit}
+        .decimals=${shownUnit(signal).decimals}
         .age=${this.live.ageS(channel)}
         .level=${this.level(signal)}
       ></t-value>
@@ -96,9 +97,12 @@ export class SignalValue extends LitElement {
 
   private positionText(signal: SignalShape): string {
     const [a, b] = signal.channels.map((channel) => this.live.readingOf(channel)?.value ?? Number.NaN);
-    const decimals = signal.decimals >= 0 ? signal.decimals : signal.frame === "wgs84" ? 5 : decimalsFor("m");
-    const unit = signal.frame === "wgs84" ? "°" : " m";
-    return `${formatNumber(a ?? Number.NaN, decimals)}${unit}, ${formatNumber(b ?? Number.NaN, decimals)}${unit}`;
+    if (signal.frame === "wgs84") {
+      const decimals = signal.decimals >= 0 ? signal.decimals : 5;
+      return `${formatNumber(a ?? Number.NaN, decimals)}°, ${formatNumber(b ?? Number.NaN, decimals)}°`;
+    }
+    const metres = { unit: "m", decimals: signal.decimals, shown: signal.shown };
+    return `${shownText(metres, a ?? Number.NaN)}, ${shownText(metres, b ?? Number.NaN)}`;
   }
 }
 

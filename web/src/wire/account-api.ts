@@ -1,6 +1,6 @@
 /** What a person may ask of the hub about their own account. */
 
-import type { FactorOffer, NewToken, OidcConnection, PasskeyAdded, PasskeyList, PasskeyOptions, PermissionShape, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
+import type { FactorOffer, NewToken, OidcConnection, PasskeyAdded, PasskeyList, PasskeyOptions, PermissionShape, SessionList, SessionShape, TokenList, TokenShape, UnitChoice, UnitChoiceList } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 import { createPasskey, usePasskey } from "./passkeys.js";
 
@@ -15,6 +15,16 @@ export class AccountApi {
   /** Every other session ends with it. */
   async changePassword(old: string, fresh: string): Promise<void> {
     await this.hub.request("POST", "/api/me/password", { old, new: fresh });
+  }
+
+  /** The units of the values that one may see, with what they can be shown in. */
+  async units(): Promise<readonly UnitChoice[]> {
+    return (await this.hub.request<UnitChoiceList>("GET", "/api/me/units")).units;
+  }
+
+  /** @param shown by stored unit; what is not named is as the site has it */
+  async chooseUnits(shown: Readonly<Record<string, string>>): Promise<void> {
+    await this.hub.request("PUT", "/api/me/units", { shown });
   }
 
   async sessions(): Promise<readonly SessionShape[]> {

@@ -10,7 +10,7 @@ const row: SiteSummary = {
   why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0,
 };
 const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
-const detail: SiteShape = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], devices: [] };
+const detail: SiteShape = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], shown_units: {}, devices: [] };
 function hub(answer: (path: string) => Response): { api: HubApi; asked: string[] } {
   const asked: string[] = [];
   const api = new HubApi((input) => {

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.cli.checking.mistake_texts import json_text, mistakes_text
+from talaia.cli.checking.mistake_texts import json_text, mistakes_text, notes_text
 from talaia.extensions.declarations import AdapterExtension, DetectorExtension
 from talaia.extensions.installed import installed_extensions
 from talaia.model.checks.identifiers import finding_of
@@ -22,11 +22,13 @@ from talaia.model.errors import DescriptionError
 from talaia.model.interlocks.unguarded import unguarded_notice
 from talaia.model.yaml_text.load import site_in, text_of, with_files
 from talaia.objects.availability import detection_availability
+from talaia.ros_type_library import RosTypeLibrary
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from talaia.model.site import Site
+    from talaia.ros_type_library import FieldKind
 
 __all__ = ["main"]
 
@@ -44,9 +46,12 @@ def main(argv: Sequence[str]) -> int:
     checked = {path: check_file(path) for path in options.file}
     wrong = any(report.mistakes for report in checked.values())
     if options.json:
-        print(json_text({str(path): report.mistakes for path, report in checked.items()}))
+        found = {str(path): (report.mistakes, report.notes) for path, report in checked.items()}
+        print(json_text(found))
         return int(wrong)
     for path, report in checked.items():
+        if report.notes:
+            print(notes_text(str(path), report.text, report.notes) + "\n", file=sys.stderr)
         if report.mistakes:
             print(mistakes_text(str(path), report.text, report.mistakes), file=sys.stderr)
         elif report.site is not None:
@@ -64,12 +69,46 @@ class CheckedFile(NamedTuple):
         text: what stands in it; nothing if it cannot be read.
         mistakes: all that is wrong.
         site: the description; None if something is wrong.
+        notes: what is worth a word and is no mistake.
 
     """
 
     text: str
     mistakes: list[Mistake]
     site: Site | None
+    notes: Sequence[Mistake] = ()
+
+
+class _TypesBesideFile:
+    """Types of ROS that this machine knows, and those in the folders that a description names."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._library: RosTypeLibrary | None = None
+        self._named: list[Path] = []
+
+    def complete(self, site: Site) -> Site:
+        """Take in the files beside the description, and remember where its types lie."""
+        named = [getattr(link, "definitions", "") for link in site.links().values()]
+        self._named = [self._folder / one for one in named if one]
+        return with_files(site, self._folder)
+
+    def versions_of(self, type_name: str, part: str = "") -> Iterator[Mapping[str, FieldKind]]:
+        """See `KnownTypes`."""
+        return self._all().versions_of(type_name, part)
+
+    def names_in(self, package: str, middle: str) -> list[str]:
+        """See `KnownTypes`."""
+        return self._all().names_in(package, middle)
+
+    def packages(self) -> list[str]:
+        """See `KnownTypes`."""
+        return self._all().packages()
+
+    def _all(self) -> RosTypeLibrary:
+        # Read for the first type: most descriptions without ROS name none.
+        self._library = self._library or RosTypeLibrary(self._named)
+        return self._library
 
 
 def check_file(path: Path) -> CheckedFile:
@@ -80,7 +119,8 @@ def check_file(path: Path) -> CheckedFile:
     try:
         text = text_of(path)
         if path.suffix != ".json":
-            report = check_text(text, rules, lambda site: with_files(site, path.parent))
+            library = _TypesBesideFile(path.parent)
+            report = check_text(text, rules, library.complete, library)
             return CheckedFile(text, *report)
         # A command file of the founding observatory has no lines that mean anything here.
         site = site_in(text, path)

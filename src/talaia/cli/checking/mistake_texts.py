@@ -7,11 +7,11 @@ import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from talaia.model.checks.text_checks import Mistake
 
-__all__ = ["json_text", "mistakes_text"]
+__all__ = ["json_text", "mistakes_text", "notes_text"]
 
 # A line is shown so far; what is behind it is told by dots.
 _LONGEST_LINE = 110
@@ -21,13 +21,19 @@ _WORD = re.compile(r"\w+")
 def mistakes_text(name: str, text: str, mistakes: list[Mistake]) -> str:
     """Print each mistake of a file with its line, the place in it, and what to do."""
     lines = text.splitlines()
-    parts = [_mistake_text(name, lines, mistake) for mistake in mistakes]
+    parts = [_mistake_text(name, lines, mistake, "error") for mistake in mistakes]
     count = "1 mistake" if len(mistakes) == 1 else f"{len(mistakes)} mistakes"
     return "\n\n".join([*parts, f"{name}: {count}"])
 
 
-def _mistake_text(name: str, lines: list[str], mistake: Mistake) -> str:
-    said = [f"error: {mistake.problem}"]
+def notes_text(name: str, text: str, notes: Sequence[Mistake]) -> str:
+    """Print what is worth a word and is no mistake, in the same form."""
+    lines = text.splitlines()
+    return "\n\n".join(_mistake_text(name, lines, note, "note") for note in notes)
+
+
+def _mistake_text(name: str, lines: list[str], mistake: Mistake, level: str) -> str:
+    said = [f"{level}: {mistake.problem}"]
     at = f":{mistake.line}:{mistake.column}" if mistake.line else ""
     margin = " " * len(str(mistake.line))
     said.append(f"{margin}--> {name}{at}")
@@ -58,9 +64,12 @@ def _width_of(line: str, column: int) -> int:
     return len(word[0]) if word else 1
 
 
-def json_text(mistakes: Mapping[str, list[Mistake]]) -> str:
-    """Write the mistakes of each file as a JSON list, one object for each."""
+def json_text(found: Mapping[str, tuple[Sequence[Mistake], Sequence[Mistake]]]) -> str:
+    """Write the mistakes and the notes of each file as a JSON list, one object for each."""
     rows = [
-        {"file": name, **mistake._asdict()} for name, found in mistakes.items() for mistake in found
+        {"file": name, "level": level, **mistake._asdict()}
+        for name, (mistakes, notes) in found.items()
+        for level, some in (("error", mistakes), ("note", notes))
+        for mistake in some
     ]
     return json.dumps(rows, ensure_ascii=False, indent=2)

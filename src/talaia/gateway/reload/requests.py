@@ -1,6 +1,7 @@
 """Changes of the description while the gateway runs: of its own file, and asked for by the hub.
 
 One after the other. Whatever is wrong with a change, the description that counts stays.
+Long, because the way of a change is read from end to end.
 """
 
 from __future__ import annotations
@@ -17,10 +18,14 @@ from talaia.gateway.reload.current_description import prepare_description
 from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.gateway.reload.refusals import ChangeRefused, refusal_of
 from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
+from talaia.model.checks.text_checks import check_text
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, NotReadable
-from talaia.model.yaml_text.load import site_in
+from talaia.model.yaml_text.load import plain_of_text, site_in
+from talaia.model.yaml_text.shape_errors import list_shape_errors
+from talaia.ros_type_library import RosTypeLibrary
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import ChangePhase, ChangeState
 from talaia.wire.sealing import decompress_text, seal_of
@@ -46,6 +51,8 @@ SLOW_LOOK_S = 10.0
 AGAIN_S = 0.05
 # Zeros last for ten seconds at the most; a device whose zeros never end is not to hold up others.
 LEFT_S = 12.0
+# Types and fields that nothing here has, each with a line of its own in the logbook.
+_MOST_DOUBTS = 10
 # Ended changes whose answer may be asked for again after a lost link.
 MOST_REMEMBERED = 50
 
@@ -155,6 +162,24 @@ class ChangeRequests:
             self._report_refused(refused)
         else:
             self._clear_problem()
+            await self._report_types(site)
+
+    async def _report_types(self, site: Site) -> None:
+        """Say which types and fields of ROS a description names that nothing here has.
+
+        It counts all the same: a robot may describe its types itself, once it runs.
+        """
+        assert self._file is not None  # noqa: S101 - a description without a file is never followed
+        folder = self._file.path.parent
+        named = [getattr(link, "definitions", "") for link in site.links().values()]
+        found = await asyncio.to_thread(
+            lambda: ros_type_findings(site, RosTypeLibrary(folder / one for one in named if one))
+        )
+        for finding in found.mistakes[:_MOST_DOUBTS]:
+            log.warning("the changed description: %s", finding)
+            self._events.report_event("description_doubtful", str(finding))
+        if (more := len(found.mistakes) - _MOST_DOUBTS) > 0:
+            self._events.report_event("description_doubtful", f"{more} more: run talaia check")
 
     def _report_refused(self, refused: ChangeRefused) -> None:
         """Say once what is wrong with the file; what counted before goes on."""
@@ -239,7 +264,7 @@ class ChangeRequests:
         try:
             site = site_in(text, self._file.path)
         except DescriptionError as error:
-            return refusal_of(error)
+            return _all_mistakes(text) or refusal_of(error)
         findings = check_site(site)
         if findings:
             return ChangeRefused("the description cannot be used as written", tuple(findings))
@@ -284,3 +309,18 @@ class ChangeRequests:
         file.accept_text(site, text)
         log.info("the description was changed%s", f" by {who}" if who else "")
         return None
+
+
+def _all_mistakes(text: str) -> ChangeRefused | None:
+    """Give all that a text of the wrong shape has wrong; None where its shape is right."""
+    try:
+        wrong, _ = list_shape_errors(plain_of_text(text))
+    except DescriptionError:
+        # No YAML at all: that is all there is to say.
+        return None
+    # What is wrong is a file beside it, then.
+    if not wrong:
+        return None
+    mistakes = check_text(text).mistakes
+    findings = tuple(Finding(found.where, found.problem, found.remedy) for found in mistakes)
+    return ChangeRefused("the description cannot be used as written", findings)

@@ -1,4 +1,7 @@
-"""Whether an alarm's condition holds, and why, by what is known now."""
+"""Whether an alarm's condition holds, and why, by what is known now.
+
+Long, because every kind of alarm is judged here.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,17 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.alarms.expression import Expression, parse_condition
 from talaia.model.checks.alarm_checks import signals_of
+from talaia.model.connection import DerivedSource
 from talaia.model.site import SignalType
+from talaia.model.units.conversion import shown_units
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from talaia.model.alarms.expression import Value
     from talaia.model.checks.alarm_checks import Addresses
+    from talaia.model.site import Signal
+    from talaia.model.units.conversion import Conversion
 
 __all__ = [
     "AlarmCondition",
@@ -84,6 +91,12 @@ class AlarmCondition:
         self._group = addresses.groups.get(alarm.signal)
         # Their names, units and greatest ages, by address.
         self._signals = {channel: addresses.signals[channel] for channel in self.channels}
+        # In a message, which many people read, the site's choice of units counts.
+        self._shown = {
+            channel: way
+            for channel, signal in self._signals.items()
+            if (way := _shown_by_site(signal, addresses.shown_units)) is not None
+        }
         # Parsed once, judged at every sample; only of the kind EXPRESSION.
         self._expression: Expression | None = None
         if alarm.kind is AlarmKind.EXPRESSION:
@@ -182,18 +195,15 @@ class AlarmCondition:
         # Once on, it clears only when it is back by the hysteresis.
         slack = alarm.hysteresis if held else 0.0
         limits = [limit for limit in (alarm.above, alarm.below) if limit is not None]
-        name, unit = self._signals[address].name, self._signals[address].unit
-        said = f"{name} is {_with_unit(unit, format_number(value, limits))}"
+        said = f"{self._signals[address].name} is {self._number_text(address, value, limits)}"
         if alarm.above is not None and value > alarm.above - slack:
             word = "above" if value > alarm.above else "not yet well below"
-            return ConditionVerdict(
-                Truth.HOLDS, f"{said}, {word} {_with_unit(unit, f'{alarm.above:.15g}')}"
-            )
+            limit = self._number_text(address, alarm.above)
+            return ConditionVerdict(Truth.HOLDS, f"{said}, {word} {limit}")
         if alarm.below is not None and value < alarm.below + slack:
             word = "below" if value < alarm.below else "not yet well above"
-            return ConditionVerdict(
-                Truth.HOLDS, f"{said}, {word} {_with_unit(unit, f'{alarm.below:.15g}')}"
-            )
+            limit = self._number_text(address, alarm.below)
+            return ConditionVerdict(Truth.HOLDS, f"{said}, {word} {limit}")
         return ConditionVerdict(Truth.FALSE, said)
 
     def _judge_state(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
@@ -274,7 +284,29 @@ class AlarmCondition:
     def _format_value(self, address: str, value: Value) -> str:
         if not isinstance(value, float):
             return repr(value)
-        return _with_unit(self._signals[address].unit, format_number(value))
+        return self._number_text(address, value, ())
+
+    def _number_text(
+        self, address: str, value: float, limits: Sequence[float] | None = None
+    ) -> str:
+        """Say a number with its unit, or a limit, which is said as it was written (``None``)."""
+        unit, way = self._signals[address].unit, self._shown.get(address)
+        if way is not None:
+            unit, value = way.unit, way.convert(value)
+            limits = None if limits is None else [way.convert(limit) for limit in limits]
+        if limits is None:
+            # As written; what was converted has digits that nobody wrote.
+            number = f"{value:.15g}" if way is None else f"{value:.6g}"
+        else:
+            number = format_number(value, limits)
+        return f"{number} {unit}" if unit else number
+
+
+def _shown_by_site(signal: Signal, choice: Mapping[str, str]) -> Conversion | None:
+    way = shown_units({signal.unit: choice.get(signal.unit, signal.unit)}).get(signal.unit)
+    # What is worked out may be a difference, which has no zero: said as it is stored.
+    derived = isinstance(signal.source, DerivedSource)
+    return None if way is None or (derived and way.offset) else way
 
 
 def format_number(value: float, limits: Sequence[float] = ()) -> str:
@@ -290,10 +322,6 @@ def format_number(value: float, limits: Sequence[float] = ()) -> str:
         if all((said > limit, said < limit) == (value > limit, value < limit) for limit in limits):
             break
     return text
-
-
-def _with_unit(unit: str, number: str) -> str:
-    return f"{number} {unit}" if unit else number
 
 
 def _format_age(age_s: float) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.accounts.unit_choices import UnitChoicePages
 from talaia.hub.api.openapi import ApiDescription
 from talaia.hub.api.sites.sites import SitePages
 from talaia.hub.api.sockets.page_sockets import PageSockets
 from talaia.hub.api.static_pages import Pages
 from talaia.hub.features.feature import Feature
+from talaia.hub.store.accounts.shown_units import ShownUnits
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
@@ -36,13 +38,19 @@ class PagesFeature(Feature):
         audit: Audit,
     ) -> None:
         """Serve the sockets of pages by ``service``."""
+        shown = ShownUnits(core.database)
         sites = SitePages(
-            sites=core.sites, audit=audit, sightings=sightings.store, clock=core.clock
+            sites=core.sites,
+            shown=shown,
+            audit=audit,
+            sightings=sightings.store,
+            clock=core.clock,
         )
         self.sockets = [PageSockets(admission=admission, service=service).router()]
         # `Pages` last: it takes every path.
         self.routers = [
             sites.make_router(),
+            UnitChoicePages(core.sites, shown).make_router(),
             ApiDescription().make_router(),
             Pages(static_dir()).make_router(),
         ]

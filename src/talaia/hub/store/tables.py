@@ -125,6 +125,8 @@ users = Table(
     Column("code_wrong", BigInteger, nullable=False, default=0),
     Column("code_locked_us", BigInteger, nullable=False, default=0),
     Column("code_alert_us", BigInteger, nullable=False, default=0),
+    # A JSON object: in which unit values of another one are shown.
+    Column("shown_units", String(2000), nullable=False, default="{}"),
 )
 
 # A client protocol that was ever opened; one without a row is shut.

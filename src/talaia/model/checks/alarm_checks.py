@@ -58,6 +58,7 @@ class Addresses:
         enclosures: their short names.
         groups: the groups of signals that are judged together, by their addresses.
         kinds: what each channel is in an expression: a state compares as the text of its name.
+        shown_units: in which unit the site wants values of another one shown.
 
     """
 
@@ -70,6 +71,7 @@ class Addresses:
         self.groups = {group.address: group for group in groups_of(site)[0]}
         self.kinds = channel_kinds(site)
         self.enclosures = list(site.enclosures)
+        self.shown_units = site.shown_units
         self.streams = [
             f"{device_id}/{stream_id}"
             for device_id, device in site.devices.items()

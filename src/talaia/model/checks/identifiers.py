@@ -20,6 +20,7 @@ __all__ = [
     "field_fits",
     "finding_of",
     "id_fits",
+    "is_unseen",
     "name_fits",
     "range_fits",
     "topic_fits",
@@ -65,13 +66,13 @@ def id_fits(where: str, word: str) -> Iterator[Finding]:
 def name_fits(where: str, name: str) -> Iterator[Finding]:
     """What people read: anything that can be seen."""
     # What cannot be seen could make two names look like one.
-    if not name.strip() or len(name) > _MAX_NAME or any(map(_is_unseen, name)):
+    if not name.strip() or len(name) > _MAX_NAME or any(map(is_unseen, name)):
         yield Finding(
             where, f"expected a name of 1 to {_MAX_NAME} characters", "that can all be seen"
         )
 
 
-def _is_unseen(letter: str) -> bool:
+def is_unseen(letter: str) -> bool:
     """Control and format characters, line ends and lone surrogates: not seen, yet they mislead."""
     # Control, format (as what turns the direction of writing), surrogate, line end, paragraph end.
     return unicodedata.category(letter) in {"Cc", "Cf", "Cs", "Zl", "Zp"}

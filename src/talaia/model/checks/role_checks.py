@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import Finding
-from talaia.model.errors import UnknownWord
 from talaia.model.roles import (
     ANY_MEANINGS,
     COMMAND_FITS,
@@ -62,12 +61,8 @@ def _is_free(
 
 
 def _is_other_unit(found: str, wanted: tuple[str, ...]) -> bool:
-    """Tell whether a unit is none of those wanted; one that is not known has its own finding."""
-    try:
-        unit = unit_of("", found)
-    except UnknownWord:
-        return False
-    return bool(wanted) and unit.symbol not in wanted
+    """Tell whether a unit is none of those wanted."""
+    return bool(wanted) and unit_of(found).symbol not in wanted
 
 
 def _signal_fits(where: str, signal: Signal) -> Iterator[Finding]:

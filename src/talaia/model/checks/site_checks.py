@@ -43,6 +43,7 @@ from talaia.model.checks.interlock_checks import interlock_findings
 from talaia.model.checks.night_checks import night_findings
 from talaia.model.checks.role_checks import role_findings
 from talaia.model.checks.topic_checks import topics_findings
+from talaia.model.checks.unit_checks import shown_units_findings, unit_fits
 from talaia.model.checks.validity_checks import validity_fits
 from talaia.model.connection import (
     DerivedSource,
@@ -57,7 +58,6 @@ from talaia.model.list_texts import LIST_TYPES, parse_list
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
 from talaia.model.units.time_zones import known_zones
-from talaia.model.units.unit import unit_of
 from talaia.model.yaml_text.version import FORMAT
 
 if TYPE_CHECKING:
@@ -109,6 +109,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from name_fits("$.name", site.name)
     if site.zone not in known_zones():
         yield finding_of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
+    yield from shown_units_findings("$.shown_units", site.shown_units)
     yield from connection_findings(site)
     # A connection that discovers makes its devices itself.
     if not site.devices and not any(
@@ -218,10 +219,7 @@ def _check_signal(where: str, signal: Signal) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", signal.name)
     number = signal.type is SignalType.NUMBER
     yield from anomaly_findings(where, signal.anomalies, number=number)
-    try:
-        unit_of(f"{where}.unit", signal.unit)
-    except UnknownWord as error:
-        yield finding_of(error)
+    yield from unit_fits(f"{where}.unit", signal.unit)
     yield from validity_fits(where, signal)
     for key in ("max_rate", "deadband", "keep", "max_age"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
@@ -275,10 +273,7 @@ def _check_command(where: str, command: Command) -> Iterator[Finding]:
 
 def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
     yield from range_fits(where, argument.minimum, argument.maximum)
-    try:
-        unit_of(f"{where}.unit", argument.unit)
-    except UnknownWord as error:
-        yield finding_of(error)
+    yield from unit_fits(f"{where}.unit", argument.unit)
     if argument.default is None:
         return
     if argument.type in LIST_TYPES:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.checks.extension_rules import NO_RULES
 from talaia.model.checks.identifiers import finding_of
+from talaia.model.checks.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
+from talaia.model.checks.unit_checks import unit_notes
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import plain_of_text
 from talaia.model.yaml_text.shape_errors import list_shape_errors
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding
+    from talaia.model.checks.ros_type_checks import KnownTypes
     from talaia.model.site import Site
 
 __all__ = ["Mistake", "TextReport", "check_text", "place_findings"]
@@ -45,17 +48,20 @@ class TextReport(NamedTuple):
     Attributes:
         mistakes: in the order of the text.
         site: the description; None if it has mistakes.
+        notes: what is worth a word and is no mistake.
 
     """
 
     mistakes: list[Mistake]
     site: Site | None
+    notes: list[Mistake]
 
 
 def check_text(
     text: str,
     rules: ExtensionRules = NO_RULES,
     complete: Callable[[Site], Site] = lambda site: site,
+    known: KnownTypes | None = None,
 ) -> TextReport:
     """Check a description's text: its shape, and what does not fit together. See `load_site`.
 
@@ -63,22 +69,32 @@ def check_text(
         text: of the description.
         rules: what extensions that are installed here ask for.
         complete: takes in what the description names beside it, or raises `DescriptionError`.
+        known: what knows types of ROS; none: they are not looked for.
 
     """
     try:
         errors, site = list_shape_errors(plain_of_text(text))
     except DescriptionError as error:
-        return TextReport(place_findings([finding_of(error)], text), None)
+        return TextReport(place_findings([finding_of(error)], text), None, [])
+    notes: list[Finding] = []
     findings = [finding_of(error) for error in errors]
     if site is not None:
         try:
             site = complete(site)
         except DescriptionError as error:
-            return TextReport(place_findings([*findings, finding_of(error)], text), None)
+            return TextReport(place_findings([*findings, finding_of(error)], text), None, [])
         # Of what is left, some is only there, or only missing, because of what was found before.
         wrong = [error.where for error in errors]
-        findings += [finding for finding in check_site(site, rules) if not _follows(finding, wrong)]
-    return TextReport(place_findings(findings, text), None if findings else site)
+        found = check_site(site, rules)
+        notes += unit_notes(site)
+        if known is not None:
+            of_types = ros_type_findings(site, known)
+            found += of_types.mistakes
+            notes += of_types.notes
+        findings += [finding for finding in found if not _follows(finding, wrong)]
+    return TextReport(
+        place_findings(findings, text), None if findings else site, place_findings(notes, text)
+    )
 
 
 def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:

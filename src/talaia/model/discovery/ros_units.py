@@ -160,6 +160,8 @@ _SPOKEN: dict[str, str] = {
     # In newton metres, not in nanometres.
     "nm": "N·m",
 }
+# Symbols that mean something else in brackets: (in), accelerations in [g], (t).
+_WORDS = frozenset({"in", "d", "g", "t", "lb", "bit"})
 # ``[m/s]`` or ``(rad)``; bounded, since brackets in comments hold whole sentences, too.
 _BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
 _IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
@@ -192,7 +194,7 @@ def unit_in_comment(comment: str) -> Meaning | None:
     """Read the unit from a definition's comment: ``speed over ground [m/s]``, ``in metres``."""
     spoken = [*_BRACKETS.findall(comment), *_IN.findall(comment)]
     for unit in spoken:
-        symbol = unit if unit in UNITS else _SPOKEN.get(unit.lower(), "")
+        symbol = _SPOKEN.get(unit.lower()) or (unit if unit in UNITS.keys() - _WORDS else "")
         if symbol:
             return Meaning(symbol)
     return None

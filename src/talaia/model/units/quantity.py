@@ -12,12 +12,13 @@ import math
 from typing import NamedTuple
 
 from talaia.errors import TalaiaError
-from talaia.model.errors import UnknownWord
-from talaia.model.units.unit import UNITS, unit_of
+from talaia.model.units.unit_measures import MEASURES, Powers
+from talaia.model.units.unit_text import measure_of
 
 __all__ = ["PLAIN", "Quantity", "QuantityMismatch", "quantity_of_unit"]
 
-_Powers = tuple[tuple[str, int], ...]
+# What SI counts as pure numbers: a sum may hold them, and so may what they are multiplied with.
+_PURE = frozenset({"rad", "count"})
 
 
 class QuantityMismatch(TalaiaError):
@@ -35,7 +36,7 @@ class Quantity(NamedTuple):
 
     """
 
-    powers: _Powers | None
+    powers: Powers | None
     factor: float | None = None
     zero: float = 0.0
 
@@ -123,7 +124,7 @@ class Quantity(NamedTuple):
         if wanted.powers is None:
             # A ratio; or what has no unit in the table, as square metres.
             known = any(unit.powers == self.powers for unit in _QUANTITIES.values())
-            return not known or (self.powers == () and _same_scale(self, _unit()))
+            return not known or (self.powers == () and _same_scale(self, _RATIO))
         return self.powers == wanted.powers and _same_scale(self, wanted)
 
     def _require_same_powers(self, other: Quantity, what: str) -> None:
@@ -136,10 +137,11 @@ PLAIN = Quantity(None)
 
 def quantity_of_unit(symbol: str) -> Quantity:
     """Give what a unit measures; a plain number for none, and for one that nobody knows."""
-    try:
-        return _QUANTITIES.get(unit_of("", symbol).symbol, PLAIN)
-    except UnknownWord:
+    measure = measure_of(symbol)
+    if measure is None:
         return PLAIN
+    powers = tuple(part for part in measure.powers if part[0] not in _PURE)
+    return Quantity(powers, measure.factor, measure.zero)
 
 
 def _same_scale(one: Quantity, other: Quantity) -> bool:
@@ -156,53 +158,5 @@ def _raised(power: int) -> str:
     return "" if power == 1 else "".join("⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".index(c)] for c in str(power))
 
 
-def _unit(factor: float = 1.0, zero: float = 0.0, **powers: int) -> Quantity:
-    return Quantity(tuple(sorted(powers.items())), factor, zero)
-
-
-# Angles and shares have no dimension, as in SI. Levels in dB, magnitudes and lux stand for
-# themselves: nobody works them out from other units.
-_QUANTITIES: dict[str, Quantity] = {
-    "%": _unit(0.01),
-    "m": _unit(m=1),
-    "cm": _unit(0.01, m=1),
-    "mm": _unit(0.001, m=1),
-    "km": _unit(1000.0, m=1),
-    "m/s": _unit(m=1, s=-1),
-    "km/h": _unit(1 / 3.6, m=1, s=-1),
-    "m/s²": _unit(m=1, s=-2),
-    "rad": _unit(),
-    "rad/s": _unit(s=-1),
-    "°": _unit(math.pi / 180),
-    "°/s": _unit(math.pi / 180, s=-1),
-    "arcsec": _unit(math.pi / 648_000),
-    "h": _unit(3600.0, s=1),
-    "min": _unit(60.0, s=1),
-    "s": _unit(s=1),
-    "ms": _unit(0.001, s=1),
-    "Hz": _unit(s=-1),
-    "rpm": _unit(math.pi / 30, s=-1),
-    "V": _unit(A=-1, kg=1, m=2, s=-3),
-    "mV": _unit(0.001, A=-1, kg=1, m=2, s=-3),
-    "A": _unit(A=1),
-    "Ah": _unit(3600.0, A=1, s=1),
-    "W": _unit(kg=1, m=2, s=-3),
-    "Wh": _unit(3600.0, kg=1, m=2, s=-2),
-    "°C": _unit(1.0, 273.15, K=1),
-    "K": _unit(K=1),
-    "hPa": _unit(100.0, kg=1, m=-1, s=-2),
-    "Pa": _unit(kg=1, m=-1, s=-2),
-    "lx": _unit(lx=1),
-    "mm/h": _unit(0.001 / 3600, m=1, s=-1),
-    "mag/arcsec²": _unit(mag=1),
-    "dBm": _unit(dBm=1),
-    "dB": _unit(dB=1),
-    "N": _unit(kg=1, m=1, s=-2),
-    "N·m": _unit(kg=1, m=2, s=-2),
-    "T": _unit(A=-1, kg=1, s=-2),
-    "kg": _unit(kg=1),
-    "ppm": _unit(1e-6),
-    "B": _unit(B=1),
-}
-# Whoever adds a unit to the table is asked here for what it measures.
-assert _QUANTITIES.keys() == UNITS.keys() - {""}  # noqa: S101 - of two tables in the source
+_RATIO = Quantity((), 1.0)
+_QUANTITIES: dict[str, Quantity] = {symbol: quantity_of_unit(symbol) for symbol in MEASURES}

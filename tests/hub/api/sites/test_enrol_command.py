@@ -189,7 +189,7 @@ def test_other_file_is_not_overwritten_and_the_code_not_used(tmp_path) -> None:
 
 
 def settings_from(tmp_path, *words: str):
-    return settings_of(parse_arguments(["site.yaml", *words]), load_site(SITE))
+    return settings_of(parse_arguments(["site.yaml", *words])[0], load_site(SITE))
 
 
 def test_key_file_says_where_the_hub_is_and_words_win_over_it(tmp_path) -> None:

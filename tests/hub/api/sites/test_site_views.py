@@ -81,3 +81,57 @@ async def test_a_transition_says_from_which_states_it_leads_on(hub) -> None:
     }
     assert commands[1]["needs"] is None
     assert [each["ros"] for each in (*lidar["signals"], *commands)] == ["lifecycle"] * 3
+
+
+SHOWN = """
+talaia: 1
+site: agv
+name: Robot
+ros2: {}
+shown_units: {°C: °F, m/s: km/h}
+devices:
+  box:
+    name: Box
+    signals:
+      inside: {name: Inside, unit: °C, decimals: 1, source: &at
+        {topic: /t, type: a/msg/B, field: d}}
+      outside: {name: Outside, unit: °C, source: *at}
+      warmer: {name: Warmer, unit: °C, source: {expression: "{box/inside} - {box/outside}"}}
+      scaled: {name: Scaled, unit: °C, source: {expression: "{box/inside} * 2 - 1"}}
+      speed: {name: Speed, unit: m/s, decimals: 2, source: *at}
+      light: {name: Light, unit: lx, source: *at}
+      place: {name: Place, type: position, source: {topic: /p, type: a/msg/P, field: pose}}
+"""
+
+
+async def test_each_sees_values_in_the_unit_they_chose_or_else_in_the_sites(hub) -> None:
+    signals = {item["id"]: item for item in (await devices_of(hub, SHOWN))["box"]["signals"]}
+    shown = {name: item["shown"] for name, item in signals.items()}
+    fahrenheit = {"unit": "°F", "factor": 1.8, "offset": 32.0, "decimals": 1}
+    assert shown["inside"] == shown["outside"] == fahrenheit
+    # What is warmer by 2 °C is warmer by 3.6 °F; of what is scaled nobody knows what it is.
+    assert shown["warmer"] == {**fahrenheit, "offset": 0.0}
+    assert shown["scaled"] is shown["light"] is shown["place"] is None
+    assert (shown["speed"]["unit"], shown["speed"]["decimals"]) == ("km/h", 1)
+    assert signals["speed"]["unit"] == "m/s"
+    ada = await hub.client("operator")
+    wrong = await ada.put("/api/me/units", json={"shown": {"m/s": "°C"}})
+    assert (wrong.status_code, wrong.json()["message"]) == (422, "m/s cannot be shown in °C")
+    choice = {"m/s": "kn", "°C": "°C", "m": "ft"}
+    assert (await ada.put("/api/me/units", json={"shown": choice})).status_code == 204
+    site = (await ada.get("/api/sites/agv")).json()
+    shown = {item["id"]: item["shown"] for item in site["devices"][0]["signals"]}
+    assert (shown["speed"]["unit"], shown["inside"]) == ("kn", None)
+    assert shown["place"]["unit"] == site["shown_units"]["m"]["unit"] == "ft"
+    # Only hers, and asked for with what else there is to choose.
+    other = (await (await hub.client("admin")).get("/api/sites/agv")).json()
+    assert other["shown_units"]["m/s"]["unit"] == "km/h"
+    listed = {item["unit"]: item for item in (await ada.get("/api/me/units")).json()["units"]}
+    assert listed["°C"] == {
+        "unit": "°C",
+        "name": "degree Celsius",
+        "sites": ["Robot"],
+        "shown": "°C",
+        "choices": ["°F", "K"],
+    }
+    assert "lx" not in listed

@@ -3,6 +3,8 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
+import { shownUnit, toShown } from "../../format/unit.js";
+import type { ShownUnitShape } from "../../generated/api.js";
 import { base, quietText } from "../base/base-style.js";
 import "../base/icon.js";
 
@@ -61,6 +63,9 @@ export class DriveReadout extends LitElement {
   /** What the gateway tells the robot, after its own limits. */
   @property({ attribute: false }) told: Motion = NONE;
   @property({ attribute: false }) measured: Motion = NONE;
+  /** How speeds and turns are shown; null: in m/s and rad/s. */
+  @property({ attribute: false }) shownSpeed: ShownUnitShape | null = null;
+  @property({ attribute: false }) shownTurn: ShownUnitShape | null = null;
   /** The characters since the last `s`, to a robot that is driven by them; empty for others. */
   @property() sent = "";
   /** Why the speed is capped; empty when it is not. */
@@ -80,8 +85,8 @@ export class DriveReadout extends LitElement {
           </tr>
         </thead>
         <tbody>
-          ${renderRow("Speed, m/s", this.asked.linear, this.told.linear, this.measured.linear)}
-          ${renderRow("Turn, rad/s", this.asked.angular, this.told.angular, this.measured.angular)}
+          ${renderRow("Speed", "m/s", this.shownSpeed, [this.asked.linear, this.told.linear, this.measured.linear])}
+          ${renderRow("Turn", "rad/s", this.shownTurn, [this.asked.angular, this.told.angular, this.measured.angular])}
           ${this.sent === ""
             ? nothing
             : html`<tr>
@@ -100,12 +105,14 @@ export class DriveReadout extends LitElement {
   }
 }
 
-function renderRow(name: string, asked: number, told: number, measured: number): TemplateResult {
+function renderRow(name: string, stored: string, shown: ShownUnitShape | null, values: readonly [number, number, number]): TemplateResult {
+  const { unit, decimals } = shownUnit({ unit: stored, decimals: 2, shown });
+  const [asked, told, measured] = values.map((value) => formatNumber(toShown(shown, value), decimals));
   return html`<tr>
-    <th scope="row">${name}</th>
-    <td>${formatNumber(asked, 2)}</td>
-    <td>${formatNumber(told, 2)}</td>
-    <td class="measured">${formatNumber(measured, 2)}</td>
+    <th scope="row">${name}, ${unit}</th>
+    <td>${asked}</td>
+    <td>${told}</td>
+    <td class="measured">${measured}</td>
   </tr>`;
 }
 

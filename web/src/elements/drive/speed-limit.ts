@@ -2,7 +2,8 @@
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import { formatWithUnit } from "../../format/unit.js";
+import { shownText } from "../../format/unit.js";
+import type { ShownUnitShape } from "../../generated/api.js";
 import { base, quietText } from "../base/base-style.js";
 
 /**
@@ -106,14 +107,17 @@ export class SpeedLimit extends LitElement {
   @property({ type: Number }) speed = 0;
   /** rad/s at full level */
   @property({ type: Number }) turn = 0;
+  /** How they are shown; null: in m/s and rad/s. */
+  @property({ attribute: false }) shownSpeed: ShownUnitShape | null = null;
+  @property({ attribute: false }) shownTurn: ShownUnitShape | null = null;
   @property({ type: Boolean }) disabled = false;
 
   @query("input") private readonly slider!: HTMLInputElement;
 
   override render(): TemplateResult {
     const percent = Math.round(this.level * 100);
-    const speed = formatWithUnit(this.speed * this.level, "m/s", 2);
-    const turn = formatWithUnit(this.turn * this.level, "rad/s", 2);
+    const speed = shownText({ unit: "m/s", decimals: 2, shown: this.shownSpeed }, this.speed * this.level);
+    const turn = shownText({ unit: "rad/s", decimals: 2, shown: this.shownTurn }, this.turn * this.level);
     return html`
       <div class="head">
         <span>Full push is <strong>${percent}&#8239;%</strong></span>

@@ -15,6 +15,7 @@ import "./provider.js";
 import "./change-password.js";
 import "./notification-rules.js";
 import "./sessions.js";
+import "./shown-units.js";
 import "./tokens.js";
 
 @customElement("t-page-account")
@@ -32,6 +33,7 @@ export class PageAccount extends LitElement {
       ${person.password ? html`<t-account-password class="sheet" .name=${person.name}></t-account-password>` : nothing}
       <t-account-provider class="sheet" ?only=${!person.password}></t-account-provider>
       ${seesOnlyPublic(person) ? nothing : html`<t-account-rules class="sheet"></t-account-rules>`}
+      <t-account-units class="sheet"></t-account-units>
       <t-account-sessions class="sheet"></t-account-sessions>
       <t-account-tokens class="sheet" .person=${person}></t-account-tokens>
     `;

@@ -1,5 +1,6 @@
 /** An alarm's definition as the fields of a form, and back. Pure. */
 
+import { shownDifferenceText, shownText, type Showable } from "../../format/unit.js";
 import type { AlarmDefinition, AlarmKind, EscalationShape, SignalType } from "../../generated/api.js";
 
 export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }[] = [
@@ -57,6 +58,13 @@ const IN_UNIT = ["above", "below", "hysteresis"];
 /** What a field is called, with the unit of its number. */
 export function fieldLabel(field: AlarmField, unit: string): string {
   return IN_UNIT.includes(field.name) && unit !== "" ? `${field.label} (${unit})` : field.label;
+}
+
+/** What a limit is in the unit in which the person sees the signal; empty where that is its own. */
+export function shownHint(field: AlarmField, text: string, signal: Showable | undefined): string {
+  const value = text.trim() === "" ? Number.NaN : Number(text.trim().replace(",", "."));
+  if (!IN_UNIT.includes(field.name) || signal === undefined || signal.shown === null || Number.isNaN(value)) return "";
+  return `In your unit: ${(field.name === "hysteresis" ? shownDifferenceText : shownText)(signal, value)}`;
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */

@@ -19,7 +19,7 @@ import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { AnomalyList, AlarmDefinition, AlarmKind, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, type AlarmField, type AlarmFields } from "./alarm-definition.js";
+import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, shownHint, type AlarmField, type AlarmFields } from "./alarm-definition.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
@@ -66,6 +66,8 @@ export class AlarmEditor extends LitElement {
   @state() private kind: AlarmKind | null = null;
   /** The channel that was chosen in the form; null: none yet. */
   @state() private signal: string | null = null;
+  /** What was typed so far, for what is said beside it. */
+  @state() private typed: AlarmFields = {};
   @state() private wrong = "";
   @state() private preview: PreviewShape | null = null;
   @query("form") private readonly form!: HTMLFormElement;
@@ -107,7 +109,7 @@ export class AlarmEditor extends LitElement {
           (field) => html`<t-field
             class=${field.name === "expression" || field.name === "advice" ? "wide" : ""}
             label=${fieldLabel(field, signal?.unit ?? "")}
-            .hint=${this.hintOf(field, signal?.states ?? [])}
+            .hint=${this.hintOf(field, signal?.states ?? []) || shownHint(field, this.typed[field.name] ?? fields[field.name] ?? "", signal)}
             .error=${this.errorOf(field.name)}
             >${this.renderControl(field.name, field.sort, fields, kind)}</t-field
           >${field.name === "expression" ? this.renderInserter() : nothing}`,
@@ -253,7 +255,9 @@ export class AlarmEditor extends LitElement {
     area.focus();
   };
 
-  private readonly onInput = (): void => {
+  private readonly onInput = (event: Event): void => {
+    const { name, value } = event.target as HTMLInputElement;
+    this.typed = { ...this.typed, [name]: value };
     if (this.preview !== null) this.preview = null;
   };
 

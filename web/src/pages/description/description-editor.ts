@@ -3,9 +3,11 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import type { ActionController } from "../../controllers/action.js";
 import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
+import { styled } from "../../elements/base/style-directive.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
@@ -56,6 +58,29 @@ export class DescriptionEditor extends LitElement {
         overflow: auto;
         tab-size: 2;
       }
+      .pad {
+        position: relative;
+      }
+      .marks {
+        position: absolute;
+        inset-block: 1px;
+        inset-inline-start: 1px;
+        inline-size: var(--t-space-2);
+        overflow: hidden;
+        font-family: var(--t-mono);
+        font-size: var(--t-size-s);
+        line-height: 1.5;
+      }
+      .marks span {
+        position: absolute;
+        inset-inline: 0;
+        inset-block-start: calc(var(--t-space-3) + var(--line) * 1.5em - var(--scrolled));
+        block-size: 1.5em;
+        background: var(--t-bad);
+      }
+      .marks .note {
+        background: var(--t-warn);
+      }
       textarea:focus-visible {
         outline: 3px solid var(--t-accent);
         outline-offset: 1px;
@@ -93,6 +118,8 @@ export class DescriptionEditor extends LitElement {
   @state() private failed: Advice | null = null;
   @state() private answer: ChangeAnswer | null = null;
 
+  /** How far the text is scrolled (CSS pixels); the marks move with it. */
+  @state() private scrolled = 0;
   @query("textarea") private readonly area!: HTMLTextAreaElement | null;
   @consume({ context: apiContext }) private readonly api!: HubApi;
   /** Whether to apply the text as it stands. */
@@ -141,13 +168,17 @@ export class DescriptionEditor extends LitElement {
         </div>
         ${this.renderStatus()} ${this.renderSensor()}
         ${this.view === "text"
-          ? html`<textarea
-              aria-label="The description as YAML"
-              spellcheck="false"
-              autocapitalize="off"
-              .value=${edits.text}
-              @input=${this.onInput}
-            ></textarea>`
+          ? html`<div class="pad">
+              <textarea
+                aria-label="The description as YAML"
+                spellcheck="false"
+                autocapitalize="off"
+                .value=${edits.text}
+                @input=${this.onInput}
+                @scroll=${this.onScroll}
+              ></textarea>
+              ${this.renderMarks()}
+            </div>`
           : this.renderForm()}
       </section>
       ${this.renderConfirm()}`;
@@ -162,14 +193,37 @@ export class DescriptionEditor extends LitElement {
   private renderStatus(): TemplateResult {
     const { checked } = this;
     if (checked === null) return html`<t-status kind="busy" word="checking"></t-status>`;
-    if (checked.findings.length === 0) {
+    const wrong = checked.findings.filter(({ note }) => !note);
+    const list = html`<t-findings places .findings=${checked.findings} @t-place=${this.showProblem}></t-findings>`;
+    if (wrong.length === 0) {
       const same = this.edits?.text === this.from.text;
-      return html`<t-status kind="ok" word=${same ? "nothing changed yet" : "fits together"}></t-status>`;
+      return html`<t-status kind="ok" word=${same ? "nothing changed yet" : "fits together"}></t-status>
+        ${checked.findings.length === 0 ? nothing : list}`;
     }
-    const count = checked.findings.length;
+    const count = wrong.length;
     return html`<t-status kind="bad" word=${count === 1 ? "1 thing does not fit" : `${String(count)} things do not fit`}></t-status>
-      <t-findings places .findings=${checked.findings} @t-place=${this.showProblem}></t-findings>`;
+      ${list}`;
   }
+
+  /** A mark at each line that has a problem; the list above says it to who cannot see them. */
+  private renderMarks(): TemplateResult {
+    const lines = new Map<number, FindingShape[]>();
+    for (const problem of this.checked?.findings ?? []) if (problem.line > 0) lines.set(problem.line, [...(lines.get(problem.line) ?? []), problem]);
+    return html`<div class="marks" aria-hidden="true">
+      ${map(
+        lines,
+        ([line, found]) => html`<span
+          class=${found.every(({ note }) => note) ? "note" : ""}
+          title=${found.map(({ problem, remedy }) => [problem, remedy].filter(Boolean).join("; ")).join("\n")}
+          ${styled({ "--line": String(line - 1), "--scrolled": `${String(this.scrolled)}px` })}
+        ></span>`,
+      )}
+    </div>`;
+  }
+
+  private readonly onScroll = (event: Event): void => {
+    this.scrolled = (event.target as HTMLTextAreaElement).scrollTop;
+  };
 
   private renderForm(): TemplateResult {
     if (this.schema === null) return html`<t-loading what="Making the form"></t-loading>`;
@@ -202,7 +256,7 @@ export class DescriptionEditor extends LitElement {
 
   private canApply(): boolean {
     const changed = this.edits !== null && this.edits.text !== this.from.text;
-    return changed && this.checked !== null && this.checked.findings.length === 0 && this.known?.editable === true;
+    return changed && this.checked !== null && this.checked.findings.every(({ note }) => note) && this.known?.editable === true;
   }
 
   private async load(number: number): Promise<void> {

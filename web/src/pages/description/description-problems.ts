@@ -42,6 +42,9 @@ export class DescriptionProblems extends LitElement {
         cursor: pointer;
         overflow-wrap: anywhere;
       }
+      li.note {
+        border-color: var(--t-warn);
+      }
       .remedy {
         color: var(--t-muted);
       }
@@ -61,11 +64,11 @@ export class DescriptionProblems extends LitElement {
   private renderRow(problem: FindingShape): TemplateResult {
     const where = problem.where.replace(/^\$\.?/, "") || "the whole";
     const line = problem.line > 0 ? `${where} (line ${String(problem.line)})` : where;
-    return html`<li>
+    return html`<li class=${problem.note ? "note" : ""}>
       ${this.places
         ? html`<button type="button" @click=${this.problemOpener(problem)}>${line}</button>`
         : html`<code>${line}</code>`}
-      <div>${problem.problem}${problem.remedy === "" ? "" : html`<span class="remedy"> — ${problem.remedy}</span>`}</div>
+      <div>${problem.note ? "Note: " : ""}${problem.problem}${problem.remedy === "" ? "" : html`<span class="remedy"> — ${problem.remedy}</span>`}</div>
     </li>`;
   }
 

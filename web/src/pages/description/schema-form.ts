@@ -228,7 +228,7 @@ export class SchemaForm extends LitElement {
   /** How many things do not fit below a path, in words. */
   private renderProblemCount(path: JsonPath): unknown {
     const at = [...this.path, ...path].join("/");
-    const count = this.findings.filter((problem) => `${pathOf(problem.where).join("/")}/`.startsWith(`${at}/`)).length;
+    const count = this.findings.filter((problem) => !problem.note && `${pathOf(problem.where).join("/")}/`.startsWith(`${at}/`)).length;
     if (count === 0) return nothing;
     return html`<span class="wrong">${count === 1 ? "1 problem" : `${String(count)} problems`}</span>`;
   }

@@ -85,6 +85,7 @@ function signal(change: Partial<SignalShape> = {}): SignalShape {
     decimals: -1,
     minimum: -0.25,
     maximum: 0.25,
+    shown: null,
     states: [],
     meanings: [],
     frame: "local",
@@ -128,13 +129,13 @@ const WORDS = signal({ name: "Last message", type: "text", max_age: 86_400 });
 
 const DEVICE: DeviceShape = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [] };
 const ROWS: readonly ChannelRow[] = [
-  { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
-  { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
+  { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, shown: null, states: [], maxAge: 5, primary: true, former: false },
+  { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, shown: null, states: [], maxAge: 5, primary: true, former: false },
 ];
 const GROUP: ChartGroup = { key: "m/s", title: "m/s", type: "number", rows: ROWS };
 
 const TEXT_ROW: ChannelRow = {
-  address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, states: [], maxAge: 60, primary: true, former: false,
+  address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, shown: null, states: [], maxAge: 60, primary: true, former: false,
 };
 const TEXT_GROUP: ChartGroup = { key: "said", title: "Last message", type: "text", rows: [TEXT_ROW] };
 const NUMBERS: ReadonlyMap<string, StatisticsShape> = new Map(

@@ -374,7 +374,7 @@ export class PageHistory extends LitElement {
     const { span, view, moving, isFollowing: following } = this.window;
     this.ghostUs = ghostUs(span, view.versus, clock);
     if (this.width === 0) return;
-    const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge }) => ({ address, maxAge }));
+    const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge, shown }) => ({ address, maxAge, shown }));
     data.loadWindow({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following, outliers: view.outliers });
   }
 

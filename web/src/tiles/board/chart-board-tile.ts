@@ -8,6 +8,7 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChartAxis, ChartSeries, FollowWindow } from "../../elements/chart/chart-model.js";
 import { seriesMarks } from "../../elements/chart/series-marks.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
+import { shownUnit, toShown } from "../../format/unit.js";
 import { formatAge } from "../../format/duration.js";
 import { stateWord } from "../../format/state-label.js";
 import type { SignalShape } from "../../generated/api.js";
@@ -78,7 +79,7 @@ abstract class FeedTile extends LitElement {
     this.series = feed === null ? [] : this.signals.map((signal, colour): ChartSeries => {
       const held = feed.channelOf(signal.channels[0] ?? signal.address);
       return {
-        address: signal.address, name: signal.name, unit: signal.unit, decimals: signal.decimals, colour: colour % 8,
+        address: signal.address, name: signal.name, ...shownUnit(signal), colour: colour % 8,
         samples: held.trace, states: signal.type === "state" ? signal.states : [], gaps: held.gaps, stale: this.isStale(signal),
       };
     });
@@ -96,8 +97,9 @@ abstract class FeedTile extends LitElement {
   protected newestText(signal: SignalShape): string {
     const newest = this.context?.feed?.channelOf(signal.channels[0] ?? signal.address).trace.newest ?? Number.NaN;
     if (signal.type === "state") return stateWord(signal.states, newest);
-    const number = formatNumber(newest, decimalsFor(signal.unit, signal.decimals));
-    return signal.unit === "" ? number : `${number} ${signal.unit}`;
+    const { unit, decimals } = shownUnit(signal);
+    const number = formatNumber(newest, decimalsFor(unit, decimals));
+    return unit === "" ? number : `${number} ${unit}`;
   }
 
   /** How old a value is that is not of now; empty while it is. */
@@ -144,14 +146,17 @@ export class ChartBoardTile extends FeedTile {
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     super.willUpdate(changed);
-    if (this.axis !== null && !changed.has("least") && !changed.has("most")) return;
-    this.levels = [this.least, this.most].filter((value) => !Number.isNaN(value));
+    if (this.axis !== null && !changed.has("least") && !changed.has("most") && !changed.has("signals")) return;
+    // The board says them in the first signal's own unit.
+    const shown = this.signals[0]?.shown ?? null;
+    const [least, most] = [toShown(shown, this.least), toShown(shown, this.most)];
+    this.levels = [least, most].filter((value) => !Number.isNaN(value));
     const end = (value: number): number | null => (Number.isNaN(value) ? null : value);
-    this.axis = { limits: { minimum: end(this.least), maximum: end(this.most) }, least: 0 };
+    this.axis = { limits: { minimum: end(least), maximum: end(most) }, least: 0 };
   }
 
   override render(): TemplateResult {
-    const units = new Set(this.signals.map(({ unit }) => unit));
+    const units = new Set(this.signals.map((signal) => shownUnit(signal).unit));
     return html`<ul>
         ${repeat(
           this.signals,

@@ -4,6 +4,7 @@ import { html, LitElement, nothing, css, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import type { ValueState } from "../../elements/values/value.js";
+import { shownUnit, toShown } from "../../format/unit.js";
 import { outOfRange } from "../../format/state-label.js";
 import type { SignalShape } from "../../generated/api.js";
 import "../../elements/values/gauge.js";
@@ -42,11 +43,11 @@ export class GaugeBoardTile extends LitElement {
     const [low, high] = [Number.isNaN(this.least) ? (signal.minimum ?? 0) : this.least, Number.isNaN(this.most) ? (signal.maximum ?? 100) : this.most];
     return html`<t-gauge
       .look=${this.look}
-      .value=${value}
-      .unit=${signal.unit}
-      .decimals=${signal.decimals}
-      .least=${low}
-      .most=${high > low ? high : low + 1}
+      .value=${toShown(signal.shown, value)}
+      .unit=${shownUnit(signal).unit}
+      .decimals=${shownUnit(signal).decimals}
+      .least=${toShown(signal.shown, low)}
+      .most=${toShown(signal.shown, high > low ? high : low + 1)}
       .state=${this.state(signal, channel, value)}
       .age=${this.live.ageS(channel)}
       .level=${value < this.warnBelow || value > this.warnAbove ? "warn" : ""}

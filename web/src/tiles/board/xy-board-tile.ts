@@ -5,6 +5,7 @@ import { customElement, property } from "lit/decorators.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
+import { shownUnit } from "../../format/unit.js";
 import { formatAge } from "../../format/duration.js";
 import type { SignalShape } from "../../generated/api.js";
 import { roomFor, xyPairs } from "../../boards/xy-pairs.js";
@@ -78,7 +79,11 @@ export class XyBoardTile extends LitElement {
     const drawn = points.map((point) => [((point.x - left) / (right - left)) * WIDE, HIGH - ((point.y - low) / (high - low)) * HIGH] as const);
     const newest = drawn.at(-1);
     const path = drawn.map(([px, py], i) => `${i === 0 ? "M" : "L"}${px.toFixed(1)} ${py.toFixed(1)}`).join("");
-    const text = (signal: SignalShape, value: number): string => `${formatNumber(value, decimalsFor(signal.unit, signal.decimals))} ${signal.unit}`.trim();
+    // The feed holds values as they are shown.
+    const text = (signal: SignalShape, value: number): string => {
+      const { unit, decimals } = shownUnit(signal);
+      return `${formatNumber(value, decimalsFor(unit, decimals))} ${unit}`.trim();
+    };
     const age = feed?.ageS(across.channels[0] ?? across.address) ?? Number.NaN;
     const old = this.context?.online !== true || !(age <= across.max_age);
     const last = points.at(-1);

@@ -4,7 +4,8 @@ import { Trace } from "../../series/trace.js";
 import { LiveEdge } from "../../series/live-edge.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { SECOND_US } from "../../series/zone-clock.js";
-import type { GapShape, HistoryAnswer, SignalShape } from "../../generated/api.js";
+import { toShown } from "../../format/unit.js";
+import type { GapShape, HistoryAnswer, ShownUnitShape, SignalShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
 import { samplesOf } from "./history-samples.js";
@@ -31,6 +32,7 @@ const WRITTEN_S = 130;
 
 /** One channel of the feed. */
 export interface FeedChannel {
+  /** Numbers as they are shown to the person, see `format/unit.ts`; parts of a position as they are stored. */
   readonly trace: Trace;
   /** Stretches that the hub knows to be missing; added to in place. */
   readonly gaps: GapShape[];
@@ -49,6 +51,7 @@ export class ChartFeed {
   backfill: BackfillState = "idle";
   private readonly channels = new Map<string, FeedChannel>();
   private readonly ageLimits = new Map<string, number>();
+  private readonly shown = new Map<string, ShownUnitShape>();
   private scores: ReadonlySet<string> = new Set();
   private readonly filledFrom = new Map<string, number>();
   private asked = "";
@@ -79,6 +82,7 @@ export class ChartFeed {
    */
   subscribeSignals(signals: readonly SignalShape[], scores: readonly string[] = []): void {
     for (const signal of signals) for (const channel of signal.channels) this.ageLimits.set(channel, signal.max_age);
+    for (const { type, shown, channels } of signals) if (type === "number" && shown !== null) for (const channel of channels) this.shown.set(channel, shown);
     for (const channel of scores) this.ageLimits.set(channel, WRITTEN_S);
     this.scores = new Set(scores);
     const wanted = [...signals.flatMap((signal) => signal.channels), ...scores];
@@ -157,7 +161,8 @@ export class ChartFeed {
     for (let i = 0; i < index.length; i += 1) {
       const address = batch.channels[index[i] ?? -1];
       if (address === undefined) continue;
-      this.addSample(this.channelOf(address), timeUs[i] ?? NaN, value[i] ?? NaN, texts[i] ?? null, now, ageMs[i] ?? 0);
+      const shown = toShown(this.shown.get(address) ?? null, value[i] ?? NaN);
+      this.addSample(this.channelOf(address), timeUs[i] ?? NaN, shown, texts[i] ?? null, now, ageMs[i] ?? 0);
     }
     this.changed();
   }
@@ -200,7 +205,8 @@ export class ChartFeed {
     for (const series of answer.series) {
       const { times, values, intervalUs } = samplesOf(series);
       const held = this.channelOf(series.address);
-      held.trace.backfill(times, values, intervalUs);
+      const shown = this.shown.get(series.address) ?? null;
+      held.trace.backfill(times, shown === null ? values : values.map((value) => toShown(shown, value)), intervalUs);
       held.gaps.splice(0, Infinity, ...series.gaps);
       this.filledFrom.set(series.address, span.fromUs);
     }

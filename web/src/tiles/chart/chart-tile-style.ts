@@ -2,7 +2,8 @@
 
 import { css } from "lit";
 import { raisedBox, quietText } from "../../elements/base/base-style.js";
-import { decimalsFor, formatNumber } from "../../format/number.js";
+import { formatNumber } from "../../format/number.js";
+import { shownText } from "../../format/unit.js";
 import type { SignalShape } from "../../generated/api.js";
 
 export interface PositionPart {
@@ -28,7 +29,7 @@ export function positionPart(signal: SignalShape, channel: string, value: number
   if (Number.isNaN(value)) return { name, text: "–" };
   if (id === "yaw") return { name, text: `${formatNumber((value * 180) / Math.PI, 0)}°` };
   if (id === "lat" || id === "lon") return { name, text: `${formatNumber(value, DEGREE_DIGITS)}°` };
-  return { name, text: `${formatNumber(value, decimalsFor("m", signal.decimals))}\u202fm` };
+  return { name, text: shownText({ unit: "m", decimals: signal.decimals, shown: signal.shown }, value) };
 }
 
 export const tileStyle = css`

@@ -20,6 +20,7 @@ import type { ValueState } from "../../elements/values/value.js";
 import { formatAge } from "../../format/duration.js";
 import { messageLevel, stateLevel } from "../../format/severity.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
+import { limitToShown, shownUnit, toStored } from "../../format/unit.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
 import { formatClock } from "../../format/time.js";
 import type { AlarmMark } from "../../series/alarm-marks.js";
@@ -131,7 +132,7 @@ export class ChartTile extends LitElement {
     if (Number.isNaN(age)) return "unknown";
     if (this.cut || age > (this.signal?.max_age ?? 0)) return "stale";
     const newest = this.feed?.channelOf(this.signal?.channels[0] ?? "").trace.newest ?? NaN;
-    return this.signal !== null && outOfRange(this.signal, newest) ? "outside" : "live";
+    return this.signal !== null && outOfRange(this.signal, toStored(this.signal.shown, newest)) ? "outside" : "live";
   }
 
   private renderStatus(): TemplateResult {
@@ -193,8 +194,8 @@ export class ChartTile extends LitElement {
             size="xl"
             .state=${freshness}
             .value=${held.trace.newest}
-            .unit=${signal.unit}
-            .decimals=${signal.decimals}
+            .unit=${shownUnit(signal).unit}
+            .decimals=${shownUnit(signal).decimals}
           ></t-value>
           <p class="range">${this.forbidden ? nothing : this.renderExtremes(signal)}</p>
         </div>`;
@@ -214,7 +215,7 @@ export class ChartTile extends LitElement {
     if (samples === undefined || span === undefined) return nothing;
     const seen = summarize(samples.columnsAt(this.chartColumn(span)), span.fromUs, span.toUs);
     if (seen.count === 0) return html`nothing in this window`;
-    const decimals = decimalsFor(signal.unit, signal.decimals);
+    const decimals = digitsOf(signal);
     return html`<span>min <b>${formatNumber(seen.min, decimals)}</b></span>
       <span>max <b>${formatNumber(seen.max, decimals)}</b></span>`;
   }
@@ -261,7 +262,7 @@ export class ChartTile extends LitElement {
         label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
       ></t-chart>
       ${this.renderNewestMark()} ${this.renderNewestGroup(signal)}
-      ${this.found === null ? nothing : html`<p class="outliers">${outlierText(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
+      ${this.found === null ? nothing : html`<p class="outliers">${outlierText(this.found, shownUnit(signal).unit, digitsOf(signal), false)}</p>`}
       ${
         this.frozen === null
           ? nothing
@@ -327,16 +328,15 @@ export class ChartTile extends LitElement {
     this.series = {
       address: signal.address,
       name: signal.name,
-      unit: signal.unit,
-      decimals: signal.decimals,
+      ...shownUnit(signal),
       colour: this.colour,
       samples: channel.trace,
       states: signal.type === "state" ? signal.states : [],
       gaps: channel.gaps,
       stale: false,
     };
-    const limits = { minimum: signal.minimum, maximum: signal.maximum };
-    this.axis = { limits, least: LEAST_DIGITS * 10 ** -decimalsFor(signal.unit, signal.decimals) };
+    const limits = { minimum: limitToShown(signal.shown, signal.minimum), maximum: limitToShown(signal.shown, signal.maximum) };
+    this.axis = { limits, least: LEAST_DIGITS * 10 ** -digitsOf(signal) };
   }
 
   /** The chart shows alarms and all anomalies, and each strip the anomalies of its detector. */
@@ -373,6 +373,12 @@ export class ChartTile extends LitElement {
   private readonly togglePause = (): void => {
     if (!this.paused) this.held = !this.held;
   };
+}
+
+/** Digits after the point of a signal's values as they are shown. */
+function digitsOf(signal: SignalShape): number {
+  const { unit, decimals } = shownUnit(signal);
+  return decimalsFor(unit, decimals);
 }
 
 declare global {

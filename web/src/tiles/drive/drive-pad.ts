@@ -139,6 +139,8 @@ export class DrivePad extends LitElement {
         .level=${machine.speedLevel}
         .speed=${limits.max_speed}
         .turn=${limits.max_turn}
+        .shownSpeed=${limits.shown_speed}
+        .shownTurn=${limits.shown_turn}
         @t-level=${this.onSpeedLevel}
       ></t-speed-limit>
       <t-drive-readout
@@ -146,6 +148,8 @@ export class DrivePad extends LitElement {
         .told=${told ?? NO_MOTION}
         .sent=${told?.sent ?? ""}
         .measured=${this.measuredMotion()}
+        .shownSpeed=${limits.shown_speed}
+        .shownTurn=${limits.shown_turn}
         .cap=${this.speedCapReason()}
         .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
       ></t-drive-readout>

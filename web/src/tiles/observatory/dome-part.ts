@@ -5,7 +5,7 @@ import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
-import { formatWithUnit } from "../../format/unit.js";
+import { shownText } from "../../format/unit.js";
 import type { EnclosurePartShape, EnclosureShape, SightingShape, SignalShape } from "../../generated/api.js";
 import { sensorsDisagree, type RoofSensor } from "./sensor-agreement.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
@@ -150,7 +150,7 @@ export class DomePart extends DevicePart {
     if (!fresh) return { name, word: "unknown", closed: null };
     if (found?.type !== "number") return { name, word, closed: sighting.states.includes(word) };
     const inside = (sighting.above === null || value > sighting.above) && (sighting.below === null || value < sighting.below);
-    return { name, word: formatWithUnit(value, found.unit, found.decimals), closed: inside };
+    return { name, word: shownText(found, value), closed: inside };
   }
 
   /** How far each segment is open, 0 to 1, west first; empty where it has none, or one does not say. */

@@ -4,7 +4,7 @@
  */
 
 import type { InterlockUpdate } from "../../generated/wire.js";
-import { formatWithUnit } from "../../format/unit.js";
+import { differenceToShown, formatWithUnit, shownDifferenceText, shownText, shownUnit, toShown } from "../../format/unit.js";
 import type { LimitShape, RuleShape, SignalShape } from "../../generated/api.js";
 
 export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";
@@ -107,8 +107,8 @@ export function limitLines(
               name: less === undefined ? signal.name : `${signal.name} minus ${less}`,
               signal: signal.address,
               stands: doubted ? "unknown" : standsOf(limit, now),
-              now: now.fresh ? (signal.type === "state" ? now.word : formatWithUnit(now.value, signal.unit, signal.decimals)) : "unknown",
-              limit: limitText(limit, signal, lasting),
+              now: now.fresh ? (signal.type === "state" ? now.word : (less === undefined ? shownText : shownDifferenceText)(signal, now.value)) : "unknown",
+              limit: limitText(limit, signal, lasting, less !== undefined),
               part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
             },
           ];
@@ -148,8 +148,13 @@ function standsOf(limit: LimitShape, { fresh, value, word }: KnownValue): LimitL
   return high || low ? "returning" : "fine";
 }
 
-function limitText(limit: LimitShape, { unit, decimals }: SignalShape, lasting: number): string {
-  const numberText = (value: number): string => formatWithUnit(value, unit, Number.isInteger(value) ? 0 : decimals);
+/** @param apart the limit is of a difference of two values */
+function limitText(limit: LimitShape, signal: SignalShape, lasting: number, apart: boolean): string {
+  const { unit, decimals } = shownUnit(signal);
+  const numberText = (value: number): string => {
+    const shown = (apart ? differenceToShown : toShown)(signal.shown, value);
+    return formatWithUnit(shown, unit, Number.isInteger(shown) ? 0 : decimals);
+  };
   const parts = [
     limit.above === null ? "" : `above ${numberText(limit.above)}${limit.until_below === null ? "" : ` until below ${numberText(limit.until_below)}`}`,
     limit.below === null ? "" : `below ${numberText(limit.below)}${limit.until_above === null ? "" : ` until above ${numberText(limit.until_above)}`}`,

@@ -23,7 +23,7 @@ test("a filter finds all of its words, in any of a device's names", () => {
 
 test("of a site only what is public stands on the public page, for an operator too", () => {
   const signal = (id: string, open: boolean): SignalShape => ({
-    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null,
+    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null, shown: null,
     states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: open, ros: "", channels: [`base/${id}`],
   });
   const device = (id: string, signals: SignalShape[]): DeviceShape => ({
@@ -31,7 +31,7 @@ test("of a site only what is public stands on the public page, for an operator t
   });
   const detail: SiteShape = {
     site: "agv", name: "A", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "",
-    place: null, rules: [], enclosures: [],
+    place: null, rules: [], enclosures: [], shown_units: {},
     devices: [device("base", [signal("open", true), signal("closed", false)]), device("safe", [signal("own", false)])],
   };
   const shown = publicOf(detail).map((device) => [device.device.id, device.signals.map(({ id }) => id)]);

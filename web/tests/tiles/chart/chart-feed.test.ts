@@ -7,7 +7,7 @@ import type { Batch, BatchListener } from "../../../src/wire/subscriptions.js";
 
 function signal(id: string): SignalShape {
   return {
-    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null,
+    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null, shown: null,
     states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, ros: "", channels: [`base/${id}`],
   };
 }

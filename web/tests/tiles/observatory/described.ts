@@ -4,7 +4,7 @@ import type { ArgumentShape, CommandShape, DeviceShape, SignalShape } from "../.
 
 export function signal(id: string, more: Partial<SignalShape> = {}): SignalShape {
   return {
-    id, address: `it/${id}`, name: id, type: "number", role: "none", unit: "", decimals: 1, minimum: null, maximum: null, states: [], meanings: [],
+    id, address: `it/${id}`, name: id, type: "number", role: "none", unit: "", decimals: 1, minimum: null, maximum: null, shown: null, states: [], meanings: [],
     frame: "local", max_age: 5, primary: true, public: false, ros: "", channels: [`it/${id}`], ...more,
   };
 }

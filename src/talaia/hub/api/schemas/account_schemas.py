@@ -7,13 +7,14 @@ Long, because all that is said about one's own account and others' is read toget
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, StringConstraints
 
 from talaia.hub.api.schemas.common import PermissionShape, Schema
 from talaia.hub.auth.permissions import Right  # noqa: TC001 - pydantic reads it
 from talaia.model.closed_lists import DeviceKind  # noqa: TC001 - pydantic reads it
+from talaia.model.units.unit_text import LONGEST_UNIT
 
 __all__ = [
     "CodeOnly",
@@ -58,7 +59,14 @@ __all__ = [
     "TokenAsk",
     "TokenList",
     "TokenShape",
+    "UnitChoice",
+    "UnitChoiceAsk",
+    "UnitChoiceList",
 ]
+
+# Of one person; more units than any site has.
+_MOST = 40
+_Unit = Annotated[str, StringConstraints(min_length=1, max_length=LONGEST_UNIT)]
 
 # A name as people choose one for a person, a role or a token; the rules are in auth.passwords.
 _NAME = Field(min_length=1, max_length=200)
@@ -401,3 +409,28 @@ class DeviceList(Schema):
     """All devices that are open to you, by site."""
 
     devices: list[DeviceSummary]
+
+
+class UnitChoice(Schema):
+    """A unit of values that you may see, and in which others they can be shown.
+
+    ``name`` is in English words; ``sites`` have values in it. ``shown`` is your choice, or empty.
+    """
+
+    unit: str
+    name: str
+    sites: list[str]
+    shown: str
+    choices: list[str]
+
+
+class UnitChoiceList(Schema):
+    """Your choices; units that can be shown in no other are left out."""
+
+    units: list[UnitChoice]
+
+
+class UnitChoiceAsk(Schema):
+    """What to show in what: stored unit to shown unit. What is not named is as the site has it."""
+
+    shown: dict[_Unit, _Unit] = Field(max_length=_MOST)

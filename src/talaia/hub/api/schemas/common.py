@@ -69,6 +69,7 @@ __all__ = [
     "ProblemShape",
     "SeriesShape",
     "SetupAsk",
+    "ShownUnitShape",
     "SignalShape",
     "SiteShape",
     "SiteSummary",
@@ -176,8 +177,19 @@ class SiteSummary(Schema):
     stale: int
 
 
+class ShownUnitShape(Schema):
+    """How values of a unit are shown to you: times ``factor``, plus ``offset``."""
+
+    unit: str
+    factor: float
+    offset: float
+    decimals: int
+
+
 class SignalShape(Schema):
     """A signal; ``channels`` are the addresses to subscribe to.
+
+    ``unit`` is that of its values everywhere; a page shows them as ``shown`` says, where it does.
 
     ``max_age`` is in seconds, and 1e9 of one that never goes stale.
 
@@ -203,6 +215,7 @@ class SignalShape(Schema):
     public: bool
     ros: Literal["", "parameter", "lifecycle"]
     channels: list[str]
+    shown: ShownUnitShape | None
 
 
 class DetectShape(Schema):
@@ -262,7 +275,10 @@ class CommandShape(Schema):
 
 
 class DriveShape(Schema):
-    """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
+    """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software).
+
+    Pages show speeds and turns to you as ``shown_speed`` and ``shown_turn`` say, where they do.
+    """
 
     max_speed: float  # m/s
     max_reverse: float
@@ -273,6 +289,8 @@ class DriveShape(Schema):
     picture: str
     position: str
     stop: bool
+    shown_speed: ShownUnitShape | None
+    shown_turn: ShownUnitShape | None
 
 
 class DeviceShape(Schema):
@@ -312,6 +330,8 @@ class SiteShape(Schema):
     devices: list[DeviceShape]
     rules: list[RuleShape]
     enclosures: list[EnclosureShape]
+    # By the unit of values as they are stored; of units that are shown as they are there is none.
+    shown_units: dict[str, ShownUnitShape]
 
 
 class GapShape(Schema):

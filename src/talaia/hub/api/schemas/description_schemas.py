@@ -32,13 +32,17 @@ _DIGEST = Field(pattern="^[0-9a-f]{64}$")  # SHA-256
 
 
 class FindingShape(Schema):
-    """What does not fit: where, what, what to do; line and column from 1, 0 if not known."""
+    """What does not fit: where, what, what to do; line and column from 1, 0 if not known.
+
+    ``note``: worth a word, and no reason not to use it.
+    """
 
     where: str
     problem: str
     remedy: str
     line: int
     column: int
+    note: bool = False
 
 
 class VersionShape(Schema):

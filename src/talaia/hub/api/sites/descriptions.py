@@ -26,6 +26,7 @@ from talaia.hub.api.schemas.description_schemas import (
     VersionShape,
 )
 from talaia.model.checks.identifiers import Finding
+from talaia.model.checks.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.errors import DescriptionError
@@ -34,6 +35,7 @@ from talaia.model.yaml_text.diff import list_differences, unified_diff
 from talaia.model.yaml_text.load import load_site, site_of_plain
 from talaia.model.yaml_text.save import save_into_text
 from talaia.model.yaml_text.source_tags import plain_of
+from talaia.ros_type_library import RosTypeLibrary
 from talaia.wire.frames import ChangePhase
 from talaia.wire.sealing import MAX_TEXT, digest_of
 
@@ -142,7 +144,7 @@ class DescriptionPages:
     async def check(self, site: str, asked: CheckAsk, request: Request) -> CheckAnswer:
         """Say what does not fit in a text, as ``talaia check`` does."""
         known_live_of(request)
-        findings = await self._run_reader(_check_text, asked.text)
+        findings = await self._run_reader(_check_closely, asked.text)
         parts, lines = [], []
         if asked.against:
             before = await self._version_text(site, str(asked.against))
@@ -227,6 +229,18 @@ class DescriptionPages:
 
 def _check_text(text: str) -> list[FindingShape]:
     return _shapes_of(check_text(text).mistakes)
+
+
+def _check_closely(text: str) -> list[FindingShape]:
+    """Check a text, and note what nothing at the hub knows of units and of types of ROS."""
+    report = check_text(text)
+    found = list(report.notes)
+    if report.site is not None:
+        # The gateway has the robot's packages and the last word, so none of it is a mistake here.
+        of_types = ros_type_findings(report.site, RosTypeLibrary())
+        found += place_findings([*of_types.mistakes, *of_types.notes], text)
+    shapes = [shape.model_copy(update={"note": True}) for shape in _shapes_of(found)]
+    return [*_shapes_of(report.mistakes), *shapes]
 
 
 def _place_findings(findings: Iterable[Finding], text: str) -> list[FindingShape]:

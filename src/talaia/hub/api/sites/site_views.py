@@ -1,7 +1,11 @@
-"""A site's description as a person may see it. Pure."""
+"""A site's description as a person may see it. Pure.
+
+Long, because each part of a description has its view here.
+"""
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +17,7 @@ from talaia.hub.api.schemas.common import (
     DetectShape,
     DeviceShape,
     DriveShape,
+    ShownUnitShape,
     SignalShape,
     SiteShape,
     SiteSummary,
@@ -26,6 +31,7 @@ from talaia.hub.api.sites.rule_views import (
     describe_pointing,
     describe_rules,
 )
+from talaia.hub.api.sites.shown_signals import ShownSignals
 from talaia.hub.auth.permissions import (
     Grants,
     Right,
@@ -42,22 +48,27 @@ from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, par
 from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
     from talaia.hub.live.sites import LiveSite
     from talaia.model.detection import Detect
     from talaia.model.discovery.role_proposal import DeviceRoles
     from talaia.model.site import Command, Device, Drive, Signal, Site
+    from talaia.model.units.conversion import Conversion
 
 __all__ = ["describe_site", "list_devices", "summarise_site"]
 
+_AS_STORED: Mapping[str, Conversion] = MappingProxyType({})
 # Sees only what is public.
 _GUEST = Grants()
 
 
-def describe_site(live: LiveSite, grants: Grants) -> SiteShape:
-    """Describe a site, leaving out what is not open to the person."""
+def describe_site(
+    live: LiveSite, grants: Grants, shown: Mapping[str, Conversion] = _AS_STORED
+) -> SiteShape:
+    """Describe a site, leaving out what is not open to the person; ``shown`` is by stored unit."""
     site = live.description
+    ways = ShownSignals(site, shown)
     # Addresses of the commands that keep a roof's own supervision quiet.
     heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
     return SiteShape(
@@ -70,12 +81,13 @@ def describe_site(live: LiveSite, grants: Grants) -> SiteShape:
         catalogue=live.edition,
         place=describe_place(site, grants),
         devices=[
-            _device_schema(site, device_id, device, grants, heartbeats=heartbeats)
+            _device_schema(site, device_id, device, grants, heartbeats=heartbeats, shown=ways)
             for device_id, device in site.devices.items()
             if sees_device(grants, site, device_id)
         ],
         rules=describe_rules(site, grants),
         enclosures=describe_enclosures(site, grants),
+        shown_units={unit: ShownUnitShape(**way._asdict()) for unit, way in shown.items()},
     )
 
 
@@ -147,7 +159,13 @@ def _visible_signals(
 
 
 def _device_schema(
-    site: Site, device_id: str, device: Device, grants: Grants, *, heartbeats: Collection[str]
+    site: Site,
+    device_id: str,
+    device: Device,
+    grants: Grants,
+    *,
+    heartbeats: Collection[str],
+    shown: ShownSignals,
 ) -> DeviceShape:
     uses = grants.has_right(Right.USE, site.site, device_id)
     views = grants.has_right(Right.VIEW, site.site, device_id)
@@ -157,7 +175,12 @@ def _device_schema(
         name=device.name,
         kind=device.kind,
         signals=[
-            _signal_schema(device_id, signal_id, signal, roles.signals.get(signal_id))
+            _signal_schema(
+                f"{device_id}/{signal_id}",
+                signal,
+                roles.signals.get(signal_id),
+                shown.conversion_of(signal),
+            )
             for signal_id, signal in device.signals.items()
             if sees_signal(grants, site, device_id, signal_id)
         ],
@@ -187,7 +210,7 @@ def _device_schema(
             # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
         ],
-        drive=_drive_schema(device.drive) if device.drive and views else None,
+        drive=_drive_schema(device.drive, shown.by_unit) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
@@ -222,15 +245,14 @@ def _slew_schema(device: Device, roles: DeviceRoles) -> SlewShape | None:
 
 
 def _signal_schema(
-    device_id: str, signal_id: str, signal: Signal, role: SignalRole | None
+    address: str, signal: Signal, role: SignalRole | None, shown: Conversion | None
 ) -> SignalShape:
-    address = f"{device_id}/{signal_id}"
     decimals = signal.decimals
     # The description leaves them to the unit.
     if decimals < 0:
-        decimals = unit_of(address, signal.unit).decimals
+        decimals = unit_of(signal.unit).decimals
     return SignalShape(
-        id=signal_id,
+        id=address.partition("/")[2],
         address=address,
         name=signal.name,
         type=signal.type,
@@ -247,7 +269,12 @@ def _signal_schema(
         public=signal.visibility is Visibility.PUBLIC,
         ros=signal_part(signal),
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],
+        shown=_shown_schema(shown),
     )
+
+
+def _shown_schema(shown: Conversion | None) -> ShownUnitShape | None:
+    return None if shown is None else ShownUnitShape(**shown._asdict())
 
 
 def _detect_schema(detect: Detect | None) -> DetectShape | None:
@@ -285,7 +312,7 @@ def _command_schema(
     )
 
 
-def _drive_schema(drive: Drive) -> DriveShape:
+def _drive_schema(drive: Drive, shown: Mapping[str, Conversion]) -> DriveShape:
     return DriveShape(
         max_speed=drive.max_speed,
         # None: as fast as forwards.
@@ -297,4 +324,6 @@ def _drive_schema(drive: Drive) -> DriveShape:
         picture=drive.picture,
         position=drive.position,
         stop=True,
+        shown_speed=_shown_schema(shown.get("m/s")),
+        shown_turn=_shown_schema(shown.get("rad/s")),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -22,6 +23,7 @@ from talaia.hub.api.sites.site_views import describe_site, list_devices, summari
 from talaia.hub.auth.permissions import Right, sees_site
 from talaia.hub.live.detection.sightings import KIND as SIGHTING
 from talaia.hub.store.audit import AuditFilter
+from talaia.model.units.conversion import shown_units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.api.schemas.sighting_schemas import SeenShape
     from talaia.hub.live.sites import Sites
+    from talaia.hub.store.accounts.shown_units import ShownUnits
     from talaia.hub.store.audit import Audit, AuditRecord
     from talaia.hub.store.sites.sightings import SightingStore
 
@@ -41,9 +44,19 @@ _Text = Annotated[str | None, Query(max_length=200, pattern=r"^[^\x00]*$")]
 class SitePages:
     """The routes of sites."""
 
-    def __init__(self, sites: Sites, audit: Audit, sightings: SightingStore, clock: Clock) -> None:
+    def __init__(
+        self,
+        *,
+        sites: Sites,
+        shown: ShownUnits,
+        audit: Audit,
+        sightings: SightingStore,
+        clock: Clock,
+    ) -> None:
         """Answer from what is live and what was written down."""
         self._sites = sites
+        # In which units people want to see values.
+        self._shown = shown
         self._audit = audit
         self._sightings = sightings
         self._clock = clock
@@ -81,8 +94,16 @@ class SitePages:
         )
 
     async def one(self, request: Request, site: str) -> SiteShape:
-        """Describe a site as far as it is open to you."""
-        return describe_site(live_of(request), who_of(request).grants)
+        """Describe a site as far as it is open to you.
+
+        ``unit`` is that of values as they are stored, sent and exported. ``shown`` and
+        ``shown_units`` say in which other one a page is to show them to you.
+        """
+        live, who = live_of(request), who_of(request)
+        choice = await self._shown.choice_of(who)
+        # In a thread: a rare unit may take the import of a library.
+        ways = await asyncio.to_thread(shown_units, choice, live.description.shown_units)
+        return describe_site(live, who.grants, ways)
 
     async def events(
         self,

@@ -20,6 +20,7 @@ import type { OutlierShape, StatisticsShape } from "../../../generated/api.js";
 import { historyChartStyle } from "./history-chart-style.js";
 import type { LoadedSeries } from "../data/history-loader.js";
 import type { EventMark } from "./event-marks.js";
+import { shownFence } from "../data/shown-fence.js";
 import type { ChannelRow, ChartGroup } from "../data/channel-rows.js";
 import { renderStatisticsCells, renderStatisticsHead } from "./statistics-cells.js";
 import { textBand, type TextBand } from "../data/text-band.js";
@@ -109,7 +110,7 @@ export class HistoryChart extends LitElement {
   private seekOutliers(): void {
     const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
     const found = numbers.flatMap(({ address, samples }): [string, Outliers][] => {
-      const by = this.unfenced || this.data.get(address)?.exact === true ? this.outliers : this.fences.get(address);
+      const by = this.unfenced || this.data.get(address)?.exact === true ? this.outliers : this.fenceOf(address);
       if (by === undefined) return [];
       const memo = this.memos.get(address) ?? new OutlierMemo();
       this.memos.set(address, memo);
@@ -129,11 +130,16 @@ export class HistoryChart extends LitElement {
     </ul>`;
   }
 
+  private fenceOf(address: string): OutlierShape | undefined {
+    const fence = this.fences.get(address);
+    return fence && shownFence(fence, this.group?.rows.find((row) => row.address === address)?.shown ?? null);
+  }
+
   private outlierLine({ address, unit, decimals }: ChartSeries): string {
     const found = this.points.get(address);
     if (found === undefined) return "All samples of the window are being counted…";
     const whole = this.data.get(address)?.exact === true;
-    const fences = this.fences.get(address);
+    const fences = this.fenceOf(address);
     const places = decimalsFor(unit, decimals);
     if (whole) return `${outlierText(found, unit, places, true)}.`;
     if (!this.unfenced && fences !== undefined) return `${outlierText(found, unit, places, fences.exact || fences.stored)}.`;

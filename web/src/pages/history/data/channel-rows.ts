@@ -1,6 +1,7 @@
 /** The channels of a site that have a history, and how they share charts. */
 
-import type { DeviceShape, SignalShape, SiteShape, StoredShape } from "../../../generated/api.js";
+import { shownUnit } from "../../../format/unit.js";
+import type { DeviceShape, ShownUnitShape, SignalShape, SiteShape, StoredShape } from "../../../generated/api.js";
 
 /** One channel that can be chosen. */
 export interface ChannelRow {
@@ -8,8 +9,11 @@ export interface ChannelRow {
   readonly device: Pick<DeviceShape, "id" | "name">;
   readonly name: string;
   readonly type: "number" | "state" | "text";
+  /** As they are shown; see `format/unit.ts`. */
   readonly unit: string;
   readonly decimals: number;
+  /** How stored values are shown; null: as they are. */
+  readonly shown: ShownUnitShape | null;
   readonly states: readonly string[];
   /** s */
   readonly maxAge: number;
@@ -37,19 +41,20 @@ const FIRST_CHOICE = 2;
 /** @param former channels that have history and are no longer described; they come last */
 export function channelRows(detail: SiteShape, former: readonly StoredShape[] = []): ChannelRow[] {
   const rows = detail.devices.flatMap((device) =>
-    device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))),
+    device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(detail, device, signal, channel))),
   );
   // What has come back since they were asked for stands under its device.
   const described = new Set(rows.map(({ address }) => address));
   return [...rows, ...former.filter(({ address }) => !described.has(address)).map((stored) => formerRow(detail, stored))];
 }
 
-function formerRow({ devices }: SiteShape, { address, name, unit, type, states, decimals }: StoredShape): ChannelRow {
+function formerRow(detail: SiteShape, { address, name, unit, type, states, decimals }: StoredShape): ChannelRow {
   const id = address.split("/")[0] ?? "";
-  const device = devices.find((device) => device.id === id) ?? { id, name: id };
+  const device = detail.devices.find((device) => device.id === id) ?? { id, name: id };
   const kind = TYPES.find((known) => known === type) ?? "number";
-  const signal = { name: name || address, type: kind, unit, states, decimals, max_age: FORMER_AGE, primary: false };
-  return { ...rowOf(device, signal, address), former: true };
+  const shown = kind === "number" ? (detail.shown_units[unit] ?? null) : null;
+  const signal = { name: name || address, type: kind, unit, states, decimals, shown, max_age: FORMER_AGE, primary: false };
+  return { ...rowOf(detail, device, signal, address), former: true };
 }
 
 /** What to show to somebody who has not chosen: the first main numbers. */
@@ -93,14 +98,16 @@ function joinGroups(groups: readonly ChartGroup[], axes: number): ChartGroup[] {
   return [...charts, ...groups.filter(({ type }) => type !== "number")];
 }
 
-type DescribedChannel = Pick<SignalShape, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
+type DescribedChannel = Pick<SignalShape, "name" | "type" | "unit" | "states" | "decimals" | "shown" | "max_age" | "primary">;
 
-function rowOf(device: ChannelRow["device"], signal: DescribedChannel, channel: string): ChannelRow {
-  const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary, former: false } as const;
+function rowOf(detail: SiteShape, device: ChannelRow["device"], signal: DescribedChannel, channel: string): ChannelRow {
+  const plain = { address: channel, device, shown: signal.shown, states: [], maxAge: signal.max_age, primary: signal.primary, former: false } as const;
   if (signal.type !== "position") {
-    return { ...plain, name: signal.name, type: signal.type, unit: signal.unit, decimals: signal.decimals, states: signal.states };
+    return { ...plain, name: signal.name, type: signal.type, ...shownUnit(signal), states: signal.states };
   }
   const part = channel.slice(channel.lastIndexOf(".") + 1);
-  const unit = PART_UNITS[part] ?? "";
-  return { ...plain, name: `${signal.name}, ${part}`, type: "number", unit, decimals: unit === "°" ? DEGREE_DIGITS : -1 };
+  const stored = PART_UNITS[part] ?? "";
+  const shown = detail.shown_units[stored] ?? null;
+  const { unit, decimals } = shownUnit({ unit: stored, decimals: stored === "°" ? DEGREE_DIGITS : -1, shown });
+  return { ...plain, name: `${signal.name}, ${part}`, type: "number", unit, decimals, shown };
 }

@@ -5,7 +5,8 @@ import { Trace } from "../../../series/trace.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import { samplesOf } from "../../../tiles/chart/history-samples.js";
-import type { GapShape, HistoryAnswer, SeriesShape } from "../../../generated/api.js";
+import { toShown } from "../../../format/unit.js";
+import type { GapShape, HistoryAnswer, SeriesShape, ShownUnitShape } from "../../../generated/api.js";
 import type { HistoryQuery } from "../../../wire/hub-api.js";
 import { LatestRequest, type RequestStatus } from "./latest-request.js";
 
@@ -26,8 +27,8 @@ export interface LoadedSeries {
 
 export interface WindowQuestion {
   readonly site: string;
-  /** Channels with their limits of age (s). */
-  readonly channels: readonly { readonly address: string; readonly maxAge: number }[];
+  /** Channels with their limits of age (s), and how their values are shown. */
+  readonly channels: readonly { readonly address: string; readonly maxAge: number; readonly shown: ShownUnitShape | null }[];
   readonly span: TimeSpan;
   /** CSS pixels */
   readonly width: number;
@@ -53,8 +54,13 @@ export class HistoryLoader {
       fetch: (question, signal) => this.past.history(question.site, queryOf(question), signal),
       isStillUseful: (running, next) => sameChannels(running, next) && overlapPart(running.span, next.span),
       onAnswer: (answer, question) => {
-        const ages = new Map(question.channels.map(({ address, maxAge }) => [address, maxAge * SECOND_US]));
-        this.data = new Map(answer.series.map((series) => [series.address, loadedSeries(series, ages.get(series.address) ?? 0)]));
+        const asked = new Map(question.channels.map((channel) => [channel.address, channel]));
+        this.data = new Map(
+          answer.series.map((series) => {
+            const channel = asked.get(series.address);
+            return [series.address, loadedSeries(series, (channel?.maxAge ?? 0) * SECOND_US, channel?.shown ?? null)];
+          }),
+        );
         this.held = question;
       },
       onChange: changed,
@@ -118,11 +124,14 @@ function windowCovers(held: WindowQuestion, wanted: WindowQuestion): boolean {
   return inside && fine && sameChannels(held, wanted);
 }
 
-/** @param maxAgeUs the signal's limit of age (µs) */
-export function loadedSeries(series: SeriesShape, maxAgeUs: number): LoadedSeries {
+/**
+ * @param maxAgeUs the signal's limit of age (µs)
+ * @param shown how its values are shown
+ */
+export function loadedSeries(series: SeriesShape, maxAgeUs: number, shown: ShownUnitShape | null = null): LoadedSeries {
   const { times, values, intervalUs } = samplesOf(series);
   const trace = new Trace(Infinity, maxAgeUs, MOST);
-  trace.backfill(times, values, intervalUs);
+  trace.backfill(times, shown === null ? values : values.map((value) => toShown(shown, value)), intervalUs);
   const known = series.gaps;
   // A silence that the hub has a reason for is told once, with the reason.
   const silent = gapsOf(trace.times, trace.allowedUs).filter(

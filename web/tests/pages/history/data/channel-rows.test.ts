@@ -4,12 +4,12 @@ import type { SignalShape, SiteShape, StoredShape } from "../../../../src/genera
 
 function signal(id: string, change: Partial<SignalShape> = {}): SignalShape {
   return {
-    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null,
+    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null, shown: null,
     states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, ros: "", channels: [`base/${id}`], ...change,
   };
 }
 const DETAIL: SiteShape = {
-  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], last_seen_us: 0,
+  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], shown_units: {}, last_seen_us: 0,
   devices: [
     {
       id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [],

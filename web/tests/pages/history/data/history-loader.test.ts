@@ -34,7 +34,7 @@ function hub(): { loader: HistoryLoader; asked: Asked[] } {
 const ONE: HistoryAnswer = { series: [{ address: "a", t_us: [1, 2], v: [1, 2], kind: "exact", gaps: [] }] };
 
 function question(fromUs: number, address = "a", length = 1000): WindowQuestion {
-  return { site: "agv", channels: [{ address, maxAge: 5 }], span: { fromUs, toUs: fromUs + length }, width: 100 };
+  return { site: "agv", channels: [{ address, maxAge: 5, shown: null }], span: { fromUs, toUs: fromUs + length }, width: 100 };
 }
 
 describe("loading windows", () => {

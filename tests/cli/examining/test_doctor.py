@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.doctor import PartState, examine_machine, main
+from talaia.cli.examining.doctor import PartState, examine_machine, main
 from talaia.ros_installation import find_ros
 
 
@@ -23,14 +23,14 @@ def test_each_part_is_named_once_and_what_is_not_here_has_a_remedy() -> None:
 
 
 def test_a_domain_that_is_no_number_is_a_problem(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     if not find_ros().wheels:
         pytest.skip("the ROS 2 wheels are not installed")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-    assert main([]) == 0
+    assert main(["--port", "0", "--data", str(tmp_path)]) == 0
     monkeypatch.setenv("ROS_DOMAIN_ID", "five")
-    assert main([]) == 1
+    assert main(["--port", "0", "--data", str(tmp_path)]) == 1
     said = capsys.readouterr().out
     assert "!!  ROS 2 domain" in said
     assert "→ set it to a number from 0 to 101" in said
@@ -41,13 +41,13 @@ def test_a_ros_that_is_sourced_for_another_python_is_told(tmp_path: Path) -> Non
     packages = tmp_path / "opt/ros/humble/lib/python3.10/site-packages"
     packages.mkdir(parents=True)
     done = subprocess.run(
-        [sys.executable, "-m", "talaia", "doctor"],
+        [sys.executable, "-m", "talaia", "doctor", "--port", "0", "--data", str(tmp_path)],
         env={
             **os.environ,
             "AMENT_PREFIX_PATH": str(tmp_path / "opt/ros/humble"),
             "PYTHONPATH": os.pathsep.join([str(packages), "src"]),
         },
-        cwd=Path(__file__).parents[2],
+        cwd=Path(__file__).parents[3],
         capture_output=True,
         text=True,
         check=False,

@@ -1,4 +1,4 @@
-"""``talaia doctor``: which parts that Talaia works with are here, and what to do about the rest.
+"""``talaia doctor``: which parts are here, whether the machine is fit, and what to do.
 
 Looks only: it connects to no robot, starts no server and changes nothing.
 """
@@ -13,11 +13,12 @@ import platform
 import shutil
 import subprocess
 import sys
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from talaia import __version__
+from talaia.cli.examining.findings import PartFinding, PartState
+from talaia.cli.examining.host import examine_host
 from talaia.ros_installation import (
     RosOrigin,
     bridge_command,
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     from talaia.ros_installation import RosChoice
 
-__all__ = ["PartFinding", "PartState", "examine_machine", "main"]
+__all__ = ["examine_machine", "main"]
 
 # The part that takes it, the module that shows that it is there, and the extra that brings it.
 _PARTS = (
@@ -53,33 +54,6 @@ _IMPORT_S = 30.0
 _RMW = "RMW_IMPLEMENTATION"
 # The middleware by which a type without its package can be read.
 _USUAL_RMW = "rmw_fastrtps_cpp"
-
-
-class PartState(StrEnum):
-    """How something is."""
-
-    OK = "ok"
-    # Not there, and nothing else needs it.
-    ABSENT = "--"
-    # There, and cannot be used as it is.
-    PROBLEM = "!!"
-
-
-class PartFinding(NamedTuple):
-    """One thing that was looked for.
-
-    Attributes:
-        state: how it is.
-        what: its name.
-        detail: what was found.
-        remedy: what to do; empty where there is nothing to do.
-
-    """
-
-    state: PartState
-    what: str
-    detail: str
-    remedy: str = ""
 
 
 def examine_machine() -> Iterator[PartFinding]:
@@ -206,10 +180,16 @@ def main(argv: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(
         "talaia doctor",
         description="Say what Talaia finds on this machine: which ROS 2 it uses and why, ROS 1, "
-        "INDI, and the parts that are installed; with what to do about the rest.",
+        "INDI, the parts that are installed, what runs, and whether port, clock, disk and "
+        "certificate are fit for a hub; with what to do about the rest. Ends with 1 if something "
+        "cannot be used.",
     )
-    parser.parse_args(argv)
-    findings = list(examine_machine())
+    parser.add_argument(
+        "--data", type=Path, default=Path("talaia-data"), help="the hub's data folder (talaia-data)"
+    )
+    parser.add_argument("--port", type=int, default=8443, help="the hub's port (8443)")
+    options = parser.parse_args(argv)
+    findings = [*examine_machine(), *examine_host(options.data, options.port)]
     width = max(len(finding.what) for finding in findings)
     for finding in findings:
         print(f"{finding.state}  {finding.what:<{width}}  {finding.detail}")

@@ -1,0 +1,225 @@
+"""Whether types and fields of ROS exist that a description names; findings, raises nothing.
+
+Asked for beside `check_site`, where something knows the types: a description may well be for a
+robot whose packages are on no other machine.
+"""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from talaia.model.checks.identifiers import FIELD, Finding
+from talaia.model.closed_lists import CommandKind
+from talaia.model.connections.ros import RosSource
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from talaia.model.site import Command, Device, Signal, Site
+
+__all__ = ["KnownTypes", "RosTypeFindings", "ros_type_findings"]
+
+_TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*\Z")
+_INDEX = re.compile(r"\[(\d+)\]")
+# Names in one remedy.
+_MOST_NAMES = 8
+# What a command's arguments fill, by its kind.
+_ASKED = {CommandKind.SERVICE: "_Request", CommandKind.TOPIC: "", CommandKind.ACTION: "_Goal"}
+
+
+class _Kind(Protocol):
+    """The type of a field; see `talaia.ros_type_library.FieldKind`."""
+
+    @property
+    def base(self) -> str: ...
+    @property
+    def many(self) -> bool: ...
+    @property
+    def length(self) -> int: ...
+
+
+class KnownTypes(Protocol):
+    """What knows types; see `talaia.ros_type_library.RosTypeLibrary`."""
+
+    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, _Kind]]:
+        """Give the fields of each known version of a type, the installed one first."""
+        ...
+
+    def names_in(self, package: str, middle: str) -> list[str]:
+        """List the types of a package."""
+        ...
+
+    def packages(self) -> list[str]:
+        """List all packages."""
+        ...
+
+
+class RosTypeFindings(NamedTuple):
+    """Mistakes, and notes on what nothing here knows."""
+
+    mistakes: list[Finding]
+    notes: list[Finding]
+
+
+class _Named(NamedTuple):
+    """A type that a description names, with fields of it.
+
+    Attributes:
+        where: the place of the type; ``fields`` are by their places.
+
+    """
+
+    where: str
+    type: str
+    part: str
+    fields: tuple[tuple[str, str], ...]
+
+
+def ros_type_findings(site: Site, known: KnownTypes) -> RosTypeFindings:
+    """Look for all types and fields of a description; what no version of a type has is wrong."""
+    mistakes: list[Finding] = []
+    notes: dict[str, Finding] = {}
+    for named in _named_types(site):
+        # One that is no type's name has its own finding.
+        if not _TYPE.match(named.type):
+            continue
+        problems = _field_problems(known, named)
+        if problems is not None:
+            mistakes += problems
+            continue
+        package, middle, name = named.type.split("/")
+        names = known.names_in(package, middle)
+        # There, but not to be read here.
+        if name in names:
+            continue
+        if names:
+            near = get_close_matches(name, names, n=1, cutoff=0.6)
+            remedy = f"did you mean {near[0]}?" if near else f"it has: {_list_names(names)}"
+            mistakes.append(Finding(named.where, f"no type {name} in {package}/{middle}", remedy))
+        elif package not in notes:
+            notes[package] = _package_note(known, named.where, package)
+    return RosTypeFindings(mistakes, list(notes.values()))
+
+
+def _package_note(known: KnownTypes, where: str, package: str) -> Finding:
+    packages = known.packages()
+    near = get_close_matches(package, packages, n=1, cutoff=0.75)
+    problem = f"nothing here knows the package {package}: its types and fields were not checked"
+    if near:
+        return Finding(where, problem, f"did you mean {near[0]}?")
+    remedy = "check it where the package is installed, or name its .msg files with definitions"
+    return Finding(where, problem, remedy)
+
+
+def _named_types(site: Site) -> Iterator[_Named]:
+    for device_id, device in site.devices.items():
+        at = f"$.devices.{device_id}"
+        for signal_id, signal in device.signals.items():
+            yield from _types_of_signal(f"{at}.signals.{signal_id}", signal)
+        for stream_id, stream in device.streams.items():
+            if isinstance(stream.source, RosSource) and stream.source.type:
+                where = f"{at}.streams.{stream_id}.source.type"
+                yield _Named(where, stream.source.type, "", ())
+        yield from _types_of_commands(at, device)
+
+
+def _types_of_signal(at: str, signal: Signal) -> Iterator[_Named]:
+    source = signal.source
+    if not isinstance(source, RosSource) or not source.type:
+        return
+    paths = [(f"{at}.source.stamp", source.stamp), (f"{at}.yaw_from", signal.yaw_from)]
+    # Of a topic that carries sensors by name, the name says which; there is no field.
+    if not source.name:
+        paths.insert(0, (f"{at}.source.field", source.field))
+    fields = tuple((where, path) for where, path in paths if path)
+    yield _Named(f"{at}.source.type", source.type, "", fields)
+
+
+def _types_of_commands(at: str, device: Device) -> Iterator[_Named]:
+    for command_id, command in device.commands.items():
+        where = f"{at}.commands.{command_id}"
+        if command.type and command.kind in _ASKED:
+            yield _Named(
+                f"{where}.type", command.type, _ASKED[command.kind], _asked_fields(where, command)
+            )
+            if command.kind is CommandKind.ACTION and command.progress:
+                fields = ((f"{where}.progress", command.progress),)
+                yield _Named(f"{where}.type", command.type, "_Feedback", fields)
+
+
+def _asked_fields(where: str, command: Command) -> tuple[tuple[str, str], ...]:
+    arguments = [
+        (f"{where}.arguments.{name}.field", argument.field)
+        for name, argument in command.arguments.items()
+    ]
+    return (*arguments, *((f"{where}.fixed.{path}", path) for path in command.fixed))
+
+
+def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
+    """Tell what is wrong with the fields of a type; None where nothing knows the type.
+
+    Right is what any version has; so further ones are read for what is missing in the first alone.
+    """
+    # A path that is none has its own finding.
+    open_ = {where: path for where, path in named.fields if FIELD.match(path)}
+    first: dict[str, tuple[str, str]] = {}
+    is_known = False
+    for fields in known.versions_of(named.type, named.part):
+        is_known = True
+        for where, path in list(open_.items()):
+            found = _follow_path(known, fields, named.type, path.split("."))
+            if found is None:
+                del open_[where]
+            else:
+                # The first version is the installed one: what it lacks is told.
+                first.setdefault(where, found)
+        if not open_:
+            break
+    if not is_known:
+        return None
+    return [Finding(where, *first[where]) for where in open_]
+
+
+def _follow_path(
+    known: KnownTypes, fields: Mapping[str, _Kind], owner: str, steps: list[str]
+) -> tuple[str, str] | None:
+    name, _, _ = steps[0].partition("[")
+    kind = fields.get(name)
+    if kind is None:
+        near = get_close_matches(name, fields, n=1, cutoff=0.5)
+        remedy = f"did you mean {near[0]}?" if near else f"it has: {_list_names(fields)}"
+        return f"no field {name} in {owner}", remedy
+    if (wrong := _index_problem(kind, steps[0])) is not None:
+        return f"{name} of {owner} {wrong[0]}", wrong[1]
+    if len(steps) == 1:
+        return None
+    below = ".".join(steps[1:])
+    if "/" not in kind.base:
+        return f"{name} of {owner} is a {kind.base} and has no fields", f"leave out .{below}"
+    if kind.many and "[" not in steps[0]:
+        return f"{name} of {owner} is a list", f"write {name}[0].{below}"
+    problem = None
+    for version in known.versions_of(kind.base):
+        found = _follow_path(known, version, kind.base, steps[1:])
+        # Any version that has it will do; and a part that nothing knows is no mistake.
+        if found is None:
+            return None
+        problem = problem or found
+    return problem
+
+
+def _index_problem(kind: _Kind, step: str) -> tuple[str, str] | None:
+    name, _, _ = step.partition("[")
+    indices = [int(index) for index in _INDEX.findall(step)]
+    if len(indices) > int(kind.many):
+        return "is no list of lists" if kind.many else "is no list", f"write {name}"
+    if indices and kind.length and indices[0] >= kind.length:
+        return f"has {kind.length} elements", f"write {name}[0] to {name}[{kind.length - 1}]"
+    return None
+
+
+def _list_names(names: Mapping[str, object] | Sequence[str]) -> str:
+    listed = list(names)
+    return ", ".join(listed[:_MOST_NAMES]) + (", …" if len(listed) > _MOST_NAMES else "")
