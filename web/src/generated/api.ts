@@ -138,13 +138,6 @@ export interface EventShape {
   readonly sighting?: SeenShape | null;
 }
 
-/** Samples that are lost, and why. */
-export interface GapShape {
-  readonly from_us: number;
-  readonly to_us: number;
-  readonly reason: string;
-}
-
 /** Leave heads here: the hub's token, its public key, and lines as they are in its file. */
 export interface HeadsAsk {
   readonly token: string;
@@ -160,11 +153,6 @@ export interface HeadsKept {
 /** The hub answers. */
 export interface Health {
   readonly ok: boolean;
-}
-
-/** A window of the history. */
-export interface HistoryAnswer {
-  readonly series: readonly SeriesShape[];
 }
 
 /** Sign in; ``code`` is of the authenticator, or a recovery code, where there is a factor. */
@@ -205,16 +193,6 @@ export interface PermissionShape {
 export interface ProblemShape {
   readonly code: string;
   readonly message: string;
-}
-
-/** One channel's samples. */
-export interface SeriesShape {
-  readonly address: string;
-  readonly kind: "exact" | "minmax";
-  readonly t_us: readonly number[];
-  readonly v: readonly (number | null)[];
-  readonly text?: readonly string[] | null;
-  readonly gaps: readonly GapShape[];
 }
 
 /** Make the first admin, with the token of the set-up link. */
@@ -707,6 +685,18 @@ export interface ChannelStorageShape {
   readonly keep_days: number;
 }
 
+/** Samples that are lost, and why. */
+export interface GapShape {
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly reason: string;
+}
+
+/** A window of the history. */
+export interface HistoryAnswer {
+  readonly series: readonly SeriesShape[];
+}
+
 /** One for each channel, in the order asked for. */
 export interface OutlierList {
   readonly outliers: readonly OutlierShape[];
@@ -738,6 +728,16 @@ export interface ReadingShape {
   readonly t_us: number;
   readonly v: number | null;
   readonly text?: string | null;
+}
+
+/** One channel's samples. */
+export interface SeriesShape {
+  readonly address: string;
+  readonly kind: "exact" | "minmax";
+  readonly t_us: readonly number[];
+  readonly v: readonly (number | null)[];
+  readonly text?: readonly string[] | null;
+  readonly gaps: readonly GapShape[];
 }
 
 /** One for each channel, in the order asked for. */

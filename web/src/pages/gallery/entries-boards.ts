@@ -27,7 +27,7 @@ function renderTile(type: string, settings: BoardTileShape["settings"], title = 
 }
 
 const SIGNAL: SignalShape = {
-  id: "limit", address: "lidar/limit", name: "Greatest range", type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null, states: [], meanings: [],
+  id: "limit", address: "lidar/limit", name: "Greatest range", type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null, shown: null, states: [], meanings: [],
   frame: "", max_age: 5, primary: true, public: false, ros: "parameter", channels: ["lidar/limit"],
 };
 const COMMAND: CommandShape = {

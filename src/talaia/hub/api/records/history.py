@@ -24,8 +24,8 @@ from talaia.hub.api.records.channels import (
     may_read,
 )
 from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
-from talaia.hub.api.schemas.common import HistoryAnswer
 from talaia.hub.api.schemas.history_schemas import (
+    HistoryAnswer,
     OutlierList,
     OutlierShape,
     ReadingShape,

@@ -57,17 +57,14 @@ __all__ = [
     "DriveShape",
     "EventList",
     "EventShape",
-    "GapShape",
     "HeadsAsk",
     "HeadsKept",
     "Health",
-    "HistoryAnswer",
     "LoginAsk",
     "Me",
     "NewWitnessedHub",
     "PermissionShape",
     "ProblemShape",
-    "SeriesShape",
     "SetupAsk",
     "ShownUnitShape",
     "SignalShape",
@@ -332,35 +329,6 @@ class SiteShape(Schema):
     enclosures: list[EnclosureShape]
     # By the unit of values as they are stored; of units that are shown as they are there is none.
     shown_units: dict[str, ShownUnitShape]
-
-
-class GapShape(Schema):
-    """Samples that are lost, and why."""
-
-    from_us: int
-    to_us: int
-    reason: str
-
-
-class SeriesShape(Schema):
-    """One channel's samples.
-
-    Every one (``exact``) or the least and greatest of each bucket (``minmax``). ``v`` is null
-    where there is no number; ``text`` is there for texts only.
-    """
-
-    address: str
-    kind: Literal["exact", "minmax"]
-    t_us: list[int]
-    v: list[float | None]
-    text: list[str] | None = None
-    gaps: list[GapShape]
-
-
-class HistoryAnswer(Schema):
-    """A window of the history."""
-
-    series: list[SeriesShape]
 
 
 class EventShape(Schema):

@@ -6,7 +6,7 @@ Times ending in ``_us`` are microseconds since the epoch (UTC).
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
@@ -14,10 +14,13 @@ from talaia.hub.history.forecast import Warn  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "ChannelStorageShape",
+    "GapShape",
+    "HistoryAnswer",
     "OutlierList",
     "OutlierShape",
     "OutlookShape",
     "ReadingShape",
+    "SeriesShape",
     "StatisticsList",
     "StatisticsShape",
     "StorageShape",
@@ -40,6 +43,35 @@ class _Shape(BaseModel):
     """A key that is not described is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class GapShape(_Shape):
+    """Samples that are lost, and why."""
+
+    from_us: int
+    to_us: int
+    reason: str
+
+
+class SeriesShape(_Shape):
+    """One channel's samples.
+
+    Every one (``exact``) or the least and greatest of each bucket (``minmax``). ``v`` is null
+    where there is no number; ``text`` is there for texts only.
+    """
+
+    address: str
+    kind: Literal["exact", "minmax"]
+    t_us: list[int]
+    v: list[float | None]
+    text: list[str] | None = None
+    gaps: list[GapShape]
+
+
+class HistoryAnswer(_Shape):
+    """A window of the history."""
+
+    series: list[SeriesShape]
 
 
 class ValueShape(_Shape):
