@@ -200,7 +200,7 @@ async def test_change_of_what_is_not_there_any_more_is_refused_before_it_is_sent
     answer = await admin.post(AT, json={"text": SECOND, "base": digest_of(SECOND)})
     assert answer.status_code == 409
     assert answer.json()["code"] == "changed"
-    wrong = FIRST.replace("unit: m/s", "unit: mps")
+    wrong = FIRST.replace("unit: m/s", "decimals: many")
     answer = (await admin.post(AT, json={"text": wrong, "base": digest_of(FIRST)})).json()
     assert answer["phase"] == "refused"
     assert (answer["findings"][0]["line"], answer["findings"][0]["column"]) == (12, 9)
