@@ -134,7 +134,9 @@ def test_mistake_in_the_text_is_listed_and_leads_to_its_line(stack: Stack, chrom
     page.get_by_text("Edit", exact=True).click()
     page.get_by_text("Text", exact=True).click()
     area = page.get_by_label("The description as YAML")
-    area.fill(DESCRIPTION.replace("        name: Count", "        name: Count\n        decimals: many"))
+    area.fill(
+        DESCRIPTION.replace("        name: Count", "        name: Count\n        decimals: many")
+    )
     expect(page.get_by_text("1 thing does not fit")).to_be_visible()
     expect(page.get_by_role("button", name="Review and apply")).to_be_disabled()
     page.get_by_role("button", name="devices.base.signals.count.decimals (line 12)").click()

@@ -246,8 +246,8 @@ async def test_sealed_change_of_readings_is_written_to_the_file_and_counts_at_on
         assert "meanwhile" in late.message
         faster = await asked(hub, wanted, wanted.replace("max_speed: 0.2", "max_speed: 2"))
         assert faster.problems[0].where == "$.devices.base.drive"
-        wrong = await asked(hub, wanted, wanted.replace("unit: m/s", "unit: mps"))
-        assert wrong.problems[0].where == "$.devices.base.signals.speed.unit"
+        wrong = await asked(hub, wanted, wanted.replace("unit: m/s", "decimals: many"))
+        assert wrong.problems[0].where == "$.devices.base.signals.speed.decimals"
         assert file.read_text() == wanted
 
 

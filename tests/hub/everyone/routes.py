@@ -93,9 +93,25 @@ def of_site(**ask: object) -> Recipe:
     return Recipe(make, ("agv", "moon"))
 
 
-async def _of_test(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
-    # None was begun, which only those are told who may begin one.
-    return Ask({"site": about, "test": "none"}, done=(404,))
+async def _shown_test(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    return await _of_test(world, client, about, done=(200,))
+
+
+async def _cancelled_test(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    return await _of_test(world, client, about, done=(204,))
+
+
+async def _of_test(
+    world: World, _client: httpx.AsyncClient, about: str, done: tuple[int, ...]
+) -> Ask:
+    # One for each site: a test that was called off is there to be seen.
+    if about not in world.back_tests:
+        address = {"agv": "base/open", "moon": "rover/open"}[about]
+        asked = {"address": address, "detector": "limits", "maximum": 0, "from_us": 1, "to_us": 2}
+        made = await (await world.admin()).post(f"/api/sites/{about}/anomalies/tests", json=asked)
+        assert made.status_code == 201, made.text
+        world.back_tests[about] = made.json()["key"]
+    return Ask({"site": about, "test": world.back_tests[about]}, done=done)
 
 
 async def _history(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
@@ -621,8 +637,10 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/anomalies/tests"): of_site(
         json={"address": "/base", "from_us": 1, "to_us": 2}, done=(404,)
     ),
-    ("GET", "/api/sites/{site}/anomalies/tests/{test}"): Recipe(_of_test, ("agv", "moon")),
-    ("DELETE", "/api/sites/{site}/anomalies/tests/{test}"): Recipe(_of_test, ("agv", "moon")),
+    ("GET", "/api/sites/{site}/anomalies/tests/{test}"): Recipe(_shown_test, ("agv", "moon")),
+    ("DELETE", "/api/sites/{site}/anomalies/tests/{test}"): Recipe(
+        _cancelled_test, ("agv", "moon")
+    ),
     ("GET", "/api/sites/{site}/proposals"): of_site(),
     # These sites do not observe by themselves.
     ("POST", "/api/sites/{site}/proposals"): of_site(

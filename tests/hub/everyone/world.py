@@ -133,6 +133,8 @@ class World:
         self.token = ""
         # The proposal of each site to which requests are made; see `observing.kept_proposal`.
         self.proposals: dict[str, str] = {}
+        # The test of a detector on the past, of each site; see `routes`.
+        self.back_tests: dict[str, str] = {}
         self._made = 0
         self._kept_clients: dict[str, httpx.AsyncClient] = {}
         # Read past the hub: the matrix does it twice for each request.

@@ -110,7 +110,9 @@ async def assert_more_pages_are_found_by_keyboard(page) -> None:
         await page.keyboard.press("Tab")
     await expect(page.get_by_role("link", name="Cameras")).to_be_visible()
     await page.keyboard.press("Enter")
-    await page.wait_for_url(re.compile("/sites/agv/(logbook|sightings|recordings|cameras)$"))
+    await page.wait_for_url(
+        re.compile("/sites/agv/(anomalies|logbook|sightings|recordings|cameras)$")
+    )
     await expect(page.locator("t-nav.beside .more")).to_be_hidden()
 
 
