@@ -146,7 +146,7 @@ def test_sensors_are_removed_by_a_click_and_by_del_and_come_back(window: Any) ->
 def test_one_click_on_a_problem_leads_to_its_field(window: Any) -> None:
     window.open_file(AGV)
     for path, wrong in (
-        (SPEED, "unit"),
+        (SPEED, "max_age"),
         (("devices", "base", "drive"), "max_turn"),
         (("devices", "base", "commands", "wander", "arguments", "active"), "default"),
         ((), "zone"),
