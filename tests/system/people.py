@@ -83,7 +83,10 @@ class Page:
         def matching() -> list[M]:
             return [x for x in self.got[since:] if isinstance(x, kind) and condition(x)]
 
-        await until(matching, within, f"a {kind.__name__} (last: {self.got[-3:]})")
+        try:
+            await until(matching, within, f"a {kind.__name__}")
+        except AssertionError as error:
+            raise AssertionError(f"{error} (last: {self.got[-3:]})") from None
         return matching()[0]
 
     async def say(self, message: browser.FromBrowser) -> None:
