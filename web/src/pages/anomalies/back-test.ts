@@ -10,6 +10,7 @@ import { control } from "../../elements/forms/input-style.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { DAY_US } from "../../series/zone-clock.js";
 import { subjectOf, type Detector } from "../../state/anomaly-detectors.js";
+import { formText, submittedForm } from "../../format/form-values.js";
 import type { BackTestAsk, BackTestShape } from "../../generated/api.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
@@ -141,12 +142,9 @@ export class BackTest extends LitElement {
   };
 
   private readonly onSubmit = (event: Event): void => {
-    event.preventDefault();
-    const said = new FormData(this.form);
-    const text = (name: string): string => {
-      const value = said.get(name);
-      return typeof value === "string" ? value.trim() : "";
-    };
+    const said = submittedForm(event);
+    if (said === undefined) return;
+    const text = (name: string): string => formText(said, name);
     const toUs = Math.floor(Date.now() * 1000);
     const window = { from_us: toUs - Number(text("days")) * DAY_US, to_us: toUs };
     const address = text("subject");

@@ -9,6 +9,7 @@ import { control } from "../../elements/forms/input-style.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { clockOf, momentProblem } from "../../series/zone-clock.js";
 import { subjectOf, type Detector } from "../../state/anomaly-detectors.js";
+import { formText, submittedForm } from "../../format/form-values.js";
 import type { LearnAnswer } from "../../generated/api.js";
 import type { TimeWindow } from "../../wire/hub-api.js";
 import "../../elements/forms/button.js";
@@ -83,17 +84,14 @@ export class LearnForm extends LitElement {
   };
 
   private readonly onSubmit = (event: Event): void => {
-    event.preventDefault();
-    const said = new FormData(this.form);
-    const text = (name: string): string => {
-      const value = said.get(name);
-      return typeof value === "string" ? value : "";
-    };
+    const said = submittedForm(event);
+    if (said === undefined) return;
+    const text = (name: string): string => formText(said, name);
     const clock = clockOf(this.zone);
     const fromUs = clock.fromInput(text("from"));
     const toUs = clock.fromInput(text("to"));
     const needed = "Write it like 2026-03-29 14:05:09.";
-    const wrong = (typed: string, us: number): string => (typed.trim() === "" ? needed : momentProblem(typed, us));
+    const wrong = (typed: string, us: number): string => (typed === "" ? needed : momentProblem(typed, us));
     this.errors = { from: wrong(text("from"), fromUs), to: wrong(text("to"), toUs) };
     if (this.errors.to === "" && fromUs >= toUs) this.errors = { ...this.errors, to: "The stretch ends after it begins." };
     if (this.errors.from !== "" || this.errors.to !== "") return;

@@ -18,8 +18,8 @@ from talaia.hub.api.schemas.anomaly_schemas import (
     ForgiveAsk,
     LearnAnswer,
     LearnAsk,
-    ShareShape,
 )
+from talaia.hub.api.sites.anomaly_views import check_past_window, share_shapes
 from talaia.hub.auth.permissions import Right, sees_signal
 from talaia.hub.live.detection.stretch_learning import StretchRefused, learn_stretch
 
@@ -73,16 +73,15 @@ class AnomalyPages:
         learned = self._watching.dismiss_peak(site, asked.address, asked.detector)
         if learned is None:
             raise ApiProblem(404, "unknown", "no such detector is at work on this signal")
-        said = f"{asked.address}, {asked.detector}" + (
-            f": {asked.comment}" if asked.comment else ""
-        )
-        self._audit.append_record(
+        about = f"{asked.address}, {asked.detector}"
+        device = asked.address.partition("/")[0]
+        self._append_record(
             "anomaly forgiven",
-            who=who_of(request).name,
-            address=address_of(request),
+            request,
             site=site,
-            device=asked.address.partition("/")[0],
-            message=said,
+            device=device,
+            about=about,
+            comment=asked.comment,
         )
         return ForgiveAnswer(learned=learned)
 
@@ -91,10 +90,7 @@ class AnomalyPages:
         runner = self._watching.find_group(site, asked.address)
         if runner is None:
             raise ApiProblem(404, "unknown", "no such group of signals is at work")
-        if not asked.from_us < asked.to_us <= self._clock.wall_ns() // 1000:
-            raise ApiProblem(
-                422, "invalid", "expected from_us before to_us, and to_us not in the future"
-            )
+        check_past_window(asked.from_us, asked.to_us, self._clock)
         key = (site, asked.address)
         if key in self._learning:
             raise ApiProblem(409, "busy", "this group learns from a stretch already; wait for it")
@@ -111,18 +107,29 @@ class AnomalyPages:
         if self._watching.find_group(site, asked.address) is not runner:
             raise ApiProblem(409, "changed", "the group was described anew meanwhile; try again")
         self._watching.take_learned(site, runner, learned.detector)
-        said = f"{runner.group.name}: {learned.rows} steps" + (
-            f": {asked.comment}" if asked.comment else ""
-        )
-        self._audit.append_record(
+        about = f"{runner.group.name}: {learned.rows} steps"
+        device = runner.group.device
+        self._append_record(
             "anomalies learned",
+            request,
+            site=site,
+            device=device,
+            about=about,
+            comment=asked.comment,
+        )
+        return LearnAnswer(rows=learned.rows, modes=learned.modes, still=learned.still)
+
+    def _append_record(
+        self, kind: str, request: Request, *, site: str, device: str, about: str, comment: str
+    ) -> None:
+        self._audit.append_record(
+            kind,
             who=who_of(request).name,
             address=address_of(request),
             site=site,
-            device=runner.group.device,
-            message=said,
+            device=device,
+            message=f"{about}: {comment}" if comment else about,
         )
-        return LearnAnswer(rows=learned.rows, modes=learned.modes, still=learned.still)
 
 
 def _anomaly_schema(watched: EpisodeRunner) -> AnomalyShape:
@@ -146,8 +153,5 @@ def _anomaly_schema(watched: EpisodeRunner) -> AnomalyShape:
         signals=list(watched.members),
         step_s=watched.group.group.step if isinstance(watched, GroupRunner) else 0.0,
         mode=watched.mode,
-        shares=[
-            ShareShape(signal=watched.members[one.place], share=one.share, spreads=one.spreads)
-            for one in watched.shares
-        ],
+        shares=share_shapes(watched, watched.shares),
     )

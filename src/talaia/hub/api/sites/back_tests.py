@@ -17,8 +17,8 @@ from talaia.hub.api.schemas.anomaly_schemas import (
     BackTestAsk,
     BackTestShape,
     PastAnomalyShape,
-    ShareShape,
 )
+from talaia.hub.api.sites.anomaly_views import check_past_window, share_shapes
 from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.detection.back_test import (
     MOST_RUNNING,
@@ -32,8 +32,6 @@ from talaia.model.checks.anomaly_checks import anomaly_findings, group_findings
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.anomaly.episode_runner import EpisodeRunner
-    from talaia.hub.anomaly.groups.whitening import SignalShare
     from talaia.hub.live.detection.back_test import BackTest, BackTests, PastTrial
     from talaia.model.site import Site
 
@@ -94,10 +92,7 @@ class BackTestPages:
         raise ApiProblem(404, "unknown", "there is no such test; a hub forgets them at its end")
 
     def _check_window(self, asked: BackTestAsk) -> None:
-        if not asked.from_us < asked.to_us <= self._clock.wall_ns() // 1000:
-            raise ApiProblem(
-                422, "invalid", "expected from_us before to_us, and to_us not in the future"
-            )
+        check_past_window(asked.from_us, asked.to_us, self._clock)
         if asked.to_us - asked.from_us > _LONGEST_US:
             raise ApiProblem(422, "invalid", "expected at most 31 days, choose a shorter window")
 
@@ -140,13 +135,6 @@ def _group_trial(site: Site, asked: BackTestAsk) -> GroupTrial:
     return GroupTrial(GroupRunner(found._replace(group=group)))
 
 
-def _shares(runner: EpisodeRunner, shares: list[SignalShare]) -> list[ShareShape]:
-    return [
-        ShareShape(signal=runner.members[one.place], share=one.share, spreads=one.spreads)
-        for one in shares
-    ]
-
-
 def _test_schema(test: BackTest) -> BackTestShape:
     runner = test.trial.runner
     return BackTestShape(
@@ -168,7 +156,7 @@ def _test_schema(test: BackTest) -> BackTestShape:
                 to_us=found.to_us,
                 score=found.score,
                 why=found.why,
-                shares=_shares(runner, found.shares),
+                shares=share_shapes(runner, found.shares),
             )
             for found in test.anomalies
         ],
