@@ -193,8 +193,10 @@ def run_of(kind: str) -> Run:
 
 
 def servers_url(kind: str, name: str) -> str:
-    """Give a database's URL, as a user would write it."""
-    url = sa.make_url(server_of(kind)[0]).set(database=name, drivername=kind)
+    """Give a database's URL, as a user would write it; without TLS, which costs a start 15 ms."""
+    url = sa.make_url(server_of(kind)[0]).set(
+        database=name, drivername=kind, query={"sslmode": "disable"}
+    )
     return url.render_as_string(hide_password=False)
 
 

@@ -17,6 +17,7 @@ import pytest
 from cryptography.hazmat.primitives import serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from patience import ASK_S, PATIENCE_S
+from shared_trust import usual_trust
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -38,7 +39,9 @@ class Glewlwyd:
 
     async def set_up(self, redirect: str) -> None:
         """Add a plug-in for OpenID Connect, a client, and a person."""
-        async with httpx.AsyncClient(base_url=f"{self.origin}/api", trust_env=False) as client:
+        async with httpx.AsyncClient(
+            base_url=f"{self.origin}/api", trust_env=False, verify=usual_trust()
+        ) as client:
             await self._wait(client)
             # The password that the package comes with.
             await _do(client, "POST", "/auth", {"username": "admin", "password": "password"})
@@ -83,7 +86,9 @@ class Glewlwyd:
                 "verified": "yes",
             }
             await _do(client, "POST", "/user/", person)
-        async with httpx.AsyncClient(base_url=f"{self.origin}/api", trust_env=False) as person:
+        async with httpx.AsyncClient(
+            base_url=f"{self.origin}/api", trust_env=False, verify=usual_trust()
+        ) as person:
             await _do(person, "POST", "/auth", {"username": "ada", "password": PASSWORD})
             # That the client may know who she is she has said before.
             await _do(person, "PUT", f"/auth/grant/{CLIENT}/", {"scope": "openid"})

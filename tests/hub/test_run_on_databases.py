@@ -12,6 +12,7 @@ import pytest
 import websockets
 from async_program import start_program
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Ack
 
@@ -80,7 +81,10 @@ class Process:
 
     def client(self) -> httpx.AsyncClient:
         return httpx.AsyncClient(
-            base_url=self.origin, headers={"Origin": self.origin}, timeout=PATIENCE_S
+            base_url=self.origin,
+            headers={"Origin": self.origin},
+            timeout=PATIENCE_S,
+            verify=usual_trust(),
         )
 
 

@@ -12,6 +12,7 @@ from typing import TypeVar
 import httpx
 import websockets
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.wire import browser
@@ -26,7 +27,9 @@ PERIOD_S = 0.05
 
 async def sign_in(stack: Stack, name: str) -> str:
     """Sign in and give the session's cookie."""
-    async with httpx.AsyncClient(base_url=stack.address, timeout=30) as client:
+    async with httpx.AsyncClient(
+        base_url=stack.address, timeout=30, verify=usual_trust()
+    ) as client:
         answer = await client.post(
             "/api/login",
             json={"name": name, "password": PASSWORD},

@@ -12,6 +12,7 @@ import httpx
 import psutil
 import pytest
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 from websockets.asyncio.client import connect
 
 from talaia.cli.demo.indi import DRIVERS
@@ -27,7 +28,9 @@ pytestmark = pytest.mark.robot
 
 async def turn(demo: Demo, degrees: float) -> browser.CommandUpdate:
     """Let the operator turn the dome, as the page does, and wait for the end."""
-    async with httpx.AsyncClient(base_url=demo.address, timeout=PATIENCE_S) as client:
+    async with httpx.AsyncClient(
+        base_url=demo.address, timeout=PATIENCE_S, verify=usual_trust()
+    ) as client:
         page = await client.get("/")
         assert "<title>" in page.text
         words = {"name": "operator", "password": demo.passwords["operator"]}

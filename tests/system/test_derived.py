@@ -12,6 +12,7 @@ from typing import Any
 import httpx
 import pytest
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from .stack import PASSWORD, SITE, Process, Stack
 
@@ -63,7 +64,7 @@ async def test_history_and_an_alarm_have_what_the_gateway_works_out(
 ) -> None:
     address = stack.address
     async with httpx.AsyncClient(
-        base_url=address, headers={"Origin": address}, timeout=PATIENCE_S
+        base_url=address, headers={"Origin": address}, timeout=PATIENCE_S, verify=usual_trust()
     ) as client:
         signed = await client.post("/api/login", json={"name": "boss", "password": PASSWORD})
         signed.raise_for_status()

@@ -12,6 +12,7 @@ import httpx
 import pytest
 from msgspec.structs import replace
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
@@ -65,7 +66,9 @@ def described() -> str:
 
 
 async def sign_in(address: str, name: str) -> httpx.AsyncClient:
-    client = httpx.AsyncClient(base_url=address, headers={"Origin": address}, timeout=60)
+    client = httpx.AsyncClient(
+        base_url=address, headers={"Origin": address}, timeout=60, verify=usual_trust()
+    )
     (await client.post("/api/login", json={"name": name, "password": PASSWORD})).raise_for_status()
     return client
 

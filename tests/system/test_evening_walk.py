@@ -20,6 +20,7 @@ import pytest
 from msgspec.structs import replace
 from patience import ASK_S, PATIENCE_MS
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
@@ -79,7 +80,9 @@ def group(name: str, hours_east: float) -> dict[str, object]:
 
 
 async def sign_in(address: str, name: str) -> httpx.AsyncClient:
-    client = httpx.AsyncClient(base_url=address, headers={"Origin": address}, timeout=60)
+    client = httpx.AsyncClient(
+        base_url=address, headers={"Origin": address}, timeout=60, verify=usual_trust()
+    )
     (await client.post("/api/login", json={"name": name, "password": PASSWORD})).raise_for_status()
     return client
 

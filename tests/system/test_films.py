@@ -16,6 +16,7 @@ import pytest
 from patience import PATIENCE_MS, PATIENCE_S
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page as BrowserPage, expect
+from shared_trust import usual_trust
 from tests.gateway.video.scenes import number_in, numbered, psnr
 
 from .conftest import missing
@@ -66,7 +67,10 @@ class Yard(Stack):
         words = [str(Path(__file__).parent / "film_robot.py"), str(self.sent)]
         self.eyes = Process(words, folder / "eyes.log", self._ros)
         self.client = httpx.Client(
-            base_url=self.address, headers={"Origin": self.address}, timeout=PATIENCE_S
+            base_url=self.address,
+            headers={"Origin": self.address},
+            timeout=PATIENCE_S,
+            verify=usual_trust(),
         )
 
     def number_at(self, time_us: int) -> int:

@@ -16,6 +16,7 @@ import pytest
 from astropy.io import fits
 from astropy.wcs import WCS, FITSFixedWarning
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/indi"))
 from indi_server import server_of
@@ -75,7 +76,10 @@ async def observatory(port: int, data: Path) -> AsyncIterator[tuple[httpx.AsyncC
     )
     try:
         async with httpx.AsyncClient(
-            base_url=f"http://{place}", headers={"Origin": f"http://{place}"}, timeout=PATIENCE_S
+            base_url=f"http://{place}",
+            headers={"Origin": f"http://{place}"},
+            timeout=PATIENCE_S,
+            verify=usual_trust(),
         ) as client:
             words = {"name": "operator", "password": PASSWORD}
             answer = await client.post("/api/login", json=words)

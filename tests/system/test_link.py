@@ -18,6 +18,7 @@ import httpx
 import pytest
 from patience import ASK_S, PATIENCE_S
 from segments import segments_of, write_crash_row
+from shared_trust import usual_trust
 
 from talaia.clock import SystemClock
 from talaia.gateway.samples.absence_gaps import NOT_HEARD
@@ -91,7 +92,9 @@ def excused(lines: list[Counted], killed: int) -> range:
 async def stored(stack: Stack, cookie: str, from_us: int) -> set[int]:
     """Ask the hub for all values since a moment."""
     query = {"channel": COUNT, "from_us": from_us, "to_us": _now_us(), "width": 10_000}
-    async with httpx.AsyncClient(base_url=stack.address, headers={"Cookie": cookie}) as client:
+    async with httpx.AsyncClient(
+        base_url=stack.address, headers={"Cookie": cookie}, verify=usual_trust()
+    ) as client:
         answer = await client.get(f"/api/sites/{SITE}/history", params=query)
     answer.raise_for_status()
     (series,) = answer.json()["series"]

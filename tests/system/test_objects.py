@@ -23,6 +23,7 @@ from patience import PATIENCE_MS, PATIENCE_S
 from playwright.async_api import Browser, Page as BrowserPage, async_playwright, expect
 from ports import free_port
 from priority import let_children_run
+from shared_trust import usual_trust
 
 from talaia.objects.worker import OWN_FILE
 from talaia.wire import browser as wire
@@ -94,7 +95,9 @@ class Seeing(Stack):
         await self.hub.says("ready", PATIENCE_S)
         await self.robot.says("ready", PATIENCE_S)
         origin = {"Origin": self.address}
-        async with httpx.AsyncClient(base_url=self.address, headers=origin) as boss:
+        async with httpx.AsyncClient(
+            base_url=self.address, headers=origin, verify=usual_trust()
+        ) as boss:
             signed = await boss.post("/api/login", json={"name": "boss", "password": PASSWORD})
             signed.raise_for_status()
             way = {

@@ -12,6 +12,7 @@ import httpx
 import pytest
 from mcap.reader import make_reader
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from talaia.client import Client, DrivingRefused, ProtocolShut
 
@@ -25,7 +26,9 @@ pytestmark = pytest.mark.robot
 @contextmanager
 def signed_in(demo: Demo, name: str) -> Iterator[httpx.Client]:
     headers = {"Origin": demo.address}
-    with httpx.Client(base_url=demo.address, headers=headers, timeout=PATIENCE_S) as client:
+    with httpx.Client(
+        base_url=demo.address, headers=headers, timeout=PATIENCE_S, verify=usual_trust()
+    ) as client:
         asked = {"name": name, "password": demo.passwords[name]}
         assert client.post("/api/login", json=asked).status_code == 200
         yield client

@@ -17,6 +17,7 @@ import websockets
 from patience import PATIENCE_S, until_answered
 from ports import free_port
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from shared_trust import usual_trust
 
 from ..hub.clients.foxglove.foxglove_peer import SDK, NodeClient, RawClient, address_of
 from .conftest import need_ros2
@@ -116,7 +117,9 @@ class Taps:
             "permissions": [{"right": one, "site": SITE, "device": "*"} for one in rights],
         }
         headers = {"Origin": self._stack.address}
-        with httpx.Client(base_url=self._stack.address, headers=headers) as client:
+        with httpx.Client(
+            base_url=self._stack.address, headers=headers, verify=usual_trust()
+        ) as client:
             who = {"name": "boss", "password": PASSWORD}
             assert client.post("/api/login", json=who).status_code == 200
             opened = client.put("/api/client-protocols/foxglove", json={"open": True})

@@ -10,6 +10,7 @@ import httpx
 import pytest
 from patience import ASK_S, PATIENCE_MS, PATIENCE_S
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.cli.demo.time_lapse.lapse_site import TIME_LAPSE, lapse_site
 from talaia.hub import accounts
@@ -88,7 +89,9 @@ async def run_night(address: str, program: str) -> None:
         assert errors == []
         cookies = {each["name"]: each["value"] for each in await page.context.cookies()}
         await chromium.close()
-    async with httpx.AsyncClient(base_url=address, cookies=cookies, timeout=60) as ada:
+    async with httpx.AsyncClient(
+        base_url=address, cookies=cookies, timeout=60, verify=usual_trust()
+    ) as ada:
         at = f"/api/sites/{TIME_LAPSE}"
         asked = (await ada.get(f"{at}/requests")).json()["requests"]
         done = [row for row in asked if row["state"] == "COMPLETED"]

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import httpx
 from patience import PATIENCE_S
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.model.site import Site
 from talaia.model.yaml_text.load import read_site
@@ -88,7 +89,10 @@ def up(here: dict[str, str], site: Path, data: Path) -> Iterator[tuple[httpx.Cli
         ready = re.search(r"is up \([\d.]+ s\):\s+(http://\S+)", said)
         assert ready is not None, said + _logs(data)
         with httpx.Client(
-            base_url=ready[1], timeout=PATIENCE_S, headers={"origin": ready[1]}
+            base_url=ready[1],
+            timeout=PATIENCE_S,
+            headers={"origin": ready[1]},
+            verify=usual_trust(),
         ) as client:
             words = {"name": "ada", "password": PASSWORD}
             setup = re.search(r"/setup#(\S+)", said)

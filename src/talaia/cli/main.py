@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import importlib
 import os
 import sys
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 from talaia import __version__
 from talaia.cli.errors import PartMissing
 from talaia.errors import TalaiaError
-from talaia.quiet_import import quiet_imports
+from talaia.quiet_import import own_process, quiet_imports
 from talaia.ros_installation import ForeignRos, use_ros
 
 if TYPE_CHECKING:
@@ -139,9 +138,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             # For what it starts as well, which inherits it.
             os.umask(0o077)
         if argv is None:
-            # This process is the command's own: what was imported stays until it ends, and no
-            # garbage collection goes through it, the one at the end included.
-            gc.freeze()
+            own_process()
         # A hub and a gateway are imported once their words are read.
         with _missing_parts(first, command):
             return run(arguments[1:])

@@ -4,6 +4,7 @@ import httpx
 import pytest
 import websockets
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import Ack
@@ -269,7 +270,9 @@ async def test_no_path_leaves_the_folder_of_the_pages(shared_hub, path) -> None:
 @pytest.mark.asyncio(loop_scope="module")
 async def test_another_origin_changes_nothing(shared_hub, headers) -> None:
     cookie = await shared_hub.cookie("operator")
-    async with httpx.AsyncClient(base_url=shared_hub.origin, timeout=PATIENCE_S) as client:
+    async with httpx.AsyncClient(
+        base_url=shared_hub.origin, timeout=PATIENCE_S, verify=usual_trust()
+    ) as client:
         answer = await client.post(
             "/api/logout", content="{}", headers={**headers, "Cookie": cookie}
         )

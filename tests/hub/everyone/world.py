@@ -293,7 +293,8 @@ class World:
             self._read = (
                 version,
                 {
-                    name: sorted(map(repr, self._reader.execute(question)))
+                    # In the order of their keys; compared as they are.
+                    name: self._reader.execute(question).fetchall()
                     for name, question in _QUESTIONS.items()
                 },
             )
@@ -306,7 +307,11 @@ _UNSTEADY = {"used_us", "last_seen_us", "seen_us", "version", "address"}
 _UNSTEADY |= {"measured", "background", "stars", "measure_note", "bytes"}
 # That something was asked is written down.
 _QUESTIONS = {
-    table.name: str(select(*(each for each in table.c if each.name not in _UNSTEADY)))
+    table.name: str(
+        select(*(each for each in table.c if each.name not in _UNSTEADY)).order_by(
+            *table.primary_key.columns
+        )
+    )
     for table in metadata.sorted_tables
     if not table.name.startswith("audit")
 }

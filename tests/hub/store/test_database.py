@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pyotp
 import pytest
+import sqlalchemy as sa
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
@@ -32,6 +33,8 @@ from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata, roles
+
+from ..databases import database_with_tables
 
 
 async def test_migrations_make_exactly_the_tables_of_the_code(database_url) -> None:
@@ -351,6 +354,25 @@ def test_tls_to_a_server_is_asked_for_in_one_way_for_every_driver() -> None:
         assert "sslmode" not in found.url.query
     found = parse_database_url("postgresql://h/d?sslmode=require", blocking=True)
     assert found.arguments["ssl_context"].verify_mode is ssl.CERT_NONE
+
+
+@pytest.mark.parametrize("kind", ["postgresql", "mariadb"])
+async def test_tls_that_is_not_wanted_is_not_tried(kind, tmp_path) -> None:
+    with database_with_tables(kind, tmp_path) as url:
+        question = {
+            "postgresql": "SELECT ssl::text FROM pg_stat_ssl WHERE pid = pg_backend_pid()",
+            "mariadb": "SHOW SESSION STATUS LIKE 'Ssl_version'",
+        }[kind]
+        database = Database(url)
+        async with database.read() as connection:
+            waiting = (await connection.exec_driver_sql(question)).one()
+        await database.close()
+        found = parse_database_url(url, blocking=True)
+        engine = sa.create_engine(found.url, connect_args=found.arguments)
+        with engine.connect() as connection:
+            blocking = connection.exec_driver_sql(question).one()
+        engine.dispose()
+    assert {waiting[-1], blocking[-1]} <= {"false", ""}
 
 
 async def written(audit: Audit, *kinds: str) -> None:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import httpx
 import websockets
 from patience import lasts_for
+from shared_trust import usual_trust
 
 from talaia.wire import browser, frames
 
@@ -145,7 +146,7 @@ async def _crash_description(world: World, point: str, findings: Findings) -> No
     await world.hub.says("ready")
     async with back(findings):
         await world.ready()
-    async with httpx.AsyncClient(base_url=world.address) as client:
+    async with httpx.AsyncClient(base_url=world.address, verify=usual_trust()) as client:
         answer = await client.get("/api/sites", headers={"Cookie": await world.cookie()})
     if name not in answer.text:
         findings.breach("F4", f"the description that came is not shown: {answer.text[:300]}")
@@ -726,7 +727,7 @@ async def f24(world: World, chance: random.Random, findings: Findings) -> None:
         async with page(world, "driver", cookie=cookie) as driver:
             await run.press(driver)
             await pause(chance)
-            async with httpx.AsyncClient(base_url=world.address) as client:
+            async with httpx.AsyncClient(base_url=world.address, verify=usual_trust()) as client:
                 headers = {"Origin": world.address, "Cookie": cookie}
                 at = now()
                 answer = await client.post("/api/logout", headers=headers)

@@ -15,6 +15,7 @@ from typing import Any
 import httpx
 import psutil
 from patience import lasts_for
+from shared_trust import usual_trust
 
 from talaia.wire import browser
 
@@ -333,7 +334,10 @@ class Run:
     async def _get(self, what: str, query: dict[str, object]) -> dict[str, Any]:
         cookie = await self.world.cookie()
         async with httpx.AsyncClient(
-            base_url=self.world.address, headers={"Cookie": cookie}, timeout=ledgers.BACK_S
+            base_url=self.world.address,
+            headers={"Cookie": cookie},
+            timeout=ledgers.BACK_S,
+            verify=usual_trust(),
         ) as client:
             answer = await client.get(f"/api/sites/{SITE}/{what}", params=query)
         if answer.status_code == httpx.codes.UNAUTHORIZED:

@@ -12,6 +12,7 @@ from collections.abc import Awaitable, Callable
 import httpx
 import websockets
 from patience import lasts_for
+from shared_trust import usual_trust
 
 from talaia.wire import browser
 
@@ -162,7 +163,10 @@ class Load:
             )
         )
         async with httpx.AsyncClient(
-            base_url=self._world.address, headers={"Cookie": cookie}, timeout=30
+            base_url=self._world.address,
+            headers={"Cookie": cookie},
+            timeout=30,
+            verify=usual_trust(),
         ) as client:
             answer = await client.get(f"/api/sites/{SITE}/{path}", params=query)
         self.done[f"asked {path}: {answer.status_code}"] += 1

@@ -70,6 +70,8 @@ def parse_database_url(text: str, *, blocking: bool = False) -> Reach:
     context = _tls_context(url)
     if context is not None:
         arguments[dialect.tls_argument(url.drivername)] = context
+    elif url.query.get("sslmode") == "disable":
+        arguments.update(dialect.plain_arguments(url.drivername))
     # The drivers know these two words in other ways, or not at all.
     url = url.difference_update_query(["sslmode", "sslrootcert"])
     if dialect is MARIADB and "charset" not in url.query:

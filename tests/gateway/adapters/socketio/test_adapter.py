@@ -18,6 +18,7 @@ from fake_hub import FakeHub, fake_hub
 from gateway_bench import addresses_of, running
 from patience import LOOK_S, PATIENCE_S
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.wire.frames import DeviceState, Event, StreamSubscription
 
@@ -172,7 +173,7 @@ async def test_nobody_comes_in_without_the_token_or_from_a_page(bench: Bench) ->
         assert (await page.get(headers={"Origin": "https://evil.test"})).status_code == 403
         assert (await page.get(EIO="5")).status_code == 400
         assert (await page.get(sid="guessed")).status_code == 400
-    async with httpx.AsyncClient(trust_env=False) as other:
+    async with httpx.AsyncClient(trust_env=False, verify=usual_trust()) as other:
         address = f"http://127.0.0.1:{bench.port}/other?token={TOKEN}"
         assert (await other.get(address)).status_code == 404
 

@@ -14,6 +14,7 @@ import httpx
 import pytest
 from patience import PATIENCE_S
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.clock import SystemClock
 
@@ -89,7 +90,9 @@ async def serving(
         env={**os.environ, "GOMAXPROCS": "1"},
     )
     try:
-        async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{own}") as client:
+        async with httpx.AsyncClient(
+            base_url=f"http://127.0.0.1:{own}", verify=usual_trust()
+        ) as client:
             await _ready(client, process)
             yield client
     finally:

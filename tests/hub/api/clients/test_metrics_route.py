@@ -9,6 +9,7 @@ import httpx
 import pytest
 from patience import PATIENCE_S
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
+from shared_trust import usual_trust
 
 from talaia.clock import SystemClock
 
@@ -31,7 +32,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 async def scrape(hub, headers: dict[str, str], query: str = "") -> dict[str, dict]:
     """Scrape, and give the values of each sample by its labels."""
     # No page: it names no origin.
-    async with httpx.AsyncClient(base_url=hub.origin) as client:
+    async with httpx.AsyncClient(base_url=hub.origin, verify=usual_trust()) as client:
         answer = await client.get(f"/metrics{query}", headers={**OPENMETRICS, **headers})
     assert answer.status_code == 200, answer.text
     found: dict[str, dict] = {}
@@ -64,7 +65,7 @@ async def test_nobody_scrapes_while_it_is_shut_without_a_token_or_without_the_ri
     allowed = await token(shared_hub, EVERYWHERE)
     cookie = {"Cookie": await shared_hub.cookie("admin")}
     only_view = await token(shared_hub, VIEW_BASE)
-    async with httpx.AsyncClient(base_url=shared_hub.origin) as client:
+    async with httpx.AsyncClient(base_url=shared_hub.origin, verify=usual_trust()) as client:
         assert (await client.get("/metrics", headers=allowed)).json()["code"] == "shut"
         await open_protocol(shared_hub)
         assert (await client.get("/metrics")).status_code == 401

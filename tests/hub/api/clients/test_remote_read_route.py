@@ -11,6 +11,7 @@ import pyarrow as pa
 import pytest
 import pytest_asyncio
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from talaia.clock import SystemClock
 from talaia.wire.protobuf import bytes_field, varint_field
@@ -123,7 +124,7 @@ async def test_nobody_reads_the_past_without_the_token_and_the_right(past) -> No
     body = packed(("site", "agv"), past)
     allowed = await token(past, EVERYWHERE, VIEW_ALL)
     cookie = {"Cookie": await past.cookie("admin")}
-    async with httpx.AsyncClient(base_url=past.origin) as client:
+    async with httpx.AsyncClient(base_url=past.origin, verify=usual_trust()) as client:
         assert (await client.post(READ, content=body)).status_code == 401
         assert (await client.post(READ, content=body, headers=cookie)).status_code == 401
         only_view = await client.post(READ, content=body, headers=await token(past, VIEW_BASE))
@@ -153,7 +154,7 @@ async def test_what_is_no_query_or_too_large_is_refused_with_the_reason(past) ->
         "cut off": (pa.compress(b"\x0a\x7f", codec="snappy", asbytes=True), "cut off"),
         "a bad expression": (packed(("site", "("), past, kind=2), "regular expression"),
     }
-    async with httpx.AsyncClient(base_url=past.origin) as client:
+    async with httpx.AsyncClient(base_url=past.origin, verify=usual_trust()) as client:
         for case, (body, why) in odd.items():
             answer = await client.post(READ, content=body, headers=headers)
             assert answer.status_code == 400, (case, answer.text)

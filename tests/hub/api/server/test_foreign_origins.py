@@ -7,6 +7,7 @@ import pytest
 import pytest_asyncio
 import websockets
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 HOSTILE = {
     "another site": "https://evil.test",
@@ -83,7 +84,9 @@ FORMS = {
 @pytest.mark.parametrize("which", FORMS)
 async def test_what_a_form_of_another_site_can_send_changes_nothing(hub, which) -> None:
     cookie = await hub.cookie("admin")
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as page:
+    async with httpx.AsyncClient(
+        base_url=hub.origin, timeout=PATIENCE_S, verify=usual_trust()
+    ) as page:
         for origin in ("https://evil.test", "null", hub.origin):
             answer = await page.post(
                 "/api/gateways/codes",
@@ -99,7 +102,9 @@ async def test_json_of_a_hostile_origin_changes_nothing(hub, which) -> None:
     headers = {"Cookie": await hub.cookie("admin")}
     if HOSTILE[which] is not None:
         headers["Origin"] = spelt(hub, HOSTILE[which])
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as page:
+    async with httpx.AsyncClient(
+        base_url=hub.origin, timeout=PATIENCE_S, verify=usual_trust()
+    ) as page:
         for method, path in (
             ("POST", "/api/gateways/codes"),
             ("POST", "/api/logout"),
@@ -115,14 +120,18 @@ async def test_json_of_a_hostile_origin_changes_nothing(hub, which) -> None:
 @pytest.mark.parametrize("site", ["cross-site", "same-site", "none"])
 async def test_browser_that_names_another_site_and_no_origin_changes_nothing(hub, site) -> None:
     headers = {"Cookie": await hub.cookie("admin"), "Sec-Fetch-Site": site}
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as page:
+    async with httpx.AsyncClient(
+        base_url=hub.origin, timeout=PATIENCE_S, verify=usual_trust()
+    ) as page:
         answer = await page.post("/api/gateways/codes", json={"site": "agv"}, headers=headers)
     assert answer.status_code == 403
 
 
 async def test_our_own_page_may_ask_with_origin_or_with_fetch_metadata(hub) -> None:
     cookie = await hub.cookie("admin")
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as page:
+    async with httpx.AsyncClient(
+        base_url=hub.origin, timeout=PATIENCE_S, verify=usual_trust()
+    ) as page:
         for headers in ({"Origin": hub.origin}, {"Sec-Fetch-Site": "same-origin"}):
             answer = await page.post(
                 "/api/gateways/codes", json={"site": "agv"}, headers={**headers, "Cookie": cookie}
@@ -133,7 +142,9 @@ async def test_our_own_page_may_ask_with_origin_or_with_fetch_metadata(hub) -> N
 @pytest.mark.parametrize("site", ["cross-site", "same-site"])
 async def test_page_of_another_site_cannot_even_read_the_api(hub, site) -> None:
     headers = {"Cookie": await hub.cookie("admin"), "Sec-Fetch-Site": site}
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as page:
+    async with httpx.AsyncClient(
+        base_url=hub.origin, timeout=PATIENCE_S, verify=usual_trust()
+    ) as page:
         for path in ("/api/me", "/api/audit/export", "/api/sites"):
             assert (await page.get(path, headers=headers)).status_code == 403
         # A link from a mail or another site still opens the page.

@@ -7,6 +7,7 @@ from ipaddress import ip_network
 
 import httpx
 import pytest
+from shared_trust import usual_trust
 
 from talaia.hub.api.server.proxies import Proxies
 
@@ -67,7 +68,9 @@ async def test_behind_a_listed_proxy_pages_are_https_and_addresses_are_the_asker
             "X-Forwarded-Proto": "https",
             "Origin": origin,
         }
-        async with httpx.AsyncClient(base_url=running.origin, headers=through) as page:
+        async with httpx.AsyncClient(
+            base_url=running.origin, headers=through, verify=usual_trust()
+        ) as page:
             login = {"name": "admin", "password": PASSWORD}
             answer = await page.post("/api/login", json=login)
             assert answer.status_code == 200

@@ -23,6 +23,7 @@ from alpaca.observingconditions import ObservingConditions
 from alpaca.safetymonitor import SafetyMonitor
 from patience import PATIENCE_S
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.clock import SystemClock
 from talaia.hub.clients.alpaca.listener import answer_discovery
@@ -54,7 +55,7 @@ class Served:
 
     async def answers(self) -> bool:
         try:
-            async with httpx.AsyncClient() as client:
+            async with httpx.AsyncClient(verify=usual_trust()) as client:
                 url = f"http://{self.address}/management/apiversions"
                 return (await client.get(url)).status_code == 200
         except httpx.TransportError:
@@ -214,7 +215,7 @@ async def test_what_is_not_permitted_moves_nothing_and_is_audited(served) -> Non
 )
 async def test_pages_of_browsers_are_refused(served, headers, status) -> None:
     await served.opens()
-    async with httpx.AsyncClient() as client:
+    async with httpx.AsyncClient(verify=usual_trust()) as client:
         url = f"http://{served.address}/management/v1/description"
         assert (await client.get(url, headers=headers)).status_code == status
 
@@ -237,7 +238,7 @@ async def test_what_cannot_be_read_is_answered_with_a_status(
     served, method, path, body, status
 ) -> None:
     await served.opens()
-    async with httpx.AsyncClient() as client:
+    async with httpx.AsyncClient(verify=usual_trust()) as client:
         answer = await client.request(method, f"http://{served.address}{path}", content=body)
         assert answer.status_code == status
     assert await served.answers()

@@ -12,6 +12,7 @@ from pathlib import Path
 import httpx
 import socketio
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from ..heard_events import HeardEvents
 from ..tokens import open_protocol, token_of
@@ -176,7 +177,10 @@ class RawClient:
     def __init__(self, hub, **query) -> None:
         """Ask ``hub``, with ``query`` in each address."""
         self._client = httpx.AsyncClient(
-            base_url=f"http://127.0.0.1:{hub.port}", timeout=PATIENCE_S, trust_env=False
+            base_url=f"http://127.0.0.1:{hub.port}",
+            timeout=PATIENCE_S,
+            trust_env=False,
+            verify=usual_trust(),
         )
         self.query = {"EIO": "4", "transport": "polling", "site": "agv", **query}
 

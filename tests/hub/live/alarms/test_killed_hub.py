@@ -17,6 +17,7 @@ from aiosmtpd.smtp import SMTP
 from async_program import start_program
 from patience import PATIENCE_S
 from ports import free_port
+from shared_trust import usual_trust
 
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, AlarmUpdate
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
@@ -65,7 +66,7 @@ class HubProcess:
         command = ["-m", "talaia", "hub", "--plain", "--port", str(self.port)]
         command += ["--data", str(self.data), "--notify-network", "127.0.0.0/8"]
         self.process = await start_program(*command)
-        async with asyncio.timeout(PATIENCE_S), httpx.AsyncClient() as client:
+        async with asyncio.timeout(PATIENCE_S), httpx.AsyncClient(verify=usual_trust()) as client:
             while True:
                 with contextlib.suppress(httpx.TransportError):
                     if (await client.get(f"{self.origin}/api/health")).is_success:
@@ -93,7 +94,9 @@ class HubProcess:
         return gateway
 
     async def page(self) -> Peer:
-        async with httpx.AsyncClient(base_url=self.origin, headers={"Origin": self.origin}) as http:
+        async with httpx.AsyncClient(
+            base_url=self.origin, headers={"Origin": self.origin}, verify=usual_trust()
+        ) as http:
             said = {"name": "operator", "password": PASSWORD}
             cookie = (await http.post("/api/login", json=said)).cookies["talaia"]
         headers = {"Cookie": f"talaia={cookie}", "Origin": self.origin}

@@ -56,6 +56,10 @@ class Dialect(Protocol):
         """Name the argument by which a driver takes an `ssl.SSLContext`."""
         ...
 
+    def plain_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Give what makes a driver speak without TLS, which some try where nothing is said."""
+        ...
+
     def prepare_accounts(self, engine: Engine) -> None:
         """Prepare the connections for accounts; those with the option `WRITES` write.
 

@@ -60,6 +60,10 @@ class MariadbDialect:
         del driver
         return "ssl"
 
+    def plain_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Keep PyMySQL from trying; aiomysql encrypts only when it is told to."""
+        return {"ssl_disabled": True} if driver == self.blocking else {}
+
     def prepare_accounts(self, engine: Engine) -> None:
         """Mend what aiomysql has lost."""
         event.listen(engine, "connect", _let_bytes_pass)

@@ -47,6 +47,10 @@ class PostgresqlDialect:
         """Name it."""
         return "ssl" if driver == self.waiting else "ssl_context"
 
+    def plain_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Keep both drivers from trying."""
+        return {self.tls_argument(driver): False}
+
     def prepare_accounts(self, engine: Engine) -> None:
         """Do nothing: asyncpg needs no help."""
 

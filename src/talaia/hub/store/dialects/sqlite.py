@@ -86,6 +86,11 @@ class SqliteDialect:
         """Refuse: a file has no network before it."""
         raise ValueError(f"{driver} takes no TLS")
 
+    def plain_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Say nothing: there is no network."""
+        del driver
+        return {}
+
     def prepare_accounts(self, engine: Engine) -> None:
         """Begin transactions ourselves, and keep foreign keys."""
         event.listen(engine, "connect", open_sqlite("foreign_keys=ON"))
