@@ -108,7 +108,7 @@ def test_of_thousands_of_tests_one_in_a_thousand_may_be_unsteady(tmp_path: Path)
 
 
 def test_what_computes_gives_way_to_what_talks_in_real_time(tmp_path: Path) -> None:
-    tells = f"import os\ndef test_a(): assert os.nice(0) == {os.nice(0)} + %d\n"
+    tells = f"import os\ndef test_a(): assert os.nice(0) == min(19, {os.nice(0)} + %d)\n"
     pure = "import pytest\npytestmark = pytest.mark.pure\n"
     files = {
         "system/test_a.py": tells % 0, "hub/test_b.py": tells % 5, "test_c.py": pure + tells % 10
