@@ -65,6 +65,9 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
         return _named_place("power", "Battery", DeviceKind.POWER, spaces)
     if type_name.startswith(("nav_msgs/", "geometry_msgs/msg/Twist")):
         return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
+    if type_name == "sensor_msgs/msg/JointState":
+        # All joints of a message move together: they are one thing on a page.
+        return _named_place("joints", "Joints", DeviceKind.OTHER, spaces)
     if type_name == DIAGNOSTICS:
         return _named_place("diagnostics", "Diagnostics", DeviceKind.OTHER, spaces)
     if spaces:
