@@ -23,6 +23,7 @@ from talaia.model.discovery.probe_report import (
     JointFound,
     NodeFound,
     ParameterFound,
+    PoseFound,
     ServiceFound,
     TopicFound,
 )
@@ -44,6 +45,7 @@ class DescribedRobot(NamedTuple):
         services, actions: types by name.
         joints: by name, their type in the URDF, then limits: lower, upper, velocity, effort.
         parameters: by node, values by name.
+        poses: by name, the group and the joints' places.
 
     """
 
@@ -54,6 +56,7 @@ class DescribedRobot(NamedTuple):
     actions: dict[str, str]
     joints: dict[str, list[Any]]
     parameters: dict[str, dict[str, Any]]
+    poses: dict[str, dict[str, Any]]
 
 
 def robots_in(folder: str) -> list[str]:
@@ -75,10 +78,10 @@ def _definitions() -> dict[str, RosMessageType]:
     types: dict[str, Any] = {}
     for path in sorted((FOLDER / "definitions").glob("*.yaml")):
         for name, text in yaml.safe_load(path.read_text()).items():
-            package, middle, short = name.split("/")
-            for part, said in zip(("", *"ab"), text.split("---"), strict=False):
-                if part in ("", "a") and (part == "" or middle == "msg"):
-                    types |= get_types_from_msg(said, f"{package}/{middle}/{short}")
+            package, _, short = name.split("/")
+            # Of a service or an action only what is asked: as a message, whatever it is.
+            (kind,) = get_types_from_msg(text or "bool nothing", f"{package}/msg/{short}").values()
+            types[name] = kind if text else ([], [])
     stored = get_typestore(Stores.ROS2_JAZZY).fielddefs
     return {name: _kind(definition) for name, definition in {**stored, **types}.items()}
 
@@ -218,5 +221,8 @@ def found_of(robot: DescribedRobot) -> Found:
             for name, (kind, shape, problem) in actions.items()
         ),
         nodes=tuple(_node(name, values) for name, values in robot.parameters.items()),
+        poses=tuple(
+            PoseFound(name, said["group"], said["joints"]) for name, said in robot.poses.items()
+        ),
         joints=tuple(_joint(name, said) for name, said in robot.joints.items()),
     )

@@ -275,7 +275,7 @@ def _field_found(
     # Texts and states have no unit, whatever their name ends in.
     unit = meaning if meaning is not None and numeric else Meaning("")
     empty = isinstance(value, Real) and math.isnan(value)
-    if unit.unit == "%" and isinstance(value, Real) and value > _WHOLE:
+    if unit.unit == "%" and isinstance(value, Real) and float(value) > _WHOLE:
         # ROS says 0 to 1; drivers that say 0 to 100 mean what they show.
         unit = Meaning("%")
     return FieldFound(path, simple, unit.unit, unit.scale, words, name[:100], empty)

@@ -34,15 +34,17 @@ from talaia.model.discovery.proposed_nodes import (
 )
 from talaia.model.discovery.proposed_signals import ProposedSignals
 from talaia.model.discovery.role_proposal import with_roles
-from talaia.model.discovery.ros_units import readable_name, word_of
+from talaia.model.discovery.ros_units import word_of
 from talaia.model.discovery.rules.drive_topics import (
     choose_drive_topics,
     flies,
     is_commanded_velocity,
 )
+from talaia.model.discovery.rules.field_names import JOINTS, plain_name
 from talaia.model.discovery.rules.proposed_commands import (
     FOLLOW,
     command_of,
+    goal_command,
     is_servo,
     jog_command,
     pose_commands,
@@ -62,6 +64,7 @@ from talaia.model.discovery.topic_words import free_word, last_part
 from talaia.model.site import (
     Command,
     CommandKind,
+    CommandRole,
     Device,
     Drive,
     DriveMessage,
@@ -323,14 +326,16 @@ class _ProposedDevices:
         if whole:
             self.left_out.append(f"{topic.topic}: {whole}, which is one thing and no signals")
             return
-        self.left_out += [f"{topic.topic} {field}" for field in topic.left_out]
+        if topic.type not in PICTURES and not topic.names:
+            # Of pictures and diagnostics all is shown, though not field by field.
+            self.left_out += [f"{topic.topic} {field}" for field in topic.left_out]
         place = self._place_of(topic.topic, topic.type)
         if topic.type in PICTURES:
             streams = self._streams.setdefault(place, {})
             last = last_part(topic.topic, _PICTURE_ENDINGS)
             word = free_word(word_of(last), streams)
             source = RosSource(topic=topic.topic, type=topic.type)
-            streams[word] = Stream(name=readable_name(last) or "Camera", source=source)
+            streams[word] = Stream(name=plain_name(last) or "Camera", source=source)
         elif not self._signals.add_topic(place, topic) and not topic.left_out:
             self.left_out.append(f"{topic.topic}: a {topic.type} holds no number or text")
 
@@ -357,12 +362,18 @@ class _ProposedDevices:
         kind: CommandKind,
         asked: ServiceFound | ActionFound | TopicFound,
     ) -> None:
-        reason = hidden_reason(target) or asked.problem
+        goal = goal_command(target, type_name, kind)
+        reason = hidden_reason(target) or ("" if goal else asked.problem)
         if reason:
             self.left_out.append(f"{target}: {reason}")
             return
-        commands = self._commands_at(target, type_name)
-        command = command_of(target, type_name, kind, asked.fields)
+        # A goal is what drives' own: the page Scene looks for it there.
+        like = "nav_msgs/msg/Odometry" if goal else type_name
+        commands = self._commands_at(target, like)
+        command = goal or command_of(target, type_name, kind, asked.fields)
+        if goal and any(each.role is goal.role for each in commands.values()):
+            # A device has one of each role; the scene takes the first.
+            command = msgspec.structs.replace(goal, role=CommandRole.NONE)
         commands[free_word(word_of(command.name), commands)] = command
 
     def _commands_at(self, target: str, type_name: str) -> dict[str, Command]:
@@ -393,7 +404,8 @@ class _ProposedDevices:
         if topic.topic in {each.topic for each in self._driven.driving}:
             self._add_drive(topic, TWISTS[topic.type])
         elif is_servo(topic):
-            commands = self._commands_at(topic.topic, topic.type)
+            # By its namespace: an arm is no vehicle, though the type is a vehicle's.
+            commands = self._commands_at(topic.topic, JOINTS)
             commands[free_word("jog", commands)] = jog_command(topic, JOG_FRAME)
         elif topic.topic in self._driven.left_out:
             self.left_out.append(f"{topic.topic}: {self._driven.left_out[topic.topic]}")

@@ -13,8 +13,9 @@ import msgspec
 
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
+from talaia.model.discovery.device_places import is_no_base
 from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
-from talaia.model.discovery.rules.field_names import JOINTS, joint_title, name_of_field
+from talaia.model.discovery.rules.field_names import JOINTS, joint_title, name_of_field, plain_name
 from talaia.model.discovery.rules.unwanted_fields import wanted_fields
 from talaia.model.discovery.rules.whole_topics import LEVELS
 from talaia.model.discovery.topic_words import free_word, last_part
@@ -63,6 +64,8 @@ _MEANINGS = (
 _RARE_S = 3600.0
 # Delays within it are one: a page shows no difference, and a day of them takes no room.
 _DELAY_DEADBAND_S = 0.02
+# Last parts that say how a position was made, and not whose it is.
+_TURNED = ("filtered", "pose", "current_pose")
 # Joints that slide, by what they are called.
 _SLIDES = re.compile(r"finger|gripper|lift|prismatic|slide|linear|rail|torso")
 _GEOGRAPHIC = "sensor_msgs/msg/NavSatFix"
@@ -113,7 +116,7 @@ class ProposedSignals:
         before = len(signals)
         for word, signal in _positions_of(topic):
             signals[free_word(word, signals)] = signal
-        level = not self._flies(topic.topic)
+        level = not self._flies(topic.topic) and not is_no_base(topic.topic)
         wanted = wanted_fields(topic, level=level)
         self.left_out += wanted.left_out
         for field in wanted.fields:
@@ -133,7 +136,7 @@ class ProposedSignals:
         if not topic.stamped or topic.latched:
             # What is latched is as old as it likes when somebody comes to hear it.
             return
-        name = f"{readable_name(last_part(topic.topic))} delay"
+        name = f"{plain_name(last_part(topic.topic))} delay"
         signals[free_word(word_of(name), signals)] = Signal(
             name=name,
             unit="s",
@@ -225,13 +228,15 @@ def _sensor_of(topic: TopicFound, sensor: str) -> Signal:
 
 def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
     """Give a topic's positions, each with its word."""
-    last = readable_name(last_part(topic.topic))
+    last = plain_name(last_part(topic.topic, _TURNED))
     if topic.type == _GEOGRAPHIC:
         yield (
             "position",
             Signal(
                 # Drivers call it `/fix`, which no person says.
-                name=f"{last} position" if last != "Fix" else "Geographic position",
+                name="Geographic position"
+                if last in ("Position", "Global")
+                else f"{last} position",
                 type=SignalType.POSITION,
                 frame=PositionFrame.WGS84,
                 max_age=_age_of(topic),
@@ -245,7 +250,7 @@ def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
         yield (
             "pose",
             Signal(
-                name=f"{last} position",
+                name=_position_name(last),
                 type=SignalType.POSITION,
                 frame=PositionFrame.LOCAL,
                 yaw_from=f"{inside}orientation",
@@ -256,6 +261,12 @@ def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
                 source=RosSource(topic=topic.topic, type=topic.type, field=f"{inside}position"),
             ),
         )
+
+
+def _position_name(last: str) -> str:
+    if last.lower() in ("pose", "position"):
+        return "Position"
+    return last if last.lower().endswith("position") else f"{last} position"
 
 
 def _is_in_position(type_name: str, path: str) -> bool:
@@ -313,6 +324,9 @@ def _rank_of(signal: Signal) -> int | None:
         return _FIRST.index(key)
     # Somebody gave it a topic or a name of its own, so it matters to them.
     if source.lifecycle or source.name or source.field == "data":
+        return len(_FIRST)
+    # Where an arm is, before what its controllers say of themselves.
+    if source.type == JOINTS:
         return len(_FIRST)
     if signal.type is SignalType.STATE:
         return len(_FIRST) + 3

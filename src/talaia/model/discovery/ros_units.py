@@ -7,6 +7,7 @@ for. For types that are not in them, the words of a field's name and of its comm
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from typing import NamedTuple
 
 from talaia.model.units.unit import UNITS
@@ -68,6 +69,8 @@ _KNOWN: dict[tuple[str, str], Meaning] = {
     ("sensor_msgs/NavSatFix", "latitude"): Meaning("°"),
     ("sensor_msgs/NavSatFix", "longitude"): Meaning("°"),
     ("sensor_msgs/NavSatFix", "altitude"): Meaning("m"),
+    ("px4_msgs/SensorCombined", "gyro_rad"): Meaning("rad/s"),
+    ("px4_msgs/SensorCombined", "gyro_integral_dt"): Meaning("µs"),
     ("mavros_msgs/VfrHud", "heading"): Meaning("°"),
     ("mavros_msgs/VfrHud", "throttle"): _PERCENT,
     ("mavros_msgs/Altitude", "monotonic"): Meaning("m"),
@@ -155,6 +158,7 @@ _AFTER: dict[tuple[str, str], Meaning] = {
     **{(word, "c"): Meaning("°C") for word in ("temp", "temperature")},
     **{(word, "f"): Meaning("°F") for word in ("temp", "temperature")},
     **{(word, "a"): Meaning("A") for word in ("current", "amperage")},
+    ("current", "ma"): Meaning("mA"),
     ("power", "w"): Meaning("W"),
     ("torque", "nm"): Meaning("N·m"),
     ("force", "n"): Meaning("N"),
@@ -179,6 +183,7 @@ _QUANTITY: dict[str, Meaning] = {
     "ppm": Meaning("ppm"),
     "voltages": Meaning("V"),
     "temperatures": Meaning("°C"),
+    "frequency": Meaning("Hz"),
     "current": Meaning("A"),
     "currents": Meaning("A"),
     "torque": Meaning("N·m"),
@@ -246,6 +251,7 @@ _BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
 _IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
 # Words of ``motorLeft_GPS2``: motor, Left, GPS, 2.
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_PLAIN_DIGITS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _NOT_A_LETTER = re.compile(r"[^a-z0-9]+")
 _MAX_WORD = 63
 
@@ -267,8 +273,10 @@ def unit_in_name(field: str) -> Meaning | None:
         for ending, meaning in _ENDINGS:
             if tuple(words[-len(ending) :]) == ending and len(words) > len(ending):
                 return meaning
-    if len(words) > 1 and (words[-2], words[-1]) in _AFTER:
-        return _AFTER[words[-2], words[-1]]
+    for pair in pairwise(words):
+        # Also before a side: ``current_ma_left``.
+        if pair in _AFTER:
+            return _AFTER[pair]
     # A unit needs something before it: a field that is called ``m`` or ``v`` may be anything.
     if len(words) > 1 and words[-1] in _SUFFIX:
         return _SUFFIX[words[-1]]
@@ -279,8 +287,9 @@ def without_unit(field: str) -> str:
     """Take the unit off the end of a field's name: ``motor_temp_c`` gives motor_temp."""
     words = _WORD.findall(field)
     lower = [word.lower() for word in words]
-    if len(words) > 1 and tuple(lower[-2:]) in _AFTER:
-        return "_".join(words[:-1])
+    for index, pair in enumerate(pairwise(lower)):
+        if pair in _AFTER:
+            return "_".join([*words[: index + 1], *words[index + 2 :]])
     for ending, _ in _ENDINGS:
         if len(words) > len(ending) and tuple(lower[-len(ending) :]) == ending:
             return "_".join(words[: -len(ending)])
@@ -314,7 +323,7 @@ def readable_name(text: str) -> str:
 
 def word_of(text: str) -> str:
     """Make a word of an address of any text: small letters, digits and _; never empty."""
-    spread = "_".join(_WORD.findall(text)).lower()
+    spread = "_".join(_WORD.findall(text.translate(_PLAIN_DIGITS))).lower()
     word = _NOT_A_LETTER.sub("_", spread).strip("_")[:_MAX_WORD].rstrip("_")
     if not word:
         return "unnamed"

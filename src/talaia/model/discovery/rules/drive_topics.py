@@ -10,14 +10,21 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.discovery.device_places import ODOMETRY, TWISTS
+from talaia.model.discovery.device_places import ODOMETRY, TWISTS, is_no_base
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from talaia.model.discovery.probe_report import Found, TopicFound
 
-__all__ = ["ACKERMANN", "DriveTopics", "choose_drive_topics", "flies", "is_commanded_velocity"]
+__all__ = [
+    "ACKERMANN",
+    "DriveTopics",
+    "choose_drive_topics",
+    "flies",
+    "is_commanded_velocity",
+    "is_no_base",
+]
 
 # Speed and steering angle, which Talaia does not send.
 ACKERMANN = ("ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped")
@@ -29,10 +36,6 @@ _SAYS_VELOCITY = re.compile(r"cmd_?vel|vel(?:ocity)?_cmd|teleop_twist")
 # These say it together with the part before them: `/commands/velocity`, `/command/twist`.
 _VELOCITY = ("velocity", "twist", "vel", "cmd", "drive")
 _COMMAND = ("command", "commands", "cmd", "cmds", "base", "drive", "control", "reference")
-# Of an arm, a camera or a turret.
-_NO_BASE = re.compile(
-    r"servo|delta_twist|twist_controller|tool|tcp|gripper|(?:^|_)(?:arm|ee|head|turret|gimbal|ptz)"
-)
 
 
 class DriveTopics(NamedTuple):
@@ -103,7 +106,7 @@ def _reason(found: Found, topic: TopicFound) -> str:
     parts = topic.topic.strip("/").lower().split("/")
     if flies(found, topic.topic):
         return "by its other topics the robot flies: this may be roll, pitch and thrust, no driving"
-    if any(_NO_BASE.search(part) for part in parts):
+    if is_no_base(topic.topic):
         return "by its name a velocity of an arm or a head, and no driving"
     if not _says_velocity(parts):
         return "a velocity, by whose name nobody can say what moves; if a base, name it in `drive`"

@@ -50,8 +50,12 @@ _NAMES: dict[str, dict[str, str]] = {
     "sensor_msgs/msg/NavSatFix": {"status.status": "Fix status"},
     "sensor_msgs/msg/Range": {"range": "Distance"},
 }
+_ODOMETRY = "nav_msgs/msg/Odometry"
+_TWISTS = tuple(name for name in _NAMES if "/Twist" in name)
 # Of what is one of a robot, its topic's name says no more: `/odom`, `/imu/data`.
 _NO_NAME = {"odom", "odometry", "data", "data_raw", "state", "status", "filtered", "out", "raw"}
+# These say it of a single number or text, too, whose `state` is what it is.
+_FORM = ("data", "data_raw", "raw", "out")
 # Names that drivers give, and what people say.
 _SPOKEN = {
     "odom": "Odometry",
@@ -71,11 +75,12 @@ _SPOKEN = {
     "co2": "CO₂",
     "vel": "Velocity",
 }
-_QUANTITIES = ("temperature", "voltage", "current", "pressure", "power", "humidity", "torque")
+_QUANTITIES = ("temperature", "voltage", "pressure", "humidity", "torque")
 _SHORT = re.compile(r"\btemp\b")
 _FORMULA = re.compile(r"\b(co|no|so|o|h|ch|nh|pm) ?(\d(?:\.\d|\d)?)\b", re.IGNORECASE)
 _SUBSCRIPT = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _GASES = {"co", "no", "so", "o", "h", "ch", "nh"}
+_NO_WORD = re.compile(r"\b(?:cmd|is)\s+(?=\S)")
 _JOINT = re.compile(r"\s*\bjoint\b(?!\s*\d)", re.IGNORECASE)
 
 
@@ -84,7 +89,7 @@ def plain_name(text: str) -> str:
     words = readable_name(without_unit(text)).lower()
     if words in _SPOKEN:
         return _SPOKEN[words]
-    words = _SHORT.sub("temperature", words)
+    words = _NO_WORD.sub("", _SHORT.sub("temperature", words))
     first, _, rest = words.partition(" ")
     if first in _QUANTITIES and rest and not rest[0].isdigit() and len(rest) > 1:
         words = f"{first} of {rest}"
@@ -97,7 +102,9 @@ def plain_name(text: str) -> str:
 
 def name_of_field(topic: TopicFound, field: FieldFound, topics: Iterable[TopicFound]) -> str:
     """Name one field of a topic, among all topics of the robot."""
-    alone = sum(other.type == topic.type for other in topics if other.publishers) == 1
+    # A twist and an odometry both tell a speed.
+    alike = (topic.type, *((_ODOMETRY,) if topic.type in _TWISTS else ()))
+    alone = sum(other.type in alike for other in topics if other.publishers) == 1
     title = _title_of(topic)
     known = _NAMES.get(topic.type, {}).get(field.path)
     if field.name:
@@ -111,8 +118,8 @@ def name_of_field(topic: TopicFound, field: FieldFound, topics: Iterable[TopicFo
     numbers = [each for each in topic.fields if each.type != "text"]
     if field.path == "data" or (len(numbers) == 1 and field.type != "text"):
         # `data` of std_msgs says nothing; the topic does.
-        return plain_name(last_part(topic.topic, _NO_NAME))
-    words = _path_words(field.path)
+        return plain_name(last_part(topic.topic, _FORM))
+    words = _axis_words(topic, field) or _path_words(field.path)
     if field.path.startswith("data["):
         # People count from 1.
         number = int(field.path[5:-1]) + 1 if field.path[5:-1].isdigit() else field.path[5:-1]
@@ -141,6 +148,15 @@ def _joined(title: str, words: str) -> str:
 
 def _title_of(topic: TopicFound) -> str:
     return plain_name(last_part(topic.topic, _NO_NAME))
+
+
+def _axis_words(topic: TopicFound, field: FieldFound) -> str:
+    """Name one of three numbers that are a vector by their unit: ``gyro_rad[2]``, Gyro z."""
+    base, _, index = field.path.partition("[")
+    listed = [each for each in topic.fields if each.path.startswith(f"{base}[")]
+    if len(listed) != 3 or not field.unit or not index[:-1].isdigit():
+        return ""
+    return f"{_path_words(base)} {'xyz'[int(index[:-1])]}"
 
 
 def _path_words(path: str) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
 from talaia.model.discovery.rules.field_names import joint_title, plain_name
 from talaia.model.discovery.topic_words import free_word, last_part, path_in_words
-from talaia.model.site import Argument, ArgumentType, Command, CommandKind
+from talaia.model.site import Argument, ArgumentType, Command, CommandKind, CommandRole
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FOLLOW",
     "command_of",
+    "goal_command",
     "is_servo",
     "jog_command",
     "pose_commands",
@@ -44,6 +45,16 @@ _JOG_SPEED, _JOG_TURN = 0.05, 0.2
 # Time that a pose may take (s): slow, until the owner says otherwise.
 _POSE_S = 8
 _MOST_POSES = 30
+# By type: where the pose is, what the command is for, and words of a topic's name.
+_GOALS: dict[str, tuple[str, CommandRole, tuple[str, ...]]] = {
+    "geometry_msgs/msg/PoseStamped": ("pose.", CommandRole.VEHICLE_GOAL, ("goal",)),
+    "nav2_msgs/action/NavigateToPose": ("pose.pose.", CommandRole.VEHICLE_GOAL, ()),
+    "geometry_msgs/msg/PoseWithCovarianceStamped": (
+        "pose.pose.",
+        CommandRole.VEHICLE_INITIAL_POSE,
+        ("initialpose", "initial_pose", "set_pose"),
+    ),
+}
 
 
 def command_of(
@@ -64,6 +75,7 @@ def command_of(
             name=_argument_name(field),
             # What is sent is not scaled: a share stays one.
             unit=unit if field.scale == 1.0 else "",
+            default=_default_of(field),
         )
     return Command(
         name=plain_name(last) or last,
@@ -81,6 +93,14 @@ def _argument_name(field: FieldFound) -> str:
         # std_msgs and std_srvs/SetBool call their one field so.
         return {"boolean": "On", "text": "Text"}.get(field.type, "Value")
     return path_in_words(field.path)
+
+
+def _default_of(field: FieldFound) -> float | None:
+    """Give where a quaternion starts: as it is, for all zeros would be no direction."""
+    *_, above, last = ("", *field.path.split("."))
+    if above != "orientation" or last not in "xyzw":
+        return None
+    return 1.0 if last == "w" else 0.0
 
 
 def is_servo(topic: TopicFound) -> bool:
@@ -122,6 +142,46 @@ def jog_command(topic: TopicFound, frame: str) -> Command:
         description=f"One step of the tool in {frame}; the servo ends it by itself.",
         fixed={"header.frame_id": frame},
         arguments=arguments,
+        confirm=True,
+    )
+
+
+def goal_command(target: str, type_name: str, kind: CommandKind) -> Command | None:
+    """Make the command that the page Scene draws a goal with; none of what is no goal.
+
+    A place on the plane and a heading are all that a vehicle's goal needs; the frame is asked.
+    """
+    found = _GOALS.get(type_name)
+    if found is None:
+        return None
+    base, role, words = found
+    last = last_part(target).lower()
+    if kind is CommandKind.TOPIC and not any(word in last for word in words):
+        return None
+    places = {
+        "x": (f"{base}position.x", "m", None),
+        "y": (f"{base}position.y", "m", None),
+        "qz": (f"{base}orientation.z", "", 0.0),
+        "qw": (f"{base}orientation.w", "", 1.0),
+    }
+    frame = Argument(
+        type=ArgumentType.TEXT,
+        # An action's goal holds a stamped pose, which has the header.
+        field="pose.header.frame_id" if kind is CommandKind.ACTION else "header.frame_id",
+        name="Frame",
+        default="map",
+    )
+    arguments = {
+        name: Argument(type=ArgumentType.NUMBER, field=path, name=name, unit=unit, default=start)
+        for name, (path, unit, start) in places.items()
+    }
+    return Command(
+        name="Set position" if role is CommandRole.VEHICLE_INITIAL_POSE else plain_name(last),
+        target=target,
+        type=type_name,
+        kind=kind,
+        role=role,
+        arguments={"frame": frame, **arguments},
         confirm=True,
     )
 

@@ -64,7 +64,13 @@ def choices_of(found: Found, devices: Mapping[str, Device]) -> tuple[StopChoice,
         and last_part(topic.topic) in _STOP_TOPICS
     )
     return tuple(
-        StopChoice(name, topics, _speeds_of(name, device))
+        StopChoice(
+            name,
+            topics,
+            # The robot's odometry may stand at another of its devices.
+            _speeds_of(name, device)
+            or tuple(each for other in devices.items() for each in _speeds_of(*other)),
+        )
         for name, device in devices.items()
         if device.drive is not None
     )

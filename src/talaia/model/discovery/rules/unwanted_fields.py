@@ -38,6 +38,7 @@ _FIRST_STEPS = {
     # Which systems of satellites the receiver knows.
     ("sensor_msgs/msg/NavSatFix", "status.service"): _CONSTANT,
 }
+_MOVING = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 # Lists of names beside lists of numbers.
 _NAME_LISTS = re.compile(r"(?:.*_)?names?\[\d+\]\Z")
 _TIMES = re.compile(
@@ -109,7 +110,7 @@ def _reason(topic: TopicFound, field: FieldFound, *, level: bool) -> str:
         return _CONSTANT
     if (topic.type, path) in _FIRST_STEPS:
         return _FIRST_STEPS[topic.type, path]
-    if level and topic.type == "nav_msgs/msg/Odometry" and _is_still(path):
+    if level and topic.type in _MOVING and _is_still(path):
         return "always 0 for what drives on level ground"
     for pattern, reason in (
         (_SURE_FIELDS, _SURE),
@@ -123,9 +124,4 @@ def _reason(topic: TopicFound, field: FieldFound, *, level: bool) -> str:
 
 
 def _is_still(path: str) -> bool:
-    return path in (
-        "pose.pose.position.z",
-        "twist.twist.linear.z",
-        "twist.twist.angular.x",
-        "twist.twist.angular.y",
-    )
+    return path.endswith(("linear.z", "angular.x", "angular.y")) or path == "pose.pose.position.z"
