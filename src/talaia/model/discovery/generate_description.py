@@ -37,8 +37,8 @@ from talaia.model.discovery.role_proposal import with_roles
 from talaia.model.discovery.ros_units import word_of
 from talaia.model.discovery.rules.drive_topics import (
     choose_drive_topics,
-    flies,
     is_commanded_velocity,
+    is_level,
 )
 from talaia.model.discovery.rules.field_names import JOINTS, plain_name
 from talaia.model.discovery.rules.proposed_commands import (
@@ -270,7 +270,7 @@ class _ProposedDevices:
         self.left_out: list[str] = []
         # By device: what can be read, seen, asked and driven.
         self._signals = ProposedSignals(
-            found.topics, found.joints, lambda topic: flies(found, topic)
+            found.topics, found.joints, lambda topic: is_level(found, topic)
         )
         self._driven = choose_drive_topics(found)
         self._streams: dict[DevicePlace, dict[str, Stream]] = {}

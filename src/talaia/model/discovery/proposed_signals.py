@@ -13,7 +13,6 @@ import msgspec
 
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
-from talaia.model.discovery.device_places import is_no_base
 from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
 from talaia.model.discovery.rules.field_names import JOINTS, joint_title, name_of_field, plain_name
 from talaia.model.discovery.rules.unwanted_fields import wanted_fields
@@ -78,18 +77,18 @@ class ProposedSignals:
         self,
         topics: tuple[TopicFound, ...],
         joints: tuple[JointFound, ...] = (),
-        flies: Callable[[str], bool] = lambda _: False,
+        is_level: Callable[[str], bool] = lambda _: True,
     ) -> None:
         """Start with none.
 
         Args:
             topics: all of the robot's, for names that must differ.
             joints: what its model says of them.
-            flies: tells whether what a topic belongs to flies.
+            is_level: tells whether what a topic belongs to moves on level ground.
 
         """
         self._topics = topics
-        self._flies = flies
+        self._is_level = is_level
         self._joints = {joint.joint: joint for joint in joints}
         # In words: fields that are no signals, and why.
         self.left_out: list[str] = []
@@ -116,8 +115,7 @@ class ProposedSignals:
         before = len(signals)
         for word, signal in _positions_of(topic):
             signals[free_word(word, signals)] = signal
-        level = not self._flies(topic.topic) and not is_no_base(topic.topic)
-        wanted = wanted_fields(topic, level=level)
+        wanted = wanted_fields(topic, level=self._is_level(topic.topic))
         self.left_out += wanted.left_out
         for field in wanted.fields:
             if _is_in_position(topic.type, field.path):

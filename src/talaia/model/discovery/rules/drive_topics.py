@@ -38,6 +38,9 @@ _VELOCITY = ("velocity", "twist", "vel", "cmd", "drive")
 _COMMAND = ("command", "commands", "cmd", "cmds", "base", "drive", "control", "reference")
 
 
+_SWIMS = re.compile(r"thruster|ballast|propeller|(?:^|[/_])dvl(?:$|[/_])")
+
+
 class DriveTopics(NamedTuple):
     """The topics that drive, and in words why others are not offered.
 
@@ -65,10 +68,22 @@ def flies(found: Found, topic: str) -> bool:
     ]
     return any(
         (type_name.startswith(_FLYING_PACKAGES) or _last(name) in _FLYING_WORDS)
-        # Of its own namespace, or of a robot that has none.
-        and _robot_of(name) in ("", space)
+        # Of its own namespace, or of a robot that has none; what has none may be any robot's.
+        and (not space or _robot_of(name) in ("", space))
         for name, type_name in said
     )
+
+
+def is_level(found: Found, topic: str) -> bool:
+    """Tell whether what a topic belongs to moves on level ground: it neither flies nor swims."""
+    names = [
+        *(each.topic for each in found.topics),
+        *(each.node for each in found.nodes),
+        *(each.joint for each in found.joints),
+    ]
+    if any(_SWIMS.search(name.lower()) for name in names):
+        return False
+    return not flies(found, topic) and not is_no_base(topic)
 
 
 def choose_drive_topics(found: Found) -> DriveTopics:

@@ -44,7 +44,7 @@ _NAME_LISTS = re.compile(r"(?:.*_)?names?\[\d+\]\Z")
 _TIMES = re.compile(
     r"(?:.*\.)?(?:timestamp|time_?stamp|stamp|timestamp_sample|seq|time_usec|time_ref)\Z"
 )
-_SURE_FIELDS = re.compile(r"(?:.*[._])?(?:variance|covariance|covariance_type)(?:\[\d+\])?\Z")
+_SURE_FIELDS = re.compile(r"(?:.*[._])?(?:variance|covar|covariance|covariance_type)(?:\[\d+\])?\Z")
 _FILLING = re.compile(r"(?:.*\.)?_?(?:padding|reserved)\d*(?:\[\d+\])?\Z")
 _QUATERNION_LIST = re.compile(r"(?P<base>(?:.*\.)?(?:q|quaternion|orientation))\[[0-3]\]\Z")
 _PART = re.compile(r"(?P<base>.+)\.[xyzw]\Z")
