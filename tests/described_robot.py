@@ -8,6 +8,7 @@ definitions of ROS's distributions and those in `robots/definitions`.
 from __future__ import annotations
 
 import functools
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -28,7 +29,7 @@ from talaia.model.discovery.probe_report import (
     TopicFound,
 )
 
-__all__ = ["FOLDER", "DescribedRobot", "found_of", "read_robot", "robots_in"]
+__all__ = ["FOLDER", "DescribedRobot", "class_of", "found_of", "read_robot", "robots_in"]
 
 FOLDER = Path(__file__).parent / "robots"
 _FILLER = "structure_needs_at_least_one_member"
@@ -62,6 +63,15 @@ class DescribedRobot(NamedTuple):
 def robots_in(folder: str) -> list[str]:
     """Name the robots of a folder below `FOLDER`."""
     return sorted(path.stem for path in (FOLDER / folder).glob("*.yaml"))
+
+
+def class_of(type_name: str) -> Any:
+    """Give a type's class; none of a package that is not installed."""
+    package, middle, name = type_name.split("/")
+    try:
+        return getattr(import_module(f"{package}.{middle}"), name)
+    except (ImportError, AttributeError):
+        return None
 
 
 def read_robot(folder: str, name: str) -> DescribedRobot:

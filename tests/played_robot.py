@@ -7,28 +7,19 @@ package that no wheel brings is not played; its lines on standard output name wh
 from __future__ import annotations
 
 import sys
-from importlib import import_module
+import threading
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import rclpy
-from described_robot import DescribedRobot, read_robot
+from described_robot import DescribedRobot, class_of, read_robot
 from rclpy.action import ActionServer
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 
-def class_of(type_name: str) -> Any:  # noqa: ANN401 - ROS's packages are untyped
-    """Give a type's class; none of a package that is not installed."""
-    package, middle, name = type_name.split("/")
-    try:
-        return getattr(import_module(f"{package}.{middle}"), name)
-    except (ImportError, AttributeError):
-        return None
-
-
-def fill(message: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401
+def fill(message: Any, values: dict[str, Any]) -> Any:
     """Set a message's fields to a robot's values."""
     for name, value in values.items():
         now = getattr(message, name)
@@ -128,9 +119,8 @@ def main() -> None:
     executor = SingleThreadedExecutor()
     for node in robot.nodes:
         executor.add_node(node)
-    print("playing", flush=True)
-    import threading
-
+    sys.stdout.write("playing\n")
+    sys.stdout.flush()
     threading.Thread(target=lambda: (sys.stdin.read(), rclpy.try_shutdown()), daemon=True).start()
     try:
         executor.spin()

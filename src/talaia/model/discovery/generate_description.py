@@ -47,6 +47,7 @@ from talaia.model.discovery.rules.proposed_commands import (
     goal_command,
     is_servo,
     jog_command,
+    lists_reason,
     pose_commands,
     stays_reason,
 )
@@ -425,7 +426,7 @@ class _ProposedDevices:
         elif not topic.fields and not topic.problem and not topic.type.endswith("/Empty"):
             self.left_out.append(f"{topic.topic}: what a {topic.type} holds was not told")
         else:
-            reason = stays_reason(topic)
+            reason = stays_reason(topic) or lists_reason(topic)
             if reason:
                 topic = msgspec.structs.replace(topic, problem=reason)
             self._add_asked(topic.topic, topic.type, CommandKind.TOPIC, topic)

@@ -3,6 +3,7 @@
 Values only: who looked (ROS 2, ROS 1, rosbridge, INDI, Alpaca, MQTT, HTTP) fills them, and
 `propose_description` makes a description of them.
 The JSON form is the contract between a probe on the robot and a configurator on a laptop.
+Long, because that form is one thing, and is read in one place.
 """
 
 from __future__ import annotations

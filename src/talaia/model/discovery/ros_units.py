@@ -2,6 +2,7 @@
 
 The tables hold what the message definitions say in comments, which no running program can ask
 for. For types that are not in them, the words of a field's name and of its comment are read.
+Long, because its tables are.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """Looks at a live ROS 2 graph: topics with their fields and rates, services, actions, nodes.
 
 Listens only: it publishes and offers nothing, and calls nothing but what nodes are read by.
+
+Long, because one look is one thing: who is there, what they say, and what is told of it.
 """
 
 from __future__ import annotations
@@ -184,15 +186,12 @@ class _Look:
         for topic, heard in sorted(self._heard.items()):
             if topic.rpartition("/")[2] != last or heard.type_name != "std_msgs/msg/String":
                 continue
-            if heard.raw:
-                with contextlib.suppress(Exception):
-                    yield (
-                        self._types.find(
-                            topic=topic, type_name=heard.type_name, infos=heard.publishers
-                        )
-                        .decode(heard.raw)
-                        .data
-                    )
+            if not heard.raw:
+                continue
+            # One that cannot be read is told with its topic.
+            with contextlib.suppress(Exception):
+                found = self._types.find(heard.type_name, topic, heard.publishers)
+                yield str(getattr(found.decode(heard.raw), "data", ""))
 
     # ── listening ──
 

@@ -18,7 +18,8 @@ __all__ = ["class_of", "fill", "outcome_of", "velocity_message"]
 
 # As rclpy names the type of a list: sequence<rcl_interfaces/Parameter>, sequence<double, 4>.
 _LIST_OF = re.compile(
-    r"sequence<(?:(?P<package>\w+)/(?P<name>\w+)|(?P<plain>[\w ]+(?:<\d+>)?))(?:, (?P<bound>\d+))?>\Z"
+    r"sequence<(?:(?P<package>\w+)/(?P<name>\w+)|(?P<plain>[\w ]+(?:<\d+>)?))"
+    r"(?:, (?P<bound>\d+))?>\Z"
 )
 MAX_GROWN = 64
 

@@ -27,6 +27,7 @@ __all__ = [
     "goal_command",
     "is_servo",
     "jog_command",
+    "lists_reason",
     "pose_commands",
     "stays_reason",
 ]
@@ -240,3 +241,9 @@ def stays_reason(topic: TopicFound) -> str:
     if topic.type.endswith("MultiArray") and "velocity" in last:
         return "joint velocities, which go on until others come: no command that ends by itself"
     return ""
+
+
+def lists_reason(topic: TopicFound) -> str:
+    """Say which lists of a message no form can fill; empty where there are none."""
+    lists = [said.split(":", 1)[0] for said in topic.left_out]
+    return f"its message holds lists ({', '.join(lists)})" if lists else ""
