@@ -75,7 +75,7 @@ def main(argv: Sequence[str]) -> int:
     made = propose_description(found, *names)
     _refuse_names(made)
     if made.stops and not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
-        made = propose_description(found, *names, ask_about_stop(made, input))
+        made = propose_description(found, *names, answers=ask_about_stop(made, input))
     if not made.site.devices and not found.devices:
         raise CliError(
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "

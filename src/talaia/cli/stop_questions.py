@@ -31,6 +31,7 @@ def ask_about_stop(made: DescriptionProposal, ask: Callable[[str], str]) -> Stop
         "means no.",
         file=sys.stderr,
     )
+    # One topic, for a description has room for one: the first that is meant.
     topic = ""
     topics = dict.fromkeys(name for choice in made.stops for name in choice.topics)
     for name in topics:

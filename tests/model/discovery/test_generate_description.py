@@ -181,11 +181,11 @@ def test_what_stop_goes_by_is_asked_and_an_answer_beside_the_choices_is_none() -
     unsaid = made.site.devices["base"].drive
     assert (unsaid.stop.topic, unsaid.stop.confirmed_by) == ("", ())
     answers = StopAnswers("/e_stop", ("base/speed", "base/elsewhere"))
-    site = propose_description(robot, "robot", "Robot", "UTC", answers).site
+    site = propose_description(robot, "robot", "Robot", "UTC", answers=answers).site
     said = site.devices["base"].drive
     assert (said.stop.topic, said.stop.confirmed_by) == ("/e_stop", ("base/speed",))
     assert check_site(site) == []
-    wrong = propose_description(robot, "robot", "Robot", "UTC", StopAnswers("/horn"))
+    wrong = propose_description(robot, "robot", "Robot", "UTC", answers=StopAnswers("/horn"))
     assert wrong.site.devices["base"].drive.stop.topic == ""
 
 

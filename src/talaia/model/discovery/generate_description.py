@@ -113,7 +113,7 @@ class DescriptionProposal(NamedTuple):
 
 
 def propose_description(
-    found: Found, site: str, name: str, zone: str, answers: StopAnswers = NO_ANSWERS
+    found: Found, site: str, name: str, zone: str, *, answers: StopAnswers = NO_ANSWERS
 ) -> DescriptionProposal:
     """Make a description of what was found.
 
@@ -166,6 +166,7 @@ def propose_description(
             stop = with_answers(device.drive.stop, answers, choice)
             drive = msgspec.structs.replace(device.drive, stop=stop)
             devices[choice.device] = msgspec.structs.replace(device, drive=drive)
+    # Last: which tiles there are goes by what the checks have left.
     boards = robot_boards(found, devices)
     proposed = msgspec.structs.replace(proposed, devices=devices, boards=boards)
     return DescriptionProposal(proposed, tuple(left_out), stops)
@@ -372,7 +373,7 @@ class _ProposedDevices:
         like = "nav_msgs/msg/Odometry" if goal else type_name
         commands = self._commands_at(target, like)
         command = goal or command_of(target, type_name, kind, asked.fields)
-        if goal and any(each.role is goal.role for each in commands.values()):
+        if goal and any(one.role is goal.role for one in commands.values()):
             # A device has one of each role; the scene takes the first.
             command = msgspec.structs.replace(goal, role=CommandRole.NONE)
         commands[free_word(word_of(command.name), commands)] = command
@@ -402,7 +403,8 @@ class _ProposedDevices:
     # ── what listens ──
 
     def _add_listener(self, topic: TopicFound) -> None:
-        if topic.topic in {each.topic for each in self._driven.driving}:
+        # The order counts: what drives is a velocity, and what is left out has its reason already.
+        if topic.topic in {one.topic for one in self._driven.driving}:
             self._add_drive(topic, TWISTS[topic.type])
         elif is_servo(topic):
             # By its namespace: an arm is no vehicle, though the type is a vehicle's.

@@ -62,9 +62,9 @@ def flies(found: Found, topic: str) -> bool:
     """Tell whether what a topic belongs to flies, by its packages, topics and services."""
     space = _robot_of(topic)
     said = [
-        *((each.topic, each.type) for each in found.topics),
-        *((each.service, each.type) for each in found.services),
-        *((each.action, each.type) for each in found.actions),
+        *((one.topic, one.type) for one in found.topics),
+        *((one.service, one.type) for one in found.services),
+        *((one.action, one.type) for one in found.actions),
     ]
     return any(
         (type_name.startswith(_FLYING_PACKAGES) or _last(name) in _FLYING_WORDS)
@@ -77,9 +77,9 @@ def flies(found: Found, topic: str) -> bool:
 def is_level(found: Found, topic: str) -> bool:
     """Tell whether what a topic belongs to moves on level ground: it neither flies nor swims."""
     names = [
-        *(each.topic for each in found.topics),
-        *(each.node for each in found.nodes),
-        *(each.joint for each in found.joints),
+        *(one.topic for one in found.topics),
+        *(one.node for one in found.nodes),
+        *(one.joint for one in found.joints),
     ]
     if any(_SWIMS.search(name.lower()) for name in names):
         return False
@@ -98,9 +98,10 @@ def choose_drive_topics(found: Found) -> DriveTopics:
             left_out[topic.topic] = reason
         else:
             fit.append(topic)
+    # The surest first, so that the others are told by its name.
     driving: list[TopicFound] = []
     for topic in sorted(fit, key=_order):
-        first = next((each for each in driving if _same_robot(each, topic, found.topics)), None)
+        first = next((one for one in driving if _same_robot(one, topic, found.topics)), None)
         if first is None:
             driving.append(topic)
         elif topic.publishers:
@@ -147,8 +148,8 @@ def _same_robot(first: TopicFound, other: TopicFound, found: Iterable[TopicFound
     # Beside one without a namespace, another is a robot of its own only with its own odometry.
     space = other.topic.rpartition("/")[0]
     moves = any(
-        each.type == ODOMETRY and each.publishers and each.topic.startswith(f"{space}/")
-        for each in found
+        one.type == ODOMETRY and one.publishers and one.topic.startswith(f"{space}/")
+        for one in found
     )
     return not one and not (moves and _last(other.topic) == "cmd_vel" and not other.publishers)
 

@@ -93,6 +93,7 @@ def plain_name(text: str) -> str:
     first, _, rest = words.partition(" ")
     if first in _QUANTITIES and rest and not rest[0].isdigit() and len(rest) > 1:
         words = f"{first} of {rest}"
+    # After the units, for `co2_ppm` would not be a formula.
     words = _FORMULA.sub(_formula, words)
     # Abbreviations stay as the robot writes them: GPS, IMU.
     for big in re.findall(r"\b[A-Z]{2,}\b", readable_name(text)):
@@ -115,7 +116,7 @@ def name_of_field(topic: TopicFound, field: FieldFound, topics: Iterable[TopicFo
             return known
         # `/range/left` is the range on the left, `/battery` its charge level.
         return _joined(title, known)
-    numbers = [each for each in topic.fields if each.type != "text"]
+    numbers = [one for one in topic.fields if one.type != "text"]
     if field.path == "data" or (len(numbers) == 1 and field.type != "text"):
         # `data` of std_msgs says nothing; the topic does.
         return plain_name(last_part(topic.topic, _FORM))
@@ -153,7 +154,7 @@ def _title_of(topic: TopicFound) -> str:
 def _axis_words(topic: TopicFound, field: FieldFound) -> str:
     """Name one of three numbers that are a vector by their unit: ``gyro_rad[2]``, Gyro z."""
     base, _, index = field.path.partition("[")
-    listed = [each for each in topic.fields if each.path.startswith(f"{base}[")]
+    listed = [one for one in topic.fields if one.path.startswith(f"{base}[")]
     if len(listed) != 3 or not field.unit or not index[:-1].isdigit():
         return ""
     return f"{_path_words(base)} {'xyz'[int(index[:-1])]}"
@@ -167,6 +168,7 @@ def _path_words(path: str) -> str:
     if not before:
         return words
     above = path_in_words(before)
+    # No word twice: `battery.battery_voltage`.
     return words if words.lower().startswith(above.lower()) else _joined(above, words)
 
 

@@ -155,6 +155,7 @@ def goal_command(target: str, type_name: str, kind: CommandKind) -> Command | No
     found = _GOALS.get(type_name)
     if found is None:
         return None
+    # An arm's tool has poses, too: a topic has to be called a goal.
     base, role, words = found
     last = last_part(target).lower()
     if kind is CommandKind.TOPIC and not any(word in last for word in words):
@@ -194,6 +195,7 @@ def pose_commands(action: ActionFound, found: Found) -> Iterator[tuple[str, Comm
     for pose in chosen[:_MOST_POSES]:
         if not _is_within(pose, known):
             continue
+        # Names and places are two lists of one order.
         fixed: dict[str, float | int | bool | str] = {}
         for index, (joint, place) in enumerate(pose.joints.items()):
             fixed[f"trajectory.joint_names[{index}]"] = joint

@@ -32,6 +32,7 @@ def robot_boards(found: Found, devices: Mapping[str, Device]) -> dict[str, Board
     # Raw topics come through a gateway that is a ROS node, or a rosbridge.
     if found.protocol not in ("ros1", "ros2", "rosbridge"):
         return {}
+    # A tile of what nobody publishes would stay empty.
     said = [topic for topic in found.topics if topic.publishers]
     tiles: list[BoardTile] = []
     if any(topic.type in _IN_SCENE for topic in said):
@@ -50,5 +51,6 @@ def robot_boards(found: Found, devices: Mapping[str, Device]) -> dict[str, Board
         tiles.append(BoardTile(type="parameters"))
     if any(node.lifecycle for node in found.nodes):
         tiles.append(BoardTile(type="lifecycle"))
+    # Every node writes one, so it is always there.
     tiles.append(BoardTile(type="log"))
     return {"robot": Board(name="Robot", note="What the robot's topics show.", tiles=tuple(tiles))}

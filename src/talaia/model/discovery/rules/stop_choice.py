@@ -69,7 +69,7 @@ def choices_of(found: Found, devices: Mapping[str, Device]) -> tuple[StopChoice,
             topics,
             # The robot's odometry may stand at another of its devices.
             _speeds_of(name, device)
-            or tuple(each for other in devices.items() for each in _speeds_of(*other)),
+            or tuple(one for other in devices.items() for one in _speeds_of(*other)),
         )
         for name, device in devices.items()
         if device.drive is not None
