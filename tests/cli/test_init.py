@@ -8,8 +8,9 @@ import msgspec
 import pytest
 from described_robot import found_of, read_robot
 
+from talaia.cli.init_questions import ask_about_devices, ask_about_stop
 from talaia.cli.main import main
-from talaia.cli.stop_questions import ask_about_stop
+from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
 from talaia.model.yaml_text.load import load_site
 
@@ -71,3 +72,25 @@ def test_stop_goes_by_what_its_owner_answers_and_no_answer_is_no() -> None:
         raise EOFError
 
     assert ask_about_stop(made, leave) == ("", ())
+
+
+def test_devices_are_listed_and_those_that_are_not_wanted_are_named_as_left_out(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    robot = found_of(read_robot("chosen", "jackal"))
+    made = propose_description(robot, "j", "J", "UTC")
+    assert made.site.devices["base"].drive.picture.startswith("front_camera/")
+    words = list(made.site.devices)
+    lines = iter([f"{words.index('navsat') + 1}, 99", f"{words.index('navsat') + 1} front_camera"])
+    without = ask_about_devices(made, lambda _: next(lines))
+    assert without == {"navsat", "front_camera"}
+    said = capsys.readouterr().err
+    assert "There is no device 99" in said
+    assert "driven by /cmd_vel" in said
+    short = propose_description(robot, "j", "J", "UTC", without=without)
+    assert set(words) - set(short.site.devices) == {"navsat", "front_camera"}
+    assert {"navsat: not wanted", "front_camera: not wanted"} <= set(short.left_out)
+    assert check_site(short.site) == []
+    # It is driven still, without a picture.
+    assert short.site.devices["base"].drive.picture == ""
+    assert ask_about_devices(made, lambda _: "") == frozenset()

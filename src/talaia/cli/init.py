@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
+from talaia.cli.init_questions import ask_about_devices, ask_about_stop, stop_lines
 from talaia.cli.local_machine import zone_here
 from talaia.cli.probe import add_options, probe_robot
-from talaia.cli.stop_questions import ask_about_stop, stop_lines
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found, found_from
@@ -58,7 +58,8 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument(
         "--no-questions",
         action="store_true",
-        help="ask nothing: STOP is then a velocity of zero alone, until the file says more",
+        help="ask nothing: all devices are taken, and STOP is a velocity of zero alone until the "
+        "file says more",
     )
     options = parser.parse_args(argv)
     shown = str(options.output) == "-"
@@ -74,8 +75,12 @@ def main(argv: Sequence[str]) -> int:
     )
     made = propose_description(found, *names)
     _refuse_names(made)
-    if made.stops and not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
-        made = propose_description(found, *names, answers=ask_about_stop(made, input))
+    if not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
+        without = ask_about_devices(made, input)
+        made = propose_description(found, *names, without=without)
+        if made.stops:
+            stop = ask_about_stop(made, input)
+            made = propose_description(found, *names, without=without, answers=stop)
     if not made.site.devices and not found.devices:
         raise CliError(
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "

@@ -59,6 +59,7 @@ from talaia.model.discovery.rules.stop_choice import (
     choices_of,
     with_answers,
 )
+from talaia.model.discovery.rules.unwanted_devices import without_devices
 from talaia.model.discovery.rules.unwanted_fields import hidden_reason
 from talaia.model.discovery.rules.whole_topics import MODELS, whole_of
 from talaia.model.discovery.topic_words import free_word, last_part
@@ -113,7 +114,13 @@ class DescriptionProposal(NamedTuple):
 
 
 def propose_description(
-    found: Found, site: str, name: str, zone: str, *, answers: StopAnswers = NO_ANSWERS
+    found: Found,
+    site: str,
+    name: str,
+    zone: str,
+    *,
+    answers: StopAnswers = NO_ANSWERS,
+    without: frozenset[str] = frozenset(),
 ) -> DescriptionProposal:
     """Make a description of what was found.
 
@@ -123,6 +130,7 @@ def propose_description(
         name: what people call it.
         zone: its IANA time zone.
         answers: what the owner said of STOP.
+        without: devices, by their words, that the owner does not want.
 
     """
     # Topics of brokers are no topics of ROS.
@@ -148,6 +156,8 @@ def propose_description(
         topics=() if is_json else topics_to_open(found),
     )
     left_out = [*proposed_devices.left_out, *_drivers_away(found), *json_left_out(found)]
+    left_out += [f"{word}: not wanted" for word in proposed.devices if word in without]
+    proposed = without_devices(proposed, without)
     for _ in range(MAX_ROUNDS):
         # What the checks refuse is left out, with their words: the rest runs. Leaving something
         # out can make a reference to it wrong, hence the rounds.

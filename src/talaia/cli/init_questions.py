@@ -1,4 +1,7 @@
-"""What `talaia init` asks of STOP: nobody but the robot's owner knows it. No answer is none."""
+"""What `talaia init` asks: which devices to take, and of STOP what only the robot's owner knows.
+
+No answer takes all devices and assumes nothing of STOP.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,48 @@ if TYPE_CHECKING:
     from talaia.model.discovery.generate_description import DescriptionProposal
     from talaia.model.discovery.rules.stop_choice import StopChoice
 
-__all__ = ["ask_about_stop", "stop_lines"]
+__all__ = ["ask_about_devices", "ask_about_stop", "stop_lines"]
 
 _YES = ("y", "yes")
+
+
+def ask_about_devices(made: DescriptionProposal, ask: Callable[[str], str]) -> frozenset[str]:
+    """List the devices with what each has, and give the words of those that are not wanted.
+
+    Args:
+        made: the description so far.
+        ask: shows a question and gives the line that was typed.
+
+    """
+    words = tuple(made.site.devices)
+    print("\nFound:", file=sys.stderr)
+    for number, (word, device) in enumerate(made.site.devices.items(), start=1):
+        counts = (
+            (len(device.signals), "signal"),
+            (len(device.streams), "camera"),
+            (len(device.commands), "command"),
+        )
+        said = [f"{count} {name}{'s' if count > 1 else ''}" for count, name in counts if count]
+        said += [f"driven by {device.drive.topic}"] if device.drive is not None else []
+        shown = f"{device.name} ({word})"
+        print(f"{number:>3}  {shown:<40} {', '.join(said)}", file=sys.stderr)
+    while True:
+        try:
+            line = ask("Which do you not want? Numbers or words; an empty line takes all: ")
+        except EOFError:
+            return frozenset()
+        named = [word for word in line.replace(",", " ").split() if word]
+        chosen = {_device_named(name, words) for name in named}
+        if None not in chosen:
+            return frozenset(word for word in chosen if word is not None)
+        wrong = next(name for name in named if _device_named(name, words) is None)
+        print(f"There is no device {wrong}: 1 to {len(words)}, or a word.", file=sys.stderr)
+
+
+def _device_named(name: str, words: tuple[str, ...]) -> str | None:
+    if name.isascii() and name.isdigit():
+        return words[int(name) - 1] if 1 <= int(name) <= len(words) else None
+    return name if name in words else None
 
 
 def ask_about_stop(made: DescriptionProposal, ask: Callable[[str], str]) -> StopAnswers:
