@@ -45,8 +45,11 @@ def urdf_of(robot: DescribedRobot) -> str:
         said = zip(("lower", "upper", "velocity", "effort"), limits, strict=False)
         attributes = " ".join(f'{key}="{value}"' for key, value in said)
         limit = f"<limit {attributes}/>" if limits else ""
-        joints.append(f"<joint name={quoteattr(name)} type={quoteattr(kind)}>{limit}</joint>")
-    return f"<robot name='played'>{''.join(joints)}</robot>"
+        place = f"<parent link='base_link'/><child link={quoteattr(f'{name}_link')}/>"
+        joints.append(f"<link name={quoteattr(f'{name}_link')}/>")
+        head = f"<joint name={quoteattr(name)} type={quoteattr(kind)}>"
+        joints.append(f"{head}{place}<axis xyz='0 0 1'/>{limit}</joint>")
+    return f"<robot name='played'><link name='base_link'/>{''.join(joints)}</robot>"
 
 
 def srdf_of(robot: DescribedRobot) -> str:
@@ -102,6 +105,9 @@ class PlayedRobot:
         publisher = self.node.create_publisher(
             kind, topic, QoSProfile(depth=5, durability=durability)
         )
+        if type_name == "sensor_msgs/msg/Image":
+            grey = {"encoding": "mono8", "width": 8, "height": 6, "step": 8, "data": [90] * 48}
+            said = {**grey, **said}
         message = fill(kind(), said)
         if latched:
             publisher.publish(message)
