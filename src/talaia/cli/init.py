@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
+from talaia.cli.init_questions import ask_about_devices, ask_about_stop, stop_lines
 from talaia.cli.local_machine import zone_here
 from talaia.cli.probe import add_options, probe_robot
 from talaia.model.checks.site_checks import check_site
@@ -28,6 +29,8 @@ __all__ = ["main"]
 
 # Of a report on standard input; without a limit a wrong pipe would fill the memory.
 MAX_BYTES = 64 * 1024 * 1024
+# Lines of what is left out; the largest robot of the tests has some 40.
+MAX_LEFT_OUT = 1000
 
 
 def main(argv: Sequence[str]) -> int:
@@ -52,19 +55,32 @@ def main(argv: Sequence[str]) -> int:
         "--name", help="what people call it (default: the robot's namespace, else its machine)"
     )
     parser.add_argument("--zone", help="its time zone, such as Europe/Madrid (default: this one's)")
+    parser.add_argument(
+        "--no-questions",
+        action="store_true",
+        help="ask nothing: all devices are taken, and STOP is a velocity of zero alone until the "
+        "file says more",
+    )
     options = parser.parse_args(argv)
     shown = str(options.output) == "-"
     if not shown and options.output.exists() and not options.force:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
     found = _read_report(options.found) if options.found else probe_robot(options)
     robot = name_robot(found, socket.gethostname().split(".", 1)[0])
-    made = propose_description(
-        found,
-        # Cut, for people type it in commands and addresses.
+    # Cut, for people type it in commands and addresses.
+    names = (
         options.site or word_of(robot)[:40],
         options.name or robot[:100] or "Robot",
         options.zone or zone_here(),
     )
+    made = propose_description(found, *names)
+    _refuse_names(made)
+    if not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
+        without = ask_about_devices(made, input)
+        made = propose_description(found, *names, without=without)
+        if made.stops:
+            stop = ask_about_stop(made, input)
+            made = propose_description(found, *names, without=without, answers=stop)
     if not made.site.devices and not found.devices:
         raise CliError(
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
@@ -78,6 +94,24 @@ def main(argv: Sequence[str]) -> int:
         options.output.write_text(text)
     _print_summary(options.output, made, shown=shown)
     return 1 if check_site(made.site) else 0
+
+
+def _refuse_names(made: DescriptionProposal) -> None:
+    """Refuse a name of the site that `check` would refuse: it would be in keys and addresses.
+
+    Raises:
+        CliError: it does not fit, with what to write.
+
+    """
+    options = {"$.site": "--site", "$.name": "--name", "$.zone": "--zone"}
+    for finding in check_site(made.site):
+        if finding.where in options:
+            option = options[finding.where]
+            raise CliError(
+                f"{option}: {finding.problem}; {finding.remedy}; nothing was written".replace(
+                    "; ;", ";"
+                )
+            )
 
 
 def _read_report(where: str) -> Found:
@@ -106,10 +140,13 @@ def _file_header(found: Found, made: DescriptionProposal) -> list[str]:
             "Driving is limited to a careful speed: raise max_speed (m/s) and max_turn",
             "(rad/s) to what your robot may do.",
         ]
+    for choice in made.stops:
+        lines += ["", *stop_lines(choice)]
     if made.left_out:
-        lines += ["", "Left out:", *(f"  {reason}" for reason in made.left_out[:60])]
-        if len(made.left_out) > 60:
-            lines.append(f"  and {len(made.left_out) - 60} more")
+        # All of it: what is missing here would have been left out in silence.
+        lines += ["", "Left out:", *(f"  {reason}" for reason in made.left_out[:MAX_LEFT_OUT])]
+        if len(made.left_out) > MAX_LEFT_OUT:
+            lines.append(f"  and {len(made.left_out) - MAX_LEFT_OUT} more")
     return lines
 
 

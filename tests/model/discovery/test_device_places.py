@@ -19,6 +19,7 @@ BASE = TopicFound(topic="/rover/cmd_vel", type="geometry_msgs/msg/Twist", subscr
         ("/battery", "sensor_msgs/msg/BatteryState", "power"),
         ("/rover/odom", "nav_msgs/msg/Odometry", "rover_base"),
         ("/arm/joint_states", "sensor_msgs/msg/JointState", "arm"),
+        ("/joint_states", "sensor_msgs/msg/JointState", "joints"),
         ("/temperature", "sensor_msgs/msg/Temperature", "sensors"),
         ("/state", "gripper_msgs/msg/State", "gripper"),
     ],

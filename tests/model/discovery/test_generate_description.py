@@ -17,6 +17,7 @@ from talaia.model.discovery.probe_report import (
 )
 from talaia.model.discovery.proposed_signals import MAX_PRIMARY
 from talaia.model.discovery.ros_units import readable_name, unit_in_comment, unit_in_name, word_of
+from talaia.model.discovery.rules.stop_choice import StopAnswers, StopChoice
 from talaia.model.site import Signal, SignalType
 from talaia.model.topics import TopicRight
 from talaia.model.units.unit import UNITS
@@ -169,14 +170,29 @@ def test_a_robot_that_listens_to_velocities_can_be_driven_carefully() -> None:
     assert drive is not None
     assert drive.topic == "/cmd_vel"
     assert drive.max_speed <= 0.2
-    assert drive.stop.topic == "/e_stop"
-    assert set(drive.stop.confirmed_by) == {"base/speed", "base/turn_rate"}
     assert drive.picture == "front_camera/front" or drive.picture.endswith("/front")
     assert drive.position == "base/pose"
 
 
-def test_a_position_is_one_signal_and_its_height_another() -> None:
-    made = signals(ODOMETRY)
+def test_what_stop_goes_by_is_asked_and_an_answer_beside_the_choices_is_none() -> None:
+    robot = found(ODOMETRY, CMD_VEL, STOP, IMAGE)
+    made = propose_description(robot, "robot", "Robot", "UTC")
+    assert made.stops == (StopChoice("base", ("/e_stop",), ("base/speed", "base/turn_rate")),)
+    unsaid = made.site.devices["base"].drive
+    assert (unsaid.stop.topic, unsaid.stop.confirmed_by) == ("", ())
+    answers = StopAnswers("/e_stop", ("base/speed", "base/elsewhere"))
+    site = propose_description(robot, "robot", "Robot", "UTC", answers=answers).site
+    said = site.devices["base"].drive
+    assert (said.stop.topic, said.stop.confirmed_by) == ("/e_stop", ("base/speed",))
+    assert check_site(site) == []
+    wrong = propose_description(robot, "robot", "Robot", "UTC", answers=StopAnswers("/horn"))
+    assert wrong.site.devices["base"].drive.stop.topic == ""
+
+
+def test_a_position_is_one_signal_and_its_height_another_where_there_is_one() -> None:
+    drone = TopicFound(topic="/takeoff", type="std_msgs/msg/Empty", subscribers=1)
+    assert not any("position.z" in each.source.field for each in signals(ODOMETRY).values())
+    made = signals(ODOMETRY, drone)
     assert made["base/pose"].type is SignalType.POSITION
     heights = [each for each in made.values() if each.source.field == "pose.pose.position.z"]
     assert [each.unit for each in heights] == ["m"]

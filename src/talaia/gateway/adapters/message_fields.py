@@ -28,6 +28,10 @@ __all__ = ["ReadableFields", "RosMessageType", "shape_of"]
 
 # A list longer than this is a scan, a picture or a map, and its elements are no signals.
 MAX_ELEMENTS = 16
+# But of a list whose elements have names, each is a thing of its own: the joints of two arms.
+MAX_NAMED = 64
+# A text that is longer is a file: a robot's model, a program.
+MAX_TEXT = 400
 MAX_FIELDS = 400
 MAX_DEPTH = 12
 # As `get_fields_and_field_types` of ROS 2 writes them.
@@ -39,6 +43,8 @@ _TEXT = re.compile(r"w?string(<\d+>)?\Z")
 _LIST = re.compile(
     r"(?:sequence<(?P<inner>.+?)(?:, (?P<bound>\d+))?>|(?P<item>.+)\[(?P<size>\d+)\])\Z"
 )
+# Texts that say what is in the lists beside them.
+_NAME_LIST = re.compile(r"(?:.*_)?names?\Z")
 # When, where from and how it lies in memory: not what a sensor says. Times stand beside every
 # sample already.
 _ABOUT = {
@@ -47,6 +53,10 @@ _ABOUT = {
     "std_msgs/Header",
     "std_msgs/MultiArrayLayout",
 }
+
+
+# A share of more than that is in percent already; a battery that is a little over full is not.
+_WHOLE = 1.5
 
 
 class ReadableFields(NamedTuple):
@@ -189,6 +199,8 @@ class _Walk:
                     above=meaning,
                     depth=depth + 1,
                 )
+        elif simple == "text" and isinstance(value, str) and len(value) > MAX_TEXT:
+            self.left_out.append(f"{path}: a text of {len(value)} characters")
         else:
             # States are counted by integers; a float with constants is none.
             words = _state_words(kind, field) if simple == "integer" else ()
@@ -210,7 +222,10 @@ class _Walk:
         inner = listed["inner"] or listed["item"]
         # The message's own length where there is one: sequences have none in their type.
         count = _length_of(value) if value is not None else int(listed["size"] or 0)
-        if count > MAX_ELEMENTS:
+        if _TEXT.match(inner) and _NAME_LIST.match(path.rpartition(".")[2]):
+            self.left_out.append(f"{path}: names of what its other lists carry")
+            return
+        if count > (MAX_NAMED if _length_of(names) == count else MAX_ELEMENTS):
             self.left_out.append(f"{path}: a list of {count}; name one of them as {path}[0]")
             return
         if count == 0:
@@ -260,6 +275,9 @@ def _field_found(
     # Texts and states have no unit, whatever their name ends in.
     unit = meaning if meaning is not None and numeric else Meaning("")
     empty = isinstance(value, Real) and math.isnan(value)
+    if unit.unit == "%" and isinstance(value, Real) and float(value) > _WHOLE:
+        # ROS says 0 to 1; drivers that say 0 to 100 mean what they show.
+        unit = Meaning("%")
     return FieldFound(path, simple, unit.unit, unit.scale, words, name[:100], empty)
 
 

@@ -6,6 +6,7 @@ under one namespace comes together on one page.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.connections.ros import DIAGNOSTICS
@@ -21,6 +22,7 @@ __all__ = [
     "PICTURES",
     "TWISTS",
     "DevicePlace",
+    "is_no_base",
     "place_of",
     "place_order",
     "robot_namespace",
@@ -37,6 +39,13 @@ ODOMETRY = "nav_msgs/msg/Odometry"
 _COMMON_PACKAGES = ("std_msgs", "sensor_msgs", "geometry_msgs")
 # What people look for first comes first; all others follow by their words.
 _FIRST_KINDS = (DeviceKind.VEHICLE, DeviceKind.CAMERA, DeviceKind.POWER)
+
+
+# Of an arm, a head, a camera or a turret: its velocities are no vehicle's.
+_NO_BASE = re.compile(
+    r"servo|delta_twist|twist_controller|tool|tcp|gripper|end_effector"
+    r"|(?:^|_)(?:arm|ee|head|turret|gimbal|ptz)"
+)
 
 
 class DevicePlace(NamedTuple):
@@ -63,8 +72,16 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
         return _named_place("camera", "Camera", DeviceKind.CAMERA, spaces[:-1])
     if type_name == "sensor_msgs/msg/BatteryState":
         return _named_place("power", "Battery", DeviceKind.POWER, spaces)
-    if type_name.startswith(("nav_msgs/", "geometry_msgs/msg/Twist")):
+    if type_name.startswith("nav_msgs/") or (
+        type_name.startswith("geometry_msgs/msg/Twist") and not is_no_base(topic)
+    ):
+        spaces = _driven_space(spaces, found)
         return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
+    if type_name == "sensor_msgs/msg/JointState" and (
+        not spaces or _is_robot("/".join(spaces), found)
+    ):
+        # All joints of a message move together: they are one thing on a page.
+        return _named_place("joints", "Joints", DeviceKind.OTHER, spaces)
     if type_name == DIAGNOSTICS:
         return _named_place("diagnostics", "Diagnostics", DeviceKind.OTHER, spaces)
     if spaces:
@@ -86,6 +103,11 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
     return _named_place(trimmed, readable_name(trimmed), DeviceKind.OTHER, ())
 
 
+def is_no_base(topic: str) -> bool:
+    """Tell whether a topic is an arm's, a head's or a tool's, by its name."""
+    return any(_NO_BASE.search(part) for part in topic.strip("/").lower().split("/"))
+
+
 def place_order(place: DevicePlace) -> tuple[int, str]:
     """Give a key to sort places by: vehicles, cameras, batteries, then all others."""
     kinds = _FIRST_KINDS
@@ -98,6 +120,23 @@ def _named_place(word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) 
     whole = "_".join([*parts, word] if word else parts)
     title = " ".join([*(readable_name(part) for part in parts), name.lower() if parts else name])
     return DevicePlace(word_of(whole), title.strip(), kind)
+
+
+def _driven_space(spaces: list[str], found: Iterable[TopicFound]) -> list[str]:
+    """Give the namespace of the robot that drives, at or above another; else that one itself.
+
+    So the odometry of a controller or a filter is the base's: `/platform/odom` under `/cmd_vel`.
+    """
+    driven = {
+        topic.topic
+        for topic in found
+        # What the robot's own programs command is inside it.
+        if topic.type in TWISTS and topic.subscribers > 0 and not topic.publishers
+    }
+    for length in range(len(spaces), -1, -1):
+        if "/" + "/".join([*spaces[:length], "cmd_vel"]) in driven:
+            return spaces[:length]
+    return spaces
 
 
 def _is_robot(space: str, found: Iterable[TopicFound]) -> bool:

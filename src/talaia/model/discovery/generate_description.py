@@ -32,23 +32,47 @@ from talaia.model.discovery.proposed_nodes import (
     place_of_node,
     signals_of_node,
 )
-from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSignals
+from talaia.model.discovery.proposed_signals import ProposedSignals
 from talaia.model.discovery.role_proposal import with_roles
-from talaia.model.discovery.ros_units import readable_name, word_of
+from talaia.model.discovery.ros_units import word_of
+from talaia.model.discovery.rules.drive_topics import (
+    choose_drive_topics,
+    is_commanded_velocity,
+    is_level,
+)
+from talaia.model.discovery.rules.field_names import JOINTS, plain_name
+from talaia.model.discovery.rules.proposed_commands import (
+    FOLLOW,
+    command_of,
+    goal_command,
+    is_servo,
+    jog_command,
+    lists_reason,
+    pose_commands,
+    stays_reason,
+)
+from talaia.model.discovery.rules.robot_board import robot_boards
+from talaia.model.discovery.rules.stop_choice import (
+    NO_ANSWERS,
+    StopAnswers,
+    StopChoice,
+    choices_of,
+    with_answers,
+)
+from talaia.model.discovery.rules.unwanted_devices import without_devices
+from talaia.model.discovery.rules.unwanted_fields import hidden_reason
+from talaia.model.discovery.rules.whole_topics import MODELS, whole_of
 from talaia.model.discovery.topic_words import free_word, last_part
-from talaia.model.discovery.whole_topics import whole_of
 from talaia.model.site import (
-    Argument,
-    ArgumentType,
     Command,
     CommandKind,
+    CommandRole,
     Device,
     Drive,
     DriveMessage,
     Ros2Settings,
     SignalType,
     Site,
-    Stop,
     Stream,
 )
 
@@ -59,7 +83,6 @@ if TYPE_CHECKING:
     from talaia.model.discovery.device_places import DevicePlace
     from talaia.model.discovery.probe_report import (
         ActionFound,
-        FieldFound,
         Found,
         NodeFound,
         ServiceFound,
@@ -77,14 +100,8 @@ CAREFUL_TURN = 0.5
 MAX_ROUNDS = 5
 # Last parts of camera topics (image_transport's) that say nothing of the camera.
 _PICTURE_ENDINGS = ("image_raw", "image", "images", "compressed", "image_color")
-# Names under which robots listen to a STOP.
-_STOP_TOPICS = ("stop", "e_stop", "estop", "emergency_stop")
-_ARGUMENT_TYPES = {
-    "number": ArgumentType.NUMBER,
-    "integer": ArgumentType.INTEGER,
-    "boolean": ArgumentType.BOOLEAN,
-    "text": ArgumentType.TEXT,
-}
+# In which a tool's steps are meant, until the owner names the arm's own frame.
+JOG_FRAME = "base_link"
 
 
 class DescriptionProposal(NamedTuple):
@@ -92,9 +109,19 @@ class DescriptionProposal(NamedTuple):
 
     site: Site
     left_out: tuple[str, ...]
+    # What STOP may go by, of each driven device: nobody but its owner knows.
+    stops: tuple[StopChoice, ...] = ()
 
 
-def propose_description(found: Found, site: str, name: str, zone: str) -> DescriptionProposal:
+def propose_description(
+    found: Found,
+    site: str,
+    name: str,
+    zone: str,
+    *,
+    answers: StopAnswers = NO_ANSWERS,
+    without: frozenset[str] = frozenset(),
+) -> DescriptionProposal:
     """Make a description of what was found.
 
     Args:
@@ -102,6 +129,8 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Descri
         site: short name of the site, a word of an address.
         name: what people call it.
         zone: its IANA time zone.
+        answers: what the owner said of STOP.
+        without: devices, by their words, that the owner does not want.
 
     """
     # Topics of brokers are no topics of ROS.
@@ -127,6 +156,8 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Descri
         topics=() if is_json else topics_to_open(found),
     )
     left_out = [*proposed_devices.left_out, *_drivers_away(found), *json_left_out(found)]
+    left_out += [f"{word}: not wanted" for word in proposed.devices if word in without]
+    proposed = without_devices(proposed, without)
     for _ in range(MAX_ROUNDS):
         # What the checks refuse is left out, with their words: the rest runs. Leaving something
         # out can make a reference to it wrong, hence the rounds.
@@ -137,7 +168,18 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Descri
             break
         left_out += [str(finding) for finding in wrong]
         proposed = _leave_out_findings(proposed, [finding.where.split(".") for finding in wrong])
-    return DescriptionProposal(proposed, tuple(left_out))
+    stops = choices_of(found, proposed.devices)
+    devices = dict(proposed.devices)
+    for choice in stops:
+        device = devices[choice.device]
+        if device.drive is not None:
+            stop = with_answers(device.drive.stop, answers, choice)
+            drive = msgspec.structs.replace(device.drive, stop=stop)
+            devices[choice.device] = msgspec.structs.replace(device, drive=drive)
+    # Last: which tiles there are goes by what the checks have left.
+    boards = robot_boards(found, devices)
+    proposed = msgspec.structs.replace(proposed, devices=devices, boards=boards)
+    return DescriptionProposal(proposed, tuple(left_out), stops)
 
 
 def _ros2_of(found: Found) -> Ros2Settings | None:
@@ -239,7 +281,10 @@ class _ProposedDevices:
         # In words: what is in no device, and why.
         self.left_out: list[str] = []
         # By device: what can be read, seen, asked and driven.
-        self._signals = ProposedSignals(found.topics)
+        self._signals = ProposedSignals(
+            found.topics, found.joints, lambda topic: is_level(found, topic)
+        )
+        self._driven = choose_drive_topics(found)
         self._streams: dict[DevicePlace, dict[str, Stream]] = {}
         self._commands: dict[DevicePlace, dict[str, Command]] = {}
         self._drives: dict[DevicePlace, Drive] = {}
@@ -255,12 +300,15 @@ class _ProposedDevices:
             self._add_action(action)
         # After what is published: a drive names the camera and the position to drive by.
         for topic in self._found.topics:
-            if topic.subscribers and not topic.publishers:
+            if topic.subscribers and not hidden_reason(topic.topic):
                 self._add_listener(topic)
+            elif topic.subscribers and not topic.publishers:
+                self.left_out.append(f"{topic.topic}: {hidden_reason(topic.topic)}")
         # Last: a node that is called as a device there is belongs to it.
         for node in self._found.nodes:
             self._add_node(node)
         self._signals.choose_primary()
+        self.left_out += self._signals.left_out
         places = sorted(self._places(), key=place_order)
         return {
             place.word: Device(
@@ -277,69 +325,71 @@ class _ProposedDevices:
     # ── what is published ──
 
     def _add_published(self, topic: TopicFound) -> None:
-        if topic.problem:
-            self.left_out.append(f"{topic.topic}: {topic.problem}")
+        reason = hidden_reason(topic.topic) or topic.problem
+        if not reason and last_part(topic.topic) in MODELS:
+            reason = "the robot's model, which the page Scene draws"
+        if reason:
+            self.left_out.append(f"{topic.topic}: {reason}")
+            return
+        if is_commanded_velocity(topic):
+            # What somebody tells the robot is no reading of it; it drives, or stands in `left_out`.
             return
         whole = whole_of(topic.type)
         if whole:
             self.left_out.append(f"{topic.topic}: {whole}, which is one thing and no signals")
             return
-        self.left_out += [f"{topic.topic} {field}" for field in topic.left_out]
+        if topic.type not in PICTURES and not topic.names:
+            # Of pictures and diagnostics all is shown, though not field by field.
+            self.left_out += [f"{topic.topic} {field}" for field in topic.left_out]
         place = self._place_of(topic.topic, topic.type)
         if topic.type in PICTURES:
             streams = self._streams.setdefault(place, {})
             last = last_part(topic.topic, _PICTURE_ENDINGS)
             word = free_word(word_of(last), streams)
             source = RosSource(topic=topic.topic, type=topic.type)
-            streams[word] = Stream(name=readable_name(last) or "Camera", source=source)
+            streams[word] = Stream(name=plain_name(last) or "Camera", source=source)
         elif not self._signals.add_topic(place, topic) and not topic.left_out:
             self.left_out.append(f"{topic.topic}: a {topic.type} holds no number or text")
 
     # ── what can be asked ──
 
     def _add_service(self, service: ServiceFound) -> None:
-        if service.problem:
-            self.left_out.append(f"{service.service}: {service.problem}")
-            return
-        self._add_command(
-            target=service.service,
-            type_name=service.type,
-            kind=CommandKind.SERVICE,
-            fields=service.fields,
-        )
+        self._add_asked(service.service, service.type, CommandKind.SERVICE, service)
 
     def _add_action(self, action: ActionFound) -> None:
-        if action.problem:
-            self.left_out.append(f"{action.action}: {action.problem}")
+        poses = tuple(pose_commands(action, self._found)) if action.type == FOLLOW else ()
+        for word, command in poses:
+            commands = self._commands_at(action.action, action.type)
+            commands[free_word(word, commands)] = command
+        if poses and action.problem:
+            # Nobody fills a trajectory in a form; its named poses are what there is of it.
+            self.left_out.append(f"{action.action}: but for its named poses, {action.problem}")
             return
-        self._add_command(
-            target=action.action,
-            type_name=action.type,
-            kind=CommandKind.ACTION,
-            fields=action.fields,
-        )
+        self._add_asked(action.action, action.type, CommandKind.ACTION, action)
 
-    def _add_command(
-        self, *, target: str, type_name: str, kind: CommandKind, fields: Iterable[FieldFound]
+    def _add_asked(
+        self,
+        target: str,
+        type_name: str,
+        kind: CommandKind,
+        asked: ServiceFound | ActionFound | TopicFound,
     ) -> None:
-        commands = self._commands.setdefault(self._place_of(target, type_name), {})
-        arguments: dict[str, Argument] = {}
-        for field in fields:
-            # std_srvs/SetBool calls its one field `data`.
-            shown = readable_name(field.path) if field.path != "data" else "On"
-            arguments[free_word(word_of(field.path), arguments)] = Argument(
-                type=_ARGUMENT_TYPES[field.type], field=field.path, name=shown, unit=field.unit
-            )
-        last = last_part(target)
-        commands[free_word(word_of(last), commands)] = Command(
-            name=readable_name(last) or last,
-            target=target,
-            type=type_name,
-            kind=kind,
-            arguments=arguments,
-            # Nobody knows yet what it does; the owner takes the question away.
-            confirm=True,
-        )
+        goal = goal_command(target, type_name, kind)
+        reason = hidden_reason(target) or ("" if goal else asked.problem)
+        if reason:
+            self.left_out.append(f"{target}: {reason}")
+            return
+        # A goal is what drives' own: the page Scene looks for it there.
+        like = "nav_msgs/msg/Odometry" if goal else type_name
+        commands = self._commands_at(target, like)
+        command = goal or command_of(target, type_name, kind, asked.fields)
+        if goal and any(one.role is goal.role for one in commands.values()):
+            # A device has one of each role; the scene takes the first.
+            command = msgspec.structs.replace(goal, role=CommandRole.NONE)
+        commands[free_word(word_of(command.name), commands)] = command
+
+    def _commands_at(self, target: str, type_name: str) -> dict[str, Command]:
+        return self._commands.setdefault(self._place_of(target, type_name), {})
 
     def _places(self) -> set[DevicePlace]:
         """Give the devices that there are so far."""
@@ -363,16 +413,42 @@ class _ProposedDevices:
     # ── what listens ──
 
     def _add_listener(self, topic: TopicFound) -> None:
-        last = last_part(topic.topic)
-        message = TWISTS.get(topic.type)
-        if message is None and topic.type == "std_msgs/msg/String" and last == "control":
-            # CloudConnect's own contract; a velocity topic is the better way where both are.
-            if any(topic.type in TWISTS and topic.subscribers for topic in self._found.topics):
-                return
-            message = DriveMessage.KEYS
-        # Other topics of velocities may be anything: a limiter's input, a turret.
-        if message is None or (message is not DriveMessage.KEYS and "cmd_vel" not in last):
+        # The order counts: what drives is a velocity, and what is left out has its reason already.
+        if topic.topic in {one.topic for one in self._driven.driving}:
+            self._add_drive(topic, TWISTS[topic.type])
+        elif is_servo(topic):
+            # By its namespace: an arm is no vehicle, though the type is a vehicle's.
+            commands = self._commands_at(topic.topic, JOINTS)
+            commands[free_word("jog", commands)] = jog_command(topic, JOG_FRAME)
+        elif topic.topic in self._driven.left_out:
+            self.left_out.append(f"{topic.topic}: {self._driven.left_out[topic.topic]}")
+        elif self._is_keys(topic):
+            if self._driven.driving:
+                # A velocity topic is the better way where both are.
+                first = self._driven.driving[0].topic
+                self.left_out.append(f"{topic.topic}: characters that drive; {first} drives it")
+            else:
+                self._add_drive(topic, DriveMessage.KEYS)
+        elif topic.publishers:
+            # What the robot's own programs say to each other is read, not commanded.
             return
+        elif (what := whole_of(topic.type)) or topic.type in PICTURES:
+            what = what or "a picture"
+            self.left_out.append(f"{topic.topic}: takes {what}, which no form can hold")
+        elif not topic.fields and not topic.problem and not topic.type.endswith("/Empty"):
+            self.left_out.append(f"{topic.topic}: what a {topic.type} holds was not told")
+        else:
+            reason = stays_reason(topic) or lists_reason(topic)
+            if reason:
+                topic = msgspec.structs.replace(topic, problem=reason)
+            self._add_asked(topic.topic, topic.type, CommandKind.TOPIC, topic)
+
+    def _is_keys(self, topic: TopicFound) -> bool:
+        """Tell whether it takes CloudConnect's characters."""
+        is_text = topic.type == "std_msgs/msg/String" and last_part(topic.topic) == "control"
+        return is_text and not topic.publishers
+
+    def _add_drive(self, topic: TopicFound, message: DriveMessage) -> None:
         # By a type that means a base, also where characters drive it.
         place = self._place_of(topic.topic, "geometry_msgs/msg/Twist")
         if place in self._drives:
@@ -387,27 +463,7 @@ class _ProposedDevices:
             position=_first_address(
                 self._signals.by_place, lambda signal: signal.type is SignalType.POSITION
             ),
-            stop=self._stop_of(place),
         )
-
-    def _stop_of(self, place: DevicePlace) -> Stop:
-        topic = next(
-            (
-                topic.topic
-                for topic in self._found.topics
-                if topic.subscribers
-                and topic.type == "std_msgs/msg/Bool"
-                and last_part(topic.topic) in _STOP_TOPICS
-            ),
-            "",
-        )
-        moving = [
-            f"{place.word}/{word}"
-            for word, signal in self._signals.at_place(place).items()
-            if isinstance(signal.source, RosSource)
-            and (signal.source.type, signal.source.field) in MOTION_FIELDS
-        ]
-        return Stop(topic=topic, confirmed_by=tuple(moving))
 
     def _place_of(self, topic: str, type_name: str) -> DevicePlace:
         return place_of(topic, type_name, self._found.topics)

@@ -3,6 +3,7 @@
 Values only: who looked (ROS 2, ROS 1, rosbridge, INDI, Alpaca, MQTT, HTTP) fills them, and
 `propose_description` makes a description of them.
 The JSON form is the contract between a probe on the robot and a configurator on a laptop.
+Long, because that form is one thing, and is read in one place.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ __all__ = [
     "ElementFound",
     "FieldFound",
     "Found",
+    "JointFound",
     "NodeFound",
     "NotAProbe",
     "ParameterFound",
+    "PoseFound",
     "PropertyFound",
     "ServiceFound",
     "TopicFound",
@@ -148,6 +151,40 @@ class NodeFound(msgspec.Struct, frozen=True, omit_defaults=True):
     left_out: tuple[str, ...] = ()
 
 
+class JointFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A joint that the robot's model (URDF) names and that can move.
+
+    Attributes:
+        type: ``revolute``, ``continuous``, ``prismatic``, as in URDF.
+        lower: where it ends, in rad, or m for a prismatic one; none where it does not end.
+        upper: the same, at the other end.
+        velocity: at most, in rad/s or m/s; none where the model does not say it.
+        effort: at most, in N·m or N; none where the model does not say it.
+
+    """
+
+    joint: str
+    type: str
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    effort: float | None = None
+
+
+class PoseFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A place of joints that has a name (SRDF's ``group_state``).
+
+    Attributes:
+        group: the joints that belong together: ``left_arm``.
+        joints: where each is to be, in rad or m.
+
+    """
+
+    pose: str
+    group: str
+    joints: dict[str, float]
+
+
 class ElementFound(msgspec.Struct, frozen=True, omit_defaults=True):
     """One member of an INDI property.
 
@@ -218,6 +255,8 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         definitions: folder or recording that definitions of types were read from, if there was one.
         sim_time: the robot has a clock of its own, as a simulator's (``/clock``); ROS 1 says so by
             a parameter.
+        joints: what can move, by the robot's model (URDF), where one was published.
+        poses: what the robot's model (SRDF) calls places of its joints, where one was published.
         master: where the ROS 1 master answers; empty for other protocols.
         host: of the INDI or Alpaca server; empty for other protocols.
         port: of that server.
@@ -241,6 +280,8 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     services: tuple[ServiceFound, ...] = ()
     actions: tuple[ActionFound, ...] = ()
     nodes: tuple[NodeFound, ...] = ()
+    joints: tuple[JointFound, ...] = ()
+    poses: tuple[PoseFound, ...] = ()
     master: str = ""
     host: str = ""
     port: int = 0

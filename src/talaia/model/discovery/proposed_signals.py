@@ -6,25 +6,28 @@ and once within a position), and after `choose_primary` at most `MAX_PRIMARY` ar
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
-from talaia.model.discovery.ros_units import readable_name, word_of
-from talaia.model.discovery.topic_words import free_word, last_part, path_in_words
-from talaia.model.discovery.whole_topics import LEVELS
+from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
+from talaia.model.discovery.rules.field_names import JOINTS, joint_title, name_of_field, plain_name
+from talaia.model.discovery.rules.unwanted_fields import wanted_fields
+from talaia.model.discovery.rules.whole_topics import LEVELS
+from talaia.model.discovery.topic_words import free_word, last_part
 from talaia.model.roles import StateMeaning
 from talaia.model.site import PositionFrame, Signal, SignalType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from talaia.model.discovery.device_places import DevicePlace
-    from talaia.model.discovery.probe_report import FieldFound, TopicFound
+    from talaia.model.discovery.probe_report import FieldFound, JointFound, TopicFound
 
-__all__ = ["MAX_PRIMARY", "MOTION_FIELDS", "ProposedSignals"]
+__all__ = ["MAX_PRIMARY", "ProposedSignals"]
 
 # More tiles than that do not fit on a first page.
 MAX_PRIMARY = 12
@@ -41,17 +44,6 @@ _FIRST: tuple[tuple[str, str], ...] = (
     ("sensor_msgs/msg/Illuminance", "illuminance"),
     ("sensor_msgs/msg/Imu", "linear_acceleration.x"),
 )
-# Whether a base moves, by type and path: what confirms a STOP.
-MOTION_FIELDS = (
-    ("nav_msgs/msg/Odometry", "twist.twist.linear.x"),
-    ("nav_msgs/msg/Odometry", "twist.twist.angular.z"),
-)
-# Names that people use, where a path in words would puzzle them.
-_NAMES = {
-    MOTION_FIELDS[0]: "Speed",
-    MOTION_FIELDS[1]: "Turn rate",
-    ("sensor_msgs/msg/BatteryState", "percentage"): "Charge level",
-}
 _RANGES = {"%": (0.0, 100.0)}
 # By type: the path of the pose in it.
 _POSES = {
@@ -71,15 +63,35 @@ _MEANINGS = (
 _RARE_S = 3600.0
 # Delays within it are one: a page shows no difference, and a day of them takes no room.
 _DELAY_DEADBAND_S = 0.02
+# Last parts that say how a position was made, and not whose it is.
+_TURNED = ("filtered", "pose", "current_pose")
+# Joints that slide, by what they are called.
+_SLIDES = re.compile(r"finger|gripper|lift|prismatic|slide|linear|rail|torso")
 _GEOGRAPHIC = "sensor_msgs/msg/NavSatFix"
 
 
 class ProposedSignals:
     """The signals of all devices, as topics are added."""
 
-    def __init__(self, topics: tuple[TopicFound, ...]) -> None:
-        """Start with none; ``topics`` are all of the robot's, for names that must differ."""
+    def __init__(
+        self,
+        topics: tuple[TopicFound, ...],
+        joints: tuple[JointFound, ...] = (),
+        is_level: Callable[[str], bool] = lambda _: True,
+    ) -> None:
+        """Start with none.
+
+        Args:
+            topics: all of the robot's, for names that must differ.
+            joints: what its model says of them.
+            is_level: tells whether what a topic belongs to moves on level ground.
+
+        """
         self._topics = topics
+        self._is_level = is_level
+        self._joints = {joint.joint: joint for joint in joints}
+        # In words: fields that are no signals, and why.
+        self.left_out: list[str] = []
         # By device and word, in the order in which topics came: the page keeps it.
         self._signals: dict[DevicePlace, dict[str, Signal]] = {}
 
@@ -103,11 +115,13 @@ class ProposedSignals:
         before = len(signals)
         for word, signal in _positions_of(topic):
             signals[free_word(word, signals)] = signal
-        for field in topic.fields:
+        wanted = wanted_fields(topic, level=self._is_level(topic.topic))
+        self.left_out += wanted.left_out
+        for field in wanted.fields:
             if _is_in_position(topic.type, field.path):
                 continue
-            name = self._name_of(topic, field)
-            signals[free_word(word_of(name), signals)] = _signal_of(topic, field, name)
+            name = name_of_field(topic, field, self._topics)
+            signals[free_word(word_of(name), signals)] = self._signal_of(topic, field, name)
         if len(signals) > before:
             self._add_delay(signals, topic)
         if not signals:
@@ -120,7 +134,7 @@ class ProposedSignals:
         if not topic.stamped or topic.latched:
             # What is latched is as old as it likes when somebody comes to hear it.
             return
-        name = f"{readable_name(last_part(topic.topic))} delay"
+        name = f"{plain_name(last_part(topic.topic))} delay"
         signals[free_word(word_of(name), signals)] = Signal(
             name=name,
             unit="s",
@@ -154,32 +168,44 @@ class ProposedSignals:
                 if signal.primary is not wanted:
                     signals[word] = msgspec.structs.replace(signal, primary=wanted)
 
-    def _name_of(self, topic: TopicFound, field: FieldFound) -> str:
-        known = _NAMES.get((topic.type, field.path))
-        last = readable_name(last_part(topic.topic))
-        alone = len([field for field in topic.fields if field.type != "text"]) == 1
-        if known is not None:
-            # Two odometries at one device must not both be called Speed.
-            return known if self._is_only_one(topic) else f"{last} {known.lower()}"
-        if field.path == "data" or (alone and field.type != "text"):
-            # `data` of std_msgs says nothing; the topic does.
-            return last
-        if topic.type == "sensor_msgs/msg/BatteryState" and self._is_only_one(topic):
-            return path_in_words(field.path)
-        words = path_in_words(field.path)
-        if field.name:
-            # An element of a list that another list names: a joint, a motor.
-            words = (
-                f"{readable_name(field.name)} {readable_name(field.path.split('[', 1)[0]).lower()}"
-            )
-        first = words.split(" ", 1)[0].lower()
-        if first and last.lower().startswith(first):
-            # `/pose` with `pose.position.x`: no word twice.
-            return words[:1].upper() + words[1:]
-        return f"{last} {words[:1].lower() + words[1:]}" if not field.name else f"{last} {words}"
+    def _signal_of(self, topic: TopicFound, field: FieldFound, name: str) -> Signal:
+        if topic.type == JOINTS:
+            return _joint_signal(topic, field, self._joints.get(field.name), modelled=self._joints)
+        if field.path.startswith("data") and field.type == "number" and not field.unit:
+            # Of std_msgs only the topic's name tells what the number is.
+            said = unit_in_name(last_part(topic.topic, ("data",)))
+            if said is not None:
+                field = msgspec.structs.replace(field, unit=said.unit, scale=said.scale)
+        return _signal_of(topic, field, name)
 
-    def _is_only_one(self, topic: TopicFound) -> bool:
-        return sum(other.type == topic.type for other in self._topics) == 1
+
+def _joint_signal(
+    topic: TopicFound,
+    field: FieldFound,
+    joint: JointFound | None,
+    *,
+    modelled: Mapping[str, JointFound],
+) -> Signal:
+    """Give one number of a joint: turning in rad, sliding in m, with the ends of its model."""
+    part = field.path.split("[", 1)[0]
+    if joint is not None:
+        slides = joint.type == "prismatic"
+    else:
+        # Without a model, by what such joints are called; where there is one, nobody knows.
+        slides = bool(_SLIDES.search(field.name)) or (bool(modelled) and not field.name)
+    units = ("m", "m/s", "N") if slides else ("rad", "rad/s", "N·m")
+    unit = dict(zip(("position", "velocity", "effort"), units, strict=True)).get(part, "")
+    position = joint is not None and part == "position"
+    return Signal(
+        name=f"{joint_title(field.name)} {part}" if field.name else f"Joint {part}",
+        unit=unit,
+        minimum=joint.lower if joint is not None and position else None,
+        maximum=joint.upper if joint is not None and position else None,
+        max_age=_age_of(topic),
+        # Wheels turn without end: where one stands nobody asks.
+        primary=part == "position" and joint is not None and joint.lower is not None,
+        source=RosSource(topic=topic.topic, type=topic.type, field=field.path),
+    )
 
 
 def _sensor_of(topic: TopicFound, sensor: str) -> Signal:
@@ -200,13 +226,15 @@ def _sensor_of(topic: TopicFound, sensor: str) -> Signal:
 
 def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
     """Give a topic's positions, each with its word."""
-    last = readable_name(last_part(topic.topic))
+    last = plain_name(last_part(topic.topic, _TURNED))
     if topic.type == _GEOGRAPHIC:
         yield (
             "position",
             Signal(
                 # Drivers call it `/fix`, which no person says.
-                name=f"{last} position" if last != "Fix" else "Geographic position",
+                name="Geographic position"
+                if last in ("Position", "Global")
+                else f"{last} position",
                 type=SignalType.POSITION,
                 frame=PositionFrame.WGS84,
                 max_age=_age_of(topic),
@@ -220,7 +248,7 @@ def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
         yield (
             "pose",
             Signal(
-                name=f"{last} position",
+                name=_position_name(last),
                 type=SignalType.POSITION,
                 frame=PositionFrame.LOCAL,
                 yaw_from=f"{inside}orientation",
@@ -231,6 +259,12 @@ def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
                 source=RosSource(topic=topic.topic, type=topic.type, field=f"{inside}position"),
             ),
         )
+
+
+def _position_name(last: str) -> str:
+    if last.lower() in ("pose", "position"):
+        return "Position"
+    return last if last.lower().endswith("position") else f"{last} position"
 
 
 def _is_in_position(type_name: str, path: str) -> bool:
@@ -288,6 +322,9 @@ def _rank_of(signal: Signal) -> int | None:
         return _FIRST.index(key)
     # Somebody gave it a topic or a name of its own, so it matters to them.
     if source.lifecycle or source.name or source.field == "data":
+        return len(_FIRST)
+    # Where an arm is, before what its controllers say of themselves.
+    if source.type == JOINTS:
         return len(_FIRST)
     if signal.type is SignalType.STATE:
         return len(_FIRST) + 3

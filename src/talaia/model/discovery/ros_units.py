@@ -2,16 +2,26 @@
 
 The tables hold what the message definitions say in comments, which no running program can ask
 for. For types that are not in them, the words of a field's name and of its comment are read.
+Long, because its tables are.
 """
 
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from typing import NamedTuple
 
 from talaia.model.units.unit import UNITS
 
-__all__ = ["Meaning", "meaning_of", "readable_name", "unit_in_comment", "unit_in_name", "word_of"]
+__all__ = [
+    "Meaning",
+    "meaning_of",
+    "readable_name",
+    "unit_in_comment",
+    "unit_in_name",
+    "without_unit",
+    "word_of",
+]
 
 
 class Meaning(NamedTuple):
@@ -60,6 +70,22 @@ _KNOWN: dict[tuple[str, str], Meaning] = {
     ("sensor_msgs/NavSatFix", "latitude"): Meaning("°"),
     ("sensor_msgs/NavSatFix", "longitude"): Meaning("°"),
     ("sensor_msgs/NavSatFix", "altitude"): Meaning("m"),
+    ("px4_msgs/SensorCombined", "gyro_rad"): Meaning("rad/s"),
+    ("px4_msgs/SensorCombined", "gyro_integral_dt"): Meaning("µs"),
+    ("mavros_msgs/VfrHud", "heading"): Meaning("°"),
+    ("mavros_msgs/VfrHud", "throttle"): _PERCENT,
+    ("mavros_msgs/Altitude", "monotonic"): Meaning("m"),
+    ("mavros_msgs/Altitude", "local"): Meaning("m"),
+    ("mavros_msgs/Altitude", "relative"): Meaning("m"),
+    ("mavros_msgs/Altitude", "terrain"): Meaning("m"),
+    ("mavros_msgs/Altitude", "bottom_clearance"): Meaning("m"),
+    ("px4_msgs/VehicleOdometry", "position"): Meaning("m"),
+    ("px4_msgs/VehicleOdometry", "velocity"): Meaning("m/s"),
+    ("px4_msgs/VehicleOdometry", "angular_velocity"): Meaning("rad/s"),
+    ("px4_msgs/BatteryStatus", "remaining"): _PERCENT,
+    ("px4_msgs/VehicleLocalPosition", "heading"): Meaning("rad"),
+    ("ackermann_msgs/AckermannDrive", "speed"): Meaning("m/s"),
+    ("ackermann_msgs/AckermannDrive", "steering_angle"): Meaning("rad"),
     ("sensor_msgs/LaserScan", "angle_min"): Meaning("rad"),
     ("sensor_msgs/LaserScan", "angle_max"): Meaning("rad"),
     ("sensor_msgs/LaserScan", "angle_increment"): Meaning("rad"),
@@ -108,9 +134,45 @@ _SUFFIX: dict[str, Meaning] = {
     "ms": Meaning("ms"),
     "minutes": Meaning("min"),
     "ppm": Meaning("ppm"),
+    "ppb": Meaning("ppb"),
     "dbm": Meaning("dBm"),
+    "db": Meaning("dB"),
     "kg": Meaning("kg"),
+    "bar": Meaning("bar"),
+    "mbar": Meaning("mbar"),
+    "psi": Meaning("psi"),
+    "kpa": Meaning("kPa"),
+    "ma": Meaning("mA"),
+    "mah": Meaning("mAh"),
+    "kw": Meaning("kW"),
+    "kwh": Meaning("kWh"),
+    "us": Meaning("µs"),
+    "lpm": Meaning("L/min"),
+    "lph": Meaning("L/h"),
+    "dps": Meaning("°/s"),
+    "kn": Meaning("kn"),
+    "knots": Meaning("kn"),
+    "kts": Meaning("kn"),
 }
+# Single letters, which are units only after the word that they measure: ``temp_c``.
+_AFTER: dict[tuple[str, str], Meaning] = {
+    **{(word, "c"): Meaning("°C") for word in ("temp", "temperature")},
+    **{(word, "f"): Meaning("°F") for word in ("temp", "temperature")},
+    **{(word, "a"): Meaning("A") for word in ("current", "amperage")},
+    ("current", "ma"): Meaning("mA"),
+    ("power", "w"): Meaning("W"),
+    ("torque", "nm"): Meaning("N·m"),
+    ("force", "n"): Meaning("N"),
+}
+# Units of two words and more at the end of a name.
+_ENDINGS: tuple[tuple[tuple[str, ...], Meaning], ...] = (
+    (("m", "s", "2"), Meaning("m/s²")),
+    (("m", "s2"), Meaning("m/s²")),
+    (("m", "s"), Meaning("m/s")),
+    (("rad", "s"), Meaning("rad/s")),
+    (("deg", "s"), Meaning("°/s")),
+    (("km", "h"), Meaning("km/h")),
+)
 # Words that REP-103 gives one unit: SI, and degrees Celsius for temperatures.
 _QUANTITY: dict[str, Meaning] = {
     "voltage": Meaning("V"),
@@ -118,6 +180,29 @@ _QUANTITY: dict[str, Meaning] = {
     "temp": Meaning("°C"),
     "illuminance": Meaning("lx"),
     "rssi": Meaning("dBm"),
+    "rpm": Meaning("rpm"),
+    "ppm": Meaning("ppm"),
+    "voltages": Meaning("V"),
+    "temperatures": Meaning("°C"),
+    "frequency": Meaning("Hz"),
+    "current": Meaning("A"),
+    "currents": Meaning("A"),
+    "torque": Meaning("N·m"),
+    "altitude": Meaning("m"),
+    "alt": Meaning("m"),
+    "amsl": Meaning("m"),
+    "depth": Meaning("m"),
+    "distance": Meaning("m"),
+    "groundspeed": Meaning("m/s"),
+    "airspeed": Meaning("m/s"),
+    "climb": Meaning("m/s"),
+    "accelerometer": Meaning("m/s²"),
+    "gyro": Meaning("rad/s"),
+    "latitude": Meaning("°"),
+    "longitude": Meaning("°"),
+    "lat": Meaning("°"),
+    "lon": Meaning("°"),
+    "hdg": Meaning("°"),
 }
 # As definitions' comments spell them, in small letters.
 _SPOKEN: dict[str, str] = {
@@ -167,6 +252,7 @@ _BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
 _IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
 # Words of ``motorLeft_GPS2``: motor, Left, GPS, 2.
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_PLAIN_DIGITS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _NOT_A_LETTER = re.compile(r"[^a-z0-9]+")
 _MAX_WORD = 63
 
@@ -184,10 +270,36 @@ def unit_in_name(field: str) -> Meaning | None:
     words = [word.lower() for word in _WORD.findall(field)]
     if not words:
         return None
+    if len(words) > 2:
+        for ending, meaning in _ENDINGS:
+            if tuple(words[-len(ending) :]) == ending and len(words) > len(ending):
+                return meaning
+    for pair in pairwise(words):
+        # Also before a side: ``current_ma_left``.
+        if pair in _AFTER:
+            return _AFTER[pair]
     # A unit needs something before it: a field that is called ``m`` or ``v`` may be anything.
     if len(words) > 1 and words[-1] in _SUFFIX:
         return _SUFFIX[words[-1]]
     return _QUANTITY.get(words[-1])
+
+
+def without_unit(field: str) -> str:
+    """Take the unit off the end of a field's name: ``motor_temp_c`` gives motor_temp."""
+    words = _WORD.findall(field)
+    lower = [word.lower() for word in words]
+    for index, pair in enumerate(pairwise(lower)):
+        if pair in _AFTER:
+            return "_".join([*words[: index + 1], *words[index + 2 :]])
+    for ending, _ in _ENDINGS:
+        if len(words) > len(ending) and tuple(lower[-len(ending) :]) == ending:
+            return "_".join(words[: -len(ending)])
+    if len(words) > 1 and lower[-1] == "rpm":
+        # Speed is what people call it.
+        return "_".join([*words[:-1], "speed"])
+    if len(words) > 1 and lower[-1] in _SUFFIX and lower[-1] != "percentage":
+        return "_".join(words[:-1])
+    return field
 
 
 def unit_in_comment(comment: str) -> Meaning | None:
@@ -212,7 +324,7 @@ def readable_name(text: str) -> str:
 
 def word_of(text: str) -> str:
     """Make a word of an address of any text: small letters, digits and _; never empty."""
-    spread = "_".join(_WORD.findall(text)).lower()
+    spread = "_".join(_WORD.findall(text.translate(_PLAIN_DIGITS))).lower()
     word = _NOT_A_LETTER.sub("_", spread).strip("_")[:_MAX_WORD].rstrip("_")
     if not word:
         return "unnamed"

@@ -160,7 +160,8 @@ async def test_a_probe_lists_topics_services_and_actions_of_types_that_no_packag
 
 async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
     found = await seen(tmp_path)
-    site = propose_description(found, "old", "Old robot", "UTC").site
+    made = propose_description(found, "old", "Old robot", "UTC")
+    site = made.site
     assert check_site(site) == []
     assert load_site(write_description(site)) == site
     old = site.connections["ros1"]
@@ -175,7 +176,8 @@ async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
     drive = site.devices["base"].drive
     assert drive is not None
     assert drive.topic == "/cmd_vel"
-    assert drive.stop.topic == "/stop"
+    # Whether true or false stops it, only its owner knows.
+    assert (drive.stop.topic, [choice.topics for choice in made.stops]) == ("", [("/stop",)])
     commands = {each.target: each for device in site.devices.values()
                 for each in device.commands.values()}  # fmt: skip
     assert commands["/count"].kind == "action"

@@ -61,3 +61,26 @@ def test_lists_in_a_request_grow_to_what_is_filled_in_and_its_answer_is_read() -
     assert outcome_of(response) == CommandOutcome(CommandPhase.FAILED, "below the horizon")
     response.result.successful = True
     assert outcome_of(response).phase is CommandPhase.SUCCEEDED
+
+
+@pytest.mark.robot
+def test_a_trajectory_grows_its_names_and_places_to_what_is_filled_in() -> None:
+    kind = pytest.importorskip("trajectory_msgs.msg").JointTrajectory
+    message = kind()
+    fields = {
+        "joint_names[0]": "elbow",
+        "joint_names[1]": "wrist",
+        "points[0].positions[0]": 0.5,
+        "points[0].positions[1]": -1,
+        "points[0].time_from_start.sec": 8,
+    }
+    fill(message, fields)
+    assert message.joint_names == ["elbow", "wrist"]
+    assert list(message.points[0].positions) == [0.5, -1.0]
+    assert message.points[0].time_from_start.sec == 8
+    with pytest.raises(FieldError):
+        fill(message, {"points[0].positions[64]": 1.0})
+    # The bytes that would be sent hold all of it.
+    serialization = pytest.importorskip("rclpy.serialization")
+    sent = serialization.deserialize_message(serialization.serialize_message(message), kind)
+    assert list(sent.points[0].positions) == [0.5, -1.0]

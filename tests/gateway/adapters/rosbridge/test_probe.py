@@ -161,7 +161,8 @@ async def test_a_ros_2_robot_of_an_own_type_is_found_by_what_rosapi_tells(tmp_pa
     commands = {
         command.target for device in site.devices.values() for command in device.commands.values()
     }
-    assert commands == {"/light"}
+    # What listens is commanded by its topic, too.
+    assert commands == {"/light", "/set"}
 
 
 async def test_a_server_without_rosapi_is_told_with_what_to_start(tmp_path: Path) -> None:

@@ -1,6 +1,8 @@
 """Looks at a live ROS 2 graph: topics with their fields and rates, services, actions, nodes.
 
 Listens only: it publishes and offers nothing, and calls nothing but what nodes are read by.
+
+Long, because one look is one thing: who is there, what they say, and what is told of it.
 """
 
 from __future__ import annotations
@@ -24,12 +26,18 @@ from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, is_made
 from talaia.gateway.adapters.ros2.nodes.probed_nodes import ProbedNodes
-from talaia.gateway.adapters.ros2.probed_types import ProbedTypes, goal_of, request_of
+from talaia.gateway.adapters.ros2.probed_types import (
+    ProbedTypes,
+    goal_of,
+    heard_message_of,
+    request_of,
+)
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import DefinitionMismatch
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import BadDefinition
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.model.discovery.probe_report import FORMAT, ActionFound, Found, ServiceFound, TopicFound
+from talaia.model.discovery.rules.urdf_joints import joints_in, poses_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
@@ -163,7 +171,27 @@ class _Look:
             services=tuple(self._services()),
             actions=tuple(actions),
             nodes=tuple(self._nodes.found()),
+            joints=tuple(
+                joint for text in self._models("robot_description") for joint in joints_in(text)
+            ),
+            poses=tuple(
+                pose
+                for text in self._models("robot_description_semantic")
+                for pose in poses_in(text)
+            ),
         )
+
+    def _models(self, last: str) -> Iterable[str]:
+        """Give the models that were published: texts of topics with this name."""
+        for topic, heard in sorted(self._heard.items()):
+            if topic.rpartition("/")[2] != last or heard.type_name != "std_msgs/msg/String":
+                continue
+            if not heard.raw:
+                continue
+            # One that cannot be read is told with its topic.
+            with contextlib.suppress(Exception):
+                found = self._types.find(heard.type_name, topic, heard.publishers)
+                yield str(getattr(found.decode(heard.raw), "data", ""))
 
     # ── listening ──
 
@@ -211,6 +239,9 @@ class _Look:
             shape, problem = ReadableFields((), ()), self._problems.get(topic, "")
             if heard is not None:
                 shape, problem = self._read(heard)
+            elif not publishers:
+                infos = self._node.get_subscriptions_info_by_topic(topic)
+                shape, problem = heard_message_of(types[0], topic, infos, self._types)
             yield TopicFound(
                 topic=topic,
                 type=types[0],

@@ -17,6 +17,7 @@ from talaia.gateway.adapters.ros2.message_types import DefinedParts, kind_named,
 from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import (
     DefinitionFinder,
+    DefinitionMismatch,
 )
 from talaia.gateway.adapters.ros2.type_definitions.field_comments import comment_of
 from talaia.gateway.adapters.ros2.type_definitions.installed_package import installed_definition
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.message_fields import RosMessageType
 
-__all__ = ["ProbedType", "ProbedTypes", "asked_of", "goal_of", "request_of"]
+__all__ = ["ProbedType", "ProbedTypes", "asked_of", "goal_of", "heard_message_of", "request_of"]
 
 
 class ProbedType(NamedTuple):
@@ -215,6 +216,33 @@ def request_of(type_name: str, used_by: str, types: ProbedTypes) -> tuple[Readab
         except (TypeMissing, BadDefinition) as error:
             return ReadableFields((), ()), str(error)
     return asked_of(type_name, used_by, "Request", ".srv")
+
+
+def heard_message_of(
+    type_name: str, topic: str, infos: Collection[Any], types: ProbedTypes
+) -> tuple[ReadableFields, str]:
+    """Read what a message holds that somebody listens to; lists in it cannot be filled."""
+    try:
+        found = types.find(type_name, topic, infos)
+    except (TypeMissing, DefinitionMismatch, BadDefinition) as error:
+        return ReadableFields((), ()), str(error)
+    package, _, name = type_name.split("/")
+    kind = found.find(f"{package}/{name}")
+    if kind is None:
+        return ReadableFields((), ()), f"what a {type_name} holds is not known here"
+    try:
+        # Lists of a fixed length have their elements in an empty message, too.
+        message = class_of(type_name, topic)()
+    except TypeMissing:
+        message = None
+    shape = shape_of(
+        kind=kind,
+        type_name=f"{package}/{name}",
+        find=found.find,
+        message=message,
+        comment_of=found.comment_of,
+    )
+    return _without_lists(shape)
 
 
 def asked_of(type_name: str, used_by: str, part: str, kind: str) -> tuple[ReadableFields, str]:

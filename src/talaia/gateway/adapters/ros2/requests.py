@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 from importlib import import_module
 from itertools import pairwise
 from typing import Any
@@ -15,8 +16,11 @@ from talaia.wire.frames import CommandPhase, Scalar
 
 __all__ = ["class_of", "fill", "outcome_of", "velocity_message"]
 
-# As rclpy names the type of a list: sequence<rcl_interfaces/Parameter>.
-_LIST_OF = re.compile(r"sequence<(\w+)/(\w+)(?:, \d+)?>")
+# As rclpy names the type of a list: sequence<rcl_interfaces/Parameter>, sequence<double, 4>.
+_LIST_OF = re.compile(
+    r"sequence<(?:(?P<package>\w+)/(?P<name>\w+)|(?P<plain>[\w ]+(?:<\d+>)?))"
+    r"(?:, (?P<bound>\d+))?>\Z"
+)
 MAX_GROWN = 64
 
 
@@ -61,14 +65,20 @@ def fill(message: Any, fields: dict[str, Scalar]) -> None:  # noqa: ANN401
 
 
 def _grow(owner: Any, name: str, held: Any, index: int) -> None:  # noqa: ANN401
-    """Make a list of messages long enough for an index: a request starts with empty ones."""
-    if not isinstance(held, list) or index < len(held):
+    """Make a list long enough for an index: a request starts with empty ones."""
+    if not isinstance(held, list | array) or index < len(held):
         return
     found = _LIST_OF.match(owner.get_fields_and_field_types().get(name, ""))
-    if found is None or index >= MAX_GROWN:
+    if found is None or index >= min(MAX_GROWN, int(found["bound"] or MAX_GROWN)):
         return
-    kind = class_of(f"{found[1]}/msg/{found[2]}", name)
-    held.extend(kind() for _ in range(index + 1 - len(held)))
+    missing = index + 1 - len(held)
+    if found["name"]:
+        kind = class_of(f"{found['package']}/msg/{found['name']}", name)
+        held.extend(kind() for _ in range(missing))
+    elif (plain := found["plain"]).startswith(("string", "wstring")):
+        held.extend([""] * missing)
+    else:
+        held.extend([False if plain == "boolean" else 0] * missing)
 
 
 def _as(now: object, value: Scalar, path: str) -> Scalar:

@@ -17,9 +17,9 @@ LEVEL = (FieldFound("data", "number"),)
 
 
 def proposed(*topics: TopicFound) -> tuple[Site, tuple[str, ...]]:
-    return propose_description(
-        Found(1, "ros2", "a test", 5.0, topics=topics), "robot", "Robot", "UTC"
-    )
+    found = Found(1, "ros2", "a test", 5.0, topics=topics)
+    made = propose_description(found, "robot", "Robot", "UTC")
+    return made.site, made.left_out
 
 
 def signals_of(site: Site) -> dict[str, Signal]:

@@ -1,0 +1,93 @@
+"""How STOP reaches a robot: what may be meant, and what its owner said. Pure.
+
+A topic that is called stop may want true or false, and a speed that is always 0 would confirm every
+STOP at once. Neither can be seen from outside, so both are asked and never assumed.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.model.connection import RosSource
+from talaia.model.discovery.topic_words import last_part
+from talaia.model.site import Stop
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.model.discovery.probe_report import Found
+    from talaia.model.site import Device
+
+__all__ = ["NO_ANSWERS", "StopAnswers", "StopChoice", "choices_of", "with_answers"]
+
+_STOP_TOPICS = ("stop", "e_stop", "estop", "emergency_stop", "soft_stop", "software_stop")
+_MOTION = ("twist.twist.linear.x", "twist.twist.angular.z")
+
+
+class StopAnswers(NamedTuple):
+    """What the owner said.
+
+    Attributes:
+        topic: is true while the robot is stopped; empty if there is none.
+        confirmed_by: addresses of signals that are 0 when it stands, and are not when it moves.
+
+    """
+
+    topic: str = ""
+    confirmed_by: tuple[str, ...] = ()
+
+
+NO_ANSWERS = StopAnswers()
+
+
+class StopChoice(NamedTuple):
+    """What may be meant at one driven device.
+
+    Attributes:
+        topics: that listen, and whose names speak of stopping.
+        signals: addresses of speeds.
+
+    """
+
+    device: str
+    topics: tuple[str, ...]
+    signals: tuple[str, ...]
+
+
+def choices_of(found: Found, devices: Mapping[str, Device]) -> tuple[StopChoice, ...]:
+    """List for each driven device what STOP may go by."""
+    topics = tuple(
+        topic.topic
+        for topic in found.topics
+        if topic.subscribers
+        and topic.type == "std_msgs/msg/Bool"
+        and last_part(topic.topic) in _STOP_TOPICS
+    )
+    return tuple(
+        StopChoice(
+            name,
+            topics,
+            # The robot's odometry may stand at another of its devices.
+            _speeds_of(name, device)
+            or tuple(one for other in devices.items() for one in _speeds_of(*other)),
+        )
+        for name, device in devices.items()
+        if device.drive is not None
+    )
+
+
+def _speeds_of(name: str, device: Device) -> tuple[str, ...]:
+    return tuple(
+        f"{name}/{word}"
+        for word, signal in device.signals.items()
+        if isinstance(signal.source, RosSource)
+        and signal.source.type == "nav_msgs/msg/Odometry"
+        and signal.source.field in _MOTION
+    )
+
+
+def with_answers(stop: Stop, answers: StopAnswers, choice: StopChoice) -> Stop:
+    """Give the way of STOP with what the owner said, as far as it is among the choices."""
+    confirmed = tuple(one for one in answers.confirmed_by if one in choice.signals)
+    topic = answers.topic if answers.topic in choice.topics else ""
+    return Stop(topic=topic, confirmed_by=confirmed, below=stop.below)
