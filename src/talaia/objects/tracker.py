@@ -177,6 +177,11 @@ class Tracker:
         self._at_us = 0  # Time of the newest picture.
 
     @property
+    def between_us(self) -> float:
+        """Mean time between two pictures (µs)."""
+        return self._between_us
+
+    @property
     def in_sight_us(self) -> float:
         """How long after it was seen something is still in sight (µs)."""
         return max(_IN_SIGHT_US, _IN_SIGHT_PICTURES * self._between_us)

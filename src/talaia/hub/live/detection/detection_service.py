@@ -313,7 +313,7 @@ class DetectionService:
 
     def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[SightingNews]) -> None:
         """Take news of sightings."""
-        for sighting, thumbnail in news:
+        for sighting, thumbnail, _ in news:
             seen = SightingReport(
                 stream=camera,
                 label=sighting.label,
