@@ -30,11 +30,11 @@ from talaia.objects.floor_lines import LineCounter
 from talaia.objects.tracker import Tracker, TrackerRule
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Iterable, Sequence
 
 Box = tuple[float, float, float, float]
-# What joins: things and time in, numbers out.
-Joins = "Callable[[Sequence[Detection], int, Sequence[Any]], list[int]]"
+# What joins: things, time and colours in, numbers out.
+Joins = Any
 SAME_BOX = 0.5
 
 
@@ -108,7 +108,7 @@ def noisy(scene: Scene, seed: int) -> Scene:
 # ── what joins ──────────────────────────────────────────────────────────────────────────────────
 
 
-def by_overlap(kept_s: float) -> Any:
+def by_overlap(kept_s: float) -> Joins:
     """Join each box with the one of before that it overlaps most, if by 0.3; nothing is foretold.
 
     One that is not seen is kept for so long.
@@ -140,7 +140,7 @@ def by_overlap(kept_s: float) -> Any:
     return join
 
 
-def own(**rule: Any) -> Any:
+def own(**rule: float) -> Joins:
     """Talaia's tracker."""
     tracker = Tracker(TrackerRule(**rule))
 
@@ -153,7 +153,7 @@ def own(**rule: Any) -> Any:
     return join
 
 
-def own_without_colours(**rule: Any) -> Any:
+def own_without_colours(**rule: float) -> Joins:
     """The same by place and size alone."""
     seen = own(**rule)
 
@@ -165,7 +165,7 @@ def own_without_colours(**rule: Any) -> Any:
     return join
 
 
-def by_norfair() -> Any:
+def by_norfair() -> Joins:
     """Norfair, if it is installed, with what its examples use for boxes."""
     from norfair import Detection as Said, Tracker as Norfair
 
@@ -186,7 +186,7 @@ def by_norfair() -> Any:
     return join
 
 
-def by_motpy() -> Any:
+def by_motpy() -> Joins:
     """motpy, if it is installed."""
     from motpy import Detection as Said, MultiObjectTracker
 
@@ -206,7 +206,7 @@ def by_motpy() -> Any:
     return join
 
 
-def by_supervision(kind: str) -> Any:
+def by_supervision(kind: str) -> Joins:
     """Trackers of `trackers` (ByteTrack, SORT, OC-SORT), which take supervision's detections."""
     import supervision
     import trackers
@@ -263,7 +263,7 @@ class Judged(NamedTuple):
     milliseconds: float
 
 
-def judge(scene: Scene, join: Any, seed: int, line_from: float = 3.0) -> Judged:
+def judge(scene: Scene, join: Joins, seed: int, line_from: float = 3.0) -> Judged:
     """Run one scene."""
     account = motmetrics.MOTAccumulator(auto_id=True)
     begin, end = scenes.LINE
@@ -286,7 +286,7 @@ def judge(scene: Scene, join: Any, seed: int, line_from: float = 3.0) -> Judged:
         account.update([int(at) for at in truth], [n for n, _ in shown], apart)
         for number, thing in shown:
             foot = feet.get(number, ((thing.left + thing.right) / 2, thing.bottom))
-            side = counter.move(number, foot, at_us)
+            side = counter.move_track(number, foot, at_us)
             if side:
                 counts[side] += 1
     # From near to far, what is left of the line is greater y.
@@ -330,7 +330,9 @@ def main() -> None:
     rows = {"shipped detector": kept}
     rows["truth with noise"] = {seed: noisy(scene, seed) for seed, scene in kept.items()}
     metrics = motmetrics.metrics.create()
-    print(f"{'':18}{'':26}{'IDF1':>7}{'least':>7}{'switches':>9}{'crossings':>12}{'wrong':>6}{'ms':>7}")
+    print(
+        f"{'':18}{'':26}{'IDF1':>7}{'least':>7}{'switches':>9}{'crossings':>12}{'wrong':>6}{'ms':>7}"
+    )
     for what, shown in rows.items():
         for way, make in ways.items():
             try:

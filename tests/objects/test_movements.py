@@ -38,6 +38,7 @@ class Moving:
     """Movements on ten pictures a second."""
 
     def __init__(self) -> None:
+        """Have seen nothing yet."""
         self.movements, self.at_us = Movements(HALL), 0
 
     def show(self, *tracked: TrackedThing) -> None:
@@ -70,14 +71,18 @@ def test_crossings_are_counted_by_direction_and_those_of_the_last_while_alone() 
             moving.value(line="door", measure=Measured.RIGHT)) == (1, 1)  # fmt: skip
     assert moving.value(line="door", measure=Measured.RIGHT, over=3.0) == 0
     assert moving.value(line="door", measure=Measured.LEFT, over=3.0) == 1
-    assert moving.movements.story_of(1).crossings == (("door", 1, 1),)
+    assert moving.movements.story_of(1).crossings == (("Door", 1, 1),)
 
 
 def test_one_who_sways_on_a_line_and_one_who_goes_around_its_end_do_not_cross_it() -> None:
     counter = LineCounter([(0.5, 1.0), (0.5, 0.5)])
-    swaying = [counter.move(1, (x, 0.7), at) for at, x in enumerate([0.45, 0.503, 0.497, 0.505])]
+    swaying = [
+        counter.move_track(1, (x, 0.7), at) for at, x in enumerate([0.45, 0.503, 0.497, 0.505])
+    ]
     assert swaying == [0, 0, 0, 0]
-    around = [counter.move(2, foot, 9) for foot in [(0.4, 0.8), (0.4, 0.3), (0.6, 0.3), (0.6, 0.8)]]
+    around = [
+        counter.move_track(2, foot, 9) for foot in [(0.4, 0.8), (0.4, 0.3), (0.6, 0.3), (0.6, 0.8)]
+    ]
     assert around == [0, 0, 0, 0]
 
 
@@ -98,7 +103,7 @@ def test_dwell_goes_on_while_somebody_is_in_the_zone_and_is_kept_with_the_story(
     for _ in range(11):
         moving.show(at_place(0.5))
     ((name, visit),) = moving.movements.story_of(1).zones
-    assert (name, visit.entries) == ("mat", 2)
+    assert (name, visit.entries) == ("Mat", 2)
     assert visit == ZoneVisit(2, pytest.approx(4.0))
 
 

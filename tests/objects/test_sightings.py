@@ -20,6 +20,7 @@ class Watching:
     """Sightings of persons and dogs, on pictures that come ten times a second."""
 
     def __init__(self, between_us: float = STEP) -> None:
+        """Have seen nothing yet."""
         self.sightings, self.between_us = Sightings(["person", "dog"], 0.5), between_us
 
     def picture(self, at_us: int, *tracked: TrackedThing) -> list[ObjectSighting]:
@@ -53,18 +54,14 @@ def test_one_that_was_hidden_goes_on_with_its_sighting() -> None:
     for at in range(3, 43):
         assert watch.picture(at * STEP) == []
     assert watch.picture(43 * STEP, one(1)) == []
-    assert watch.sightings.end_sightings() == [
-        ObjectSighting("person", 1, 0.8, 0, 43 * STEP, 1)
-    ]
+    assert watch.sightings.end_sightings() == [ObjectSighting("person", 1, 0.8, 0, 43 * STEP, 1)]
 
 
 def test_more_of_them_or_surer_ones_are_told_before_the_end() -> None:
     watch = Watching()
     for at in range(3):
         watch.picture(at * STEP, one(1))
-    assert watch.picture(3 * STEP, one(1), one(2)) == [
-        ObjectSighting("person", 2, 0.8, 0, None, 1)
-    ]
+    assert watch.picture(3 * STEP, one(1), one(2)) == [ObjectSighting("person", 2, 0.8, 0, None, 1)]
     assert watch.picture(4 * STEP, one(1, score=0.9)) == [
         ObjectSighting("person", 2, 0.9, 0, None, 1)
     ]

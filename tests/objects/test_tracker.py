@@ -19,6 +19,7 @@ class Watched:
     """A tracker that is shown ten pictures a second."""
 
     def __init__(self) -> None:
+        """Have seen nothing yet."""
         self.tracker, self.at = Tracker(), 0
 
     def show(self, *things: Detection, colours: list | None = None) -> list[int]:

@@ -85,9 +85,9 @@ class CameraObjects:
         self._counted = dict(counted)
 
     def count_things(self, things: Sequence[Detection]) -> dict[str, float]:
-        """Say what each signal tells of the picture given last to `add_picture`, and of the ones
-        before: things are counted as they are on this one.
-        """
+        """Say what each signal tells of a picture, which `add_picture` has taken just before."""
+        # What is tracked (dwell, crossings, speed) is of all pictures so far; plain counts are of
+        # this one, so that they say what the boxes on it show.
         # Drawn from `SHOWN_FROM` on, counted from the description's confidence on.
         sure = [thing for thing in things if thing.score >= self._detect.confidence]
         return {
@@ -120,9 +120,7 @@ class CameraObjects:
         tracked = tracker.add_picture(things, at_us, colours)
         self._movements.add_picture(tracked, at_us, tracker.in_sight_us, tracker.forgotten_us)
         # First: only it knows which tracks this picture shows best.
-        news = self._sightings.add_picture(
-            tracked, at_us, tracker.between_us, tracker.forgotten_us
-        )
+        news = self._sightings.add_picture(tracked, at_us, tracker.between_us, tracker.forgotten_us)
         if rgb is not None:
             for one in tracked:
                 if one.track in self._sightings.fresh:
@@ -131,9 +129,7 @@ class CameraObjects:
 
     def pass_time(self, at_us: int) -> list[SightingNews]:
         """Give what is over because no picture showed it, or none came, for a while."""
-        return self._with_pictures(
-            self._sightings.pass_time(at_us, self._tracker.forgotten_us)
-        )
+        return self._with_pictures(self._sightings.pass_time(at_us, self._tracker.forgotten_us))
 
     def end_sightings(self) -> list[SightingNews]:
         """Give all that is in sight as ended, for nobody looks any more."""

@@ -51,17 +51,19 @@ class LineCounter:
     def __init__(self, line: Sequence[Point]) -> None:
         """Have seen nobody yet."""
         self._line = [(float(x), float(y)) for x, y in line]
+        # By track; forgotten some time after it was seen last.
         self._sides: dict[int, _Side] = {}
 
-    def move(self, track: int, foot: Point, at_us: int) -> int:
+    def move_track(self, track: int, foot: Point, at_us: int) -> int:
         """Take where a track stands now.
 
         Returns:
             1 or -1 where it has just crossed, 0 where not.
 
         """
-        for other in [one for one, last in self._sides.items()
-                      if at_us - last.time_us > _FORGOTTEN_US]:  # fmt: skip
+        for other in [
+            one for one, last in self._sides.items() if at_us - last.time_us > _FORGOTTEN_US
+        ]:
             del self._sides[other]
         side, apart = self._side_of(foot)
         last = self._sides.get(track)
@@ -92,20 +94,21 @@ class LineCounter:
 
     def _is_crossed(self, one: Point, other: Point) -> bool:
         return any(
-            _cut(one, other, start, end)
+            _ways_cut(one, other, start, end)
             for start, end in zip(self._line, self._line[1:], strict=False)
         )
 
 
-def _cut(a: Point, b: Point, c: Point, d: Point) -> bool:
+def _ways_cut(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Tell whether the way from a to b cuts the piece from c to d."""
 
-    def turn(p: Point, q: Point, r: Point) -> float:
+    # Twice the area of a triangle: its sign says on which side of the way its third corner lies.
+    def turned_side(p: Point, q: Point, r: Point) -> float:
         return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
-    return (turn(a, b, c) > 0) != (turn(a, b, d) > 0) and (turn(c, d, a) > 0) != (
-        turn(c, d, b) > 0
-    )
+    return (turned_side(a, b, c) > 0) != (turned_side(a, b, d) > 0) and (
+        turned_side(c, d, a) > 0
+    ) != (turned_side(c, d, b) > 0)
 
 
 class FloorPlan:
@@ -120,6 +123,8 @@ class FloorPlan:
         """
         if len(picture) != 4 or len(floor) != 4:
             raise ValueError("expected four points")
+        # Each point gives two equations for the eight unknown numbers of the homography; the ninth
+        # is set to 1.
         rows, right = [], []
         for (x, y), (to_x, to_y) in zip(picture, floor, strict=True):
             rows += [

@@ -45,8 +45,8 @@ class Story(NamedTuple):
 
     Attributes:
         path: where it stood: time (UTC, µs), and the place by parts of the picture.
-        zones: by the zones' names.
-        crossings: by the lines' names: how often to the left, and to the right.
+        zones: by what the zones are called.
+        crossings: by what the lines are called: how often to the left, and to the right.
         speed: mean on the floor (m/s); none where that is not known.
 
     """
@@ -56,16 +56,21 @@ class Story(NamedTuple):
     crossings: tuple[tuple[str, int, int], ...] = ()
     speed: float | None = None
 
+    def path_on_picture(self) -> list[tuple[int, float, float]]:
+        """Give the path with every place on the picture; a filter's may lie a little beside it."""
+        return [(us, min(max(x, 0.0), 1.0), min(max(y, 0.0), 1.0)) for us, x, y in self.path]
+
 
 class _Stay:
     """One thing in one zone."""
 
     def __init__(self, at_us: int) -> None:
+        # How often it came in, and how long the visits before this one took (s).
         self.entries, self.before_s = 1, 0.0
         # In the zone from the one to the other, at the last visit (µs).
         self.came_us = self.last_us = at_us
 
-    def come(self, at_us: int, gone_us: float) -> None:
+    def enter_zone(self, at_us: int, gone_us: float) -> None:
         """Be in the zone."""
         if at_us - self.last_us > gone_us:
             self.before_s += (self.last_us - self.came_us) / 1e6
@@ -82,13 +87,17 @@ class _Mover:
     """One thing, as long as it is followed."""
 
     def __init__(self, label: str) -> None:
+        # Its class, and when it was seen last (µs).
         self.label, self.last_us = label, 0
+        # Time and place of each point, and how far they are apart in time (µs).
         self.path: list[tuple[int, float, float]] = []
         self.every_us = _FIRST_EVERY_US
+        # By zone, and by line: how often to the left and to the right.
         self.stays: dict[str, _Stay] = {}
         self.crossings: dict[str, list[int]] = {}
         # Where it stood on the floor lately: when, and where (m).
         self.floor: deque[tuple[int, Point]] = deque()
+        # Now (m/s); and of all of its way, for the mean.
         self.speed = 0.0
         self.metres = self.seconds = 0.0
 
@@ -119,14 +128,19 @@ class Movements:
 
     def __init__(self, detect: Detect) -> None:
         """Take the camera's zones, lines and floor; `Detect` has been checked."""
+        # As people call them, for stories.
+        self._zone_names = {name: zone.name for name, zone in detect.zones.items()}
+        self._line_names = {name: line.name for name, line in detect.lines.items()}
         self._zones = {name: zone.points for name, zone in detect.zones.items()}
         self._lines = {name: LineCounter(line.points) for name, line in detect.lines.items()}
         floor = detect.floor
         self._plan = None if floor is None else FloorPlan(floor.picture, floor.metres)
+        # By track; forgotten some time after it.
         self._movers: dict[int, _Mover] = {}
         # How often in all, by line, class and side; and when, for those of the last while.
         self._counts: dict[tuple[str, str, int], int] = {}
         self._crossed: deque[tuple[int, str, str, int]] = deque(maxlen=_MOST_CROSSINGS)
+        # Time of the newest picture, and how long before it something is still there (µs).
         self._at_us = 0
         self._in_sight_us = 0.0
 
@@ -138,7 +152,8 @@ class Movements:
         Args:
             tracked: see `Tracker.add_picture`.
             at_us: when it was taken.
-            in_sight_us, forgotten_us: see `Tracker`.
+            in_sight_us: see `Tracker.in_sight_us`.
+            forgotten_us: see `Tracker.forgotten_us`.
 
         """
         if at_us < self._at_us:
@@ -155,9 +170,9 @@ class Movements:
             del self._movers[number]
         for one in tracked:
             if one.hits >= CONFIRMED and one.track:
-                self._move(one, at_us)
+                self._follow_thing(one, at_us)
 
-    def _move(self, one: TrackedThing, at_us: int) -> None:
+    def _follow_thing(self, one: TrackedThing, at_us: int) -> None:
         foot = one.foot
         mover = self._movers.setdefault(one.track, _Mover(one.thing.label))
         mover.last_us = at_us
@@ -166,9 +181,9 @@ class Movements:
             if is_inside(points, foot):
                 if name not in mover.stays:
                     mover.stays[name] = _Stay(at_us)
-                mover.stays[name].come(at_us, max(_LEFT_US, self._in_sight_us))
+                mover.stays[name].enter_zone(at_us, max(_LEFT_US, self._in_sight_us))
         for name, line in self._lines.items():
-            side = line.move(one.track, foot, at_us)
+            side = line.move_track(one.track, foot, at_us)
             if side:
                 mover.crossings.setdefault(name, [0, 0])[0 if side > 0 else 1] += 1
                 key = (name, mover.label, side)
@@ -189,9 +204,10 @@ class Movements:
         here = [
             mover
             for mover in self._movers.values()
-            if mover.label == source.sees and self._at_us - mover.last_us <= self._in_sight_us
+            if mover.label == source.sees
+            and self._at_us - mover.last_us <= self._in_sight_us
             and (not source.zone or self._is_in(mover, source.zone))
-        ]  # fmt: skip
+        ]
         if source.measure is Measured.DWELL:
             stays = [mover.stays[source.zone] for mover in here]
             return max(((self._at_us - stay.came_us) / 1e6 for stay in stays), default=0.0)
@@ -199,9 +215,7 @@ class Movements:
 
     def _is_in(self, mover: _Mover, zone: str) -> bool:
         stay = mover.stays.get(zone)
-        return stay is not None and self._at_us - stay.last_us <= max(
-            _LEFT_US, self._in_sight_us
-        )
+        return stay is not None and self._at_us - stay.last_us <= max(_LEFT_US, self._in_sight_us)
 
     def story_of(self, track: int) -> Story:
         """Tell what a thing has done so far."""
@@ -210,8 +224,10 @@ class Movements:
             return Story()
         return Story(
             tuple(mover.path),
-            tuple((name, stay.visit) for name, stay in mover.stays.items()),
-            tuple((name, left, right) for name, (left, right) in mover.crossings.items()),
+            tuple((self._zone_names[name], stay.visit) for name, stay in mover.stays.items()),
+            tuple(
+                (self._line_names[name], left, right)
+                for name, (left, right) in mover.crossings.items()
+            ),
             mover.metres / mover.seconds if mover.seconds > 0 else None,
         )
-

@@ -124,15 +124,15 @@ class Sightings:
 
     def pass_time(self, at_us: int, gone_us: float) -> list[ObjectSighting]:
         """Give the sightings that are over because nothing was seen for a while."""
-        return self._end(
+        return self._end_watches(
             [n for n, watch in self._watches.items() if at_us - watch.last_us > gone_us]
         )
 
     def end_sightings(self) -> list[ObjectSighting]:
         """Give all that are still open as ended, for nobody looks any more."""
-        return self._end(list(self._watches))
+        return self._end_watches(list(self._watches))
 
-    def _end(self, over: Sequence[int]) -> list[ObjectSighting]:
+    def _end_watches(self, over: Sequence[int]) -> list[ObjectSighting]:
         watches = [self._watches.pop(number) for number in over]
         return [watch.end_sighting(watch.told) for watch in watches if watch.told is not None]
 

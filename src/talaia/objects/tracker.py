@@ -9,6 +9,8 @@ so that they fit best in all. Boxes that are less sure only go on with what is t
 say, is found again within the reach of a walk, by its size and, where they are given, its colours.
 
 Lengths are parts of the picture's width; heights are made so by its shape.
+
+Long, because a track's whole life is told here: begun, followed, lost, and found again.
 """
 
 from __future__ import annotations
@@ -96,6 +98,14 @@ class TrackedThing(NamedTuple):
     foot: tuple[float, float]
 
 
+class _Seen(NamedTuple):
+    """Of each thing on a picture its box (middle, width, height) and its colours; and the time."""
+
+    boxes: Floats
+    looks: Sequence[Floats | None]
+    at_us: int
+
+
 class _Track:
     """One thing: its filter, and when it was seen last."""
 
@@ -104,14 +114,17 @@ class _Track:
         # Middle (x, y), width, height: with a velocity each, and the covariance of the two, the
         # same filter four times.
         self.place, self.velocity = box.copy(), np.zeros(4)
+        # In the order: of the place, of both together, of the velocity.
         noise = _BOX_NOISE * box[3]
         self.spread = np.array([noise**2, 0.0, (_FIRST_VELOCITY * box[3]) ** 2])
+        # On how many pictures it was seen; when first and last; and for when it is foretold (µs).
         self.hits, self.began_us, self.last_us, self.at_us = 1, at_us, at_us, at_us
         # It may still turn out to be somebody who was lost.
         self.is_new = True
+        # A slow mean, for light and pose change; none while they were never known.
         self.colours: Floats | None = None
 
-    def foretell(self, at_us: int) -> None:
+    def predict_box(self, at_us: int) -> None:
         """Move on to a time."""
         step = min(max((at_us - self.at_us) / 1e6, 0.0), _LONGEST_STEP_S)
         self.at_us = at_us
@@ -132,10 +145,11 @@ class _Track:
             ]
         )
 
-    def correct(self, box: Floats, at_us: int, colours: Floats | None) -> None:
+    def correct_box(self, box: Floats, at_us: int, colours: Floats | None) -> None:
         """Take a box that is its own."""
         place, both, speed = self.spread
         noise = (_BOX_NOISE * box[3]) ** 2
+        # How much of the miss the place takes, and how much the velocity.
         gain, follow = place / (place + noise), both / (place + noise)
         miss = box - self.place
         if at_us - self.last_us > 1_500_000:
@@ -145,9 +159,7 @@ class _Track:
         else:
             self.place = self.place + gain * miss
             self.velocity = self.velocity + follow * miss
-            self.spread = np.array(
-                [(1 - gain) * place, (1 - gain) * both, speed - follow * both]
-            )
+            self.spread = np.array([(1 - gain) * place, (1 - gain) * both, speed - follow * both])
         self.hits, self.last_us = self.hits + 1, at_us
         if colours is not None:
             known = self.colours
@@ -172,6 +184,7 @@ class Tracker:
         # Mean time between two pictures (µs), followed while they come.
         self._between_us = 1e6 / rate
         self._shape = shape
+        # In sight, or lost and not forgotten.
         self._tracks: list[_Track] = []
         self._given = 0  # The number given last.
         self._at_us = 0  # Time of the newest picture.
@@ -213,9 +226,10 @@ class Tracker:
         boxes = np.array([self._box_of(thing) for thing in things]).reshape(-1, 4)
         looks = list(colours) if colours is not None else [None] * len(things)
         whose: dict[int, _Track] = {}
+        # A class by itself: a detector's boxes of a rider and of the bicycle lie over each other.
         for label in dict.fromkeys(thing.label for thing in things):
             mine = [at for at, thing in enumerate(things) if thing.label == label]
-            whose |= self._join(label, mine, things, boxes, looks, at_us)
+            whose |= self._join_class(mine, things, _Seen(boxes, looks, at_us))
         return [self._tracked(thing, whose.get(at)) for at, thing in enumerate(things)]
 
     def _tracked(self, thing: Detection, track: _Track | None) -> TrackedThing:
@@ -245,18 +259,17 @@ class Tracker:
             and (track.hits >= HITS or at_us - track.last_us <= self.in_sight_us)
         ]
         for track in self._tracks:
-            track.foretell(at_us)
+            track.predict_box(at_us)
 
-    def _join(
+    def _join_class(
         self,
-        label: str,
         mine: list[int],
         things: Sequence[Detection],
-        boxes: Floats,
-        looks: Sequence[Floats | None],
-        at_us: int,
+        seen_now: _Seen,
     ) -> dict[int, _Track]:
         """Give each thing of a class its track."""
+        boxes, looks, at_us = seen_now
+        label = things[mine[0]].label
         sure = [at for at in mine if things[at].score >= self._rule.sure]
         weak = [at for at in mine if things[at].score < self._rule.sure]
         tracks = [track for track in self._tracks if track.label == label]
@@ -267,7 +280,7 @@ class Tracker:
             for row, column in assign_pairs(costs):
                 track, at = candidates[row], rest[column]
                 whose[at] = track
-                track.correct(boxes[at], at_us, looks[at])
+                track.correct_box(boxes[at], at_us, looks[at])
 
         # What is sure first: a weak box must not take a track from a sure one.
         join(seen, sure, self._costs_in_sight(seen, boxes[sure]))
@@ -275,7 +288,7 @@ class Tracker:
         join(left, weak, self._costs_in_sight(left, boxes[weak]))
         for at in sure:
             if at not in whose:
-                whose[at] = self._begin(label, boxes[at], at_us, looks[at])
+                whose[at] = self._begin_track(label, boxes[at], at_us, looks[at])
         self._find_again(label, whose, at_us)
         return whose
 
@@ -300,7 +313,7 @@ class Tracker:
         for at in new:
             whose[at].is_new = False
 
-    def _begin(self, label: str, box: Floats, at_us: int, look: Floats | None) -> _Track:
+    def _begin_track(self, label: str, box: Floats, at_us: int, look: Floats | None) -> _Track:
         self._given += 1
         track = _Track(self._given, label, box, at_us)
         track.colours = look
@@ -320,9 +333,7 @@ class Tracker:
         # Overlap decides; where there is none for thin boxes that are fast, nearness does.
         return np.where(fits, (1 - overlap) + 0.5 * apart, np.inf)
 
-    def _costs_lost(
-        self, lost: Sequence[_Track], new: Sequence[_Track], at_us: int
-    ) -> Floats:
+    def _costs_lost(self, lost: Sequence[_Track], new: Sequence[_Track], at_us: int) -> Floats:
         if not lost or not new:
             return np.zeros((len(lost), len(new)))
         rule = self._rule

@@ -2062,6 +2062,13 @@ export interface LabelShape {
   readonly label: string;
 }
 
+/** Where it stood, by parts of the picture's width and height from the upper left. */
+export interface PathPlace {
+  readonly time_us: number;
+  readonly x: number;
+  readonly y: number;
+}
+
 /** Something that a camera saw. */
 export interface SeenShape {
   readonly id: string;
@@ -2072,6 +2079,7 @@ export interface SeenShape {
   readonly began_us: number;
   readonly ended_us: number | null;
   readonly picture: boolean;
+  readonly story: StoryShape | null;
 }
 
 /** What may be asked for, in the order of the cameras' addresses. */
@@ -2083,6 +2091,14 @@ export interface SightingLabels {
 export interface SightingList {
   readonly sightings: readonly SeenShape[];
   readonly more: boolean;
+}
+
+/** What it did while it was in sight. */
+export interface StoryShape {
+  readonly path: readonly PathPlace[];
+  readonly stays: readonly StayShape[];
+  readonly crossings: readonly CrossingShape[];
+  readonly speed: number | null;
 }
 
 /** A raw topic that you may tap. */

@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import Finding, check_above, finding_of, id_fits, name_fits
+from talaia.model.checks.zone_checks import measure_fits, zones_fit
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
-from talaia.model.checks.zone_checks import measure_fits, zones_fit
 from talaia.model.detection import CLOUDS, DetectAt, DetectionSource
 from talaia.model.errors import UnknownWord
 
