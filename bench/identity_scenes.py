@@ -31,6 +31,10 @@ VISIBLE = 0.25
 LINE = ((3.0, 1.7), (9.5, 1.7))
 
 
+Model = Shape = Any
+"""MuJoCo ships no types."""
+
+
 class Person(NamedTuple):
     """Where a person goes: points (x, y, seconds to stand there), and how fast (m/s)."""
 
@@ -63,7 +67,7 @@ class _Stage(SceneBuilder):
 
     body: Any = None
 
-    def add_visual(self, finish: str, **geom: Any) -> None:
+    def add_visual(self, finish: str, **geom: Shape) -> None:
         body = self.spec.worldbody if self.body is None else self.body
         body.add_geom(
             material=self.find_material(finish),
@@ -149,7 +153,7 @@ def place_of(person: Person, at_s: float) -> tuple[float, float, float] | None:
     return None
 
 
-def _model_of(people: list[Person], seed: int) -> Any:
+def _model_of(people: list[Person], seed: int) -> Model:
     spec = mujoco.MjSpec()
     spec.visual.global_.offwidth, spec.visual.global_.offheight = WIDTH, HEIGHT
     spec.visual.headlight.ambient = (0.45, 0.45, 0.45)

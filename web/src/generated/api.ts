@@ -2056,6 +2056,13 @@ export interface WriteOnly {
   readonly keys?: Readonly<Record<string, string>> | null;
 }
 
+/** That it crossed a line on the picture. */
+export interface CrossingShape {
+  readonly line: string;
+  readonly left: number;
+  readonly right: number;
+}
+
 /** A class of which a camera has seen something that is kept. */
 export interface LabelShape {
   readonly camera: string;
@@ -2091,6 +2098,13 @@ export interface SightingLabels {
 export interface SightingList {
   readonly sightings: readonly SeenShape[];
   readonly more: boolean;
+}
+
+/** That it was in a zone of the picture. */
+export interface StayShape {
+  readonly zone: string;
+  readonly entries: number;
+  readonly dwell_s: number;
 }
 
 /** What it did while it was in sight. */

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-__all__ = ["LabelShape", "PathPlace", "SeenShape", "SightingLabels", "SightingList", "StoryShape"]
+__all__ = [
+    "CrossingShape",
+    "LabelShape",
+    "PathPlace",
+    "SeenShape",
+    "SightingLabels",
+    "SightingList",
+    "StayShape",
+    "StoryShape",
+]
 
 
 class StayShape(BaseModel):
