@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { formatDuration } from "../../format/duration.js";
 import { countText, confidenceText, storyFacts, type SightingStory } from "../../format/object-names.js";
 import { base, quietText } from "../base/base-style.js";
@@ -146,7 +147,7 @@ export class SightingCard extends LitElement {
           ${ended_us === null ? nothing : html`<span>for ${formatDuration(Math.max(1, Math.round((ended_us - began_us) / 1e6)))}</span>`}
           <span title="Of the surest one">${confidenceText(confidence)} sure</span>
           ${many === this.sighting.many ? nothing : html`<span>at most ${this.sighting.many} at once</span>`}
-          ${storyFacts(story).map((fact) => html`<span>${fact}</span>`)}
+          ${map(storyFacts(story), (fact) => html`<span>${fact}</span>`)}
         </div>
         <slot></slot>
       </div>`;
