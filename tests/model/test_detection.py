@@ -202,3 +202,61 @@ def test_what_is_to_be_blurred_is_checked(blur: str, said: str) -> None:
     assert len(problems) == bool(said)
     assert said in "".join(problems)
     assert "streams.rear.blur" in "".join(problems) or not said
+
+
+ZONED = TEXT.replace(
+    "traffic light]}",
+    "traffic light], "
+    "zones: {mat: {name: Mat, points: [[0.1, 0.5], [0.5, 0.5], [0.5, 1]]}}, "
+    "lines: {door: {name: Door, points: [[0.1, 0.9], [0.4, 0.6]]}}, "
+    "floor: {picture: [[0.3, 0.5], [0.7, 0.5], [1, 1], [0, 1]], "
+    "metres: [[0, 4], [2, 4], [2, 0], [0, 0]]}}",
+)
+COUNTS = "within: [0.3, 0.5, 0.7, 1.0]"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "zone: mat",
+        "zone: mat, measure: dwell",
+        "line: door, measure: left",
+        "line: door, measure: right, over: 60",
+        "measure: speed",
+    ],
+)
+def test_what_signals_measure_on_a_camera_with_zones_lines_and_floor_fits(source: str) -> None:
+    site = load_site(ZONED.replace(COUNTS, source))
+    assert check_site(site) == []
+    assert "front_person" in with_counts(site).devices["base"].signals
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where", "said"),
+    [
+        (COUNTS, "zone: mad", "source.zone", "'mat'?"),
+        (COUNTS, "line: dor, measure: left", "source.line", "'door'?"),
+        (COUNTS, "line: door", "source.measure", "which side"),
+        (COUNTS, "measure: left", "source.line", "which line"),
+        (COUNTS, "measure: dwell", "source.zone", "which zone"),
+        (COUNTS, f"zone: mat, {COUNTS}", "source.within", "exclude"),
+        (COUNTS, "zone: mat, over: 60", "source.over", "crossings"),
+        (COUNTS, "line: door, measure: left, over: -1", "source.over", "0 to 86400"),
+        ("[[0.1, 0.5], [0.5, 0.5], ", "[[0.5, 0.5], ", "zones.mat.points", "3 to 64"),
+        ("[[0.1, 0.9], [0.4", "[[0.1, 1.9], [0.4", "lines.door.points[0]", "0 to 1"),
+        ("[0.7, 0.5], [1, 1]", "[0.5, 0.5], [0.7, 0.5]", "floor.picture", "one line"),
+        ("[2, 4], [2, 0]", "[1, 4], [2, 4]", "floor.metres", "one line"),
+        ("[2, 4], [2, 0]", "[.inf, 4], [2, 4]", "floor.metres[1]", "finite"),
+    ],
+)
+def test_what_does_not_fit_of_zones_and_lines_is_said_where_it_stands(
+    old: str, new: str, where: str, said: str
+) -> None:
+    assert old in ZONED
+    found = [str(one) for one in check_site(load_site(ZONED.replace(old, new)))]
+    assert any(where in each.split(": ")[0] and said in each for each in found), found
+
+
+def test_speed_needs_a_floor() -> None:
+    found = check_site(load_site(TEXT.replace(COUNTS, "measure: speed")))
+    assert any("floor" in str(one) for one in found)

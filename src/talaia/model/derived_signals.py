@@ -138,7 +138,7 @@ def _with_counts(site: Site, device: Device) -> Device:
         (signal.source.stream, signal.source.sees)
         for signal in signals.values()
         # A count of a part of the picture does not stand for the whole.
-        if isinstance(signal.source, DetectionSource) and signal.source.within is None
+        if isinstance(signal.source, DetectionSource) and signal.source.counts_all
     }
     for stream_id, stream in device.streams.items():
         detect = detect_of(site, stream)

@@ -12,10 +12,16 @@ __all__ = [
     "Detect",
     "DetectAt",
     "DetectionSource",
+    "FloorPoints",
+    "Measured",
     "ModelKind",
     "ObjectModel",
+    "PictureLine",
+    "PictureZone",
     "SkyLens",
 ]
+
+PicturePoint = tuple[float, float]
 
 # What a signal ``sees`` on a camera that looks at all of the sky: how much is covered (%).
 CLOUDS = "clouds"
@@ -36,6 +42,61 @@ class ModelKind(StrEnum):
     YOLO = "yolo"
 
 
+class Measured(StrEnum):
+    """What a signal tells of the things of a class on a camera."""
+
+    # How many are there.
+    COUNT = "count"
+    # For how long the one who is longest in the zone has been there (s); 0 while it is empty.
+    DWELL = "dwell"
+    # How many crossed a line to the left, or to the right, of the way from its first point to its
+    # last.
+    LEFT = "left"
+    RIGHT = "right"
+    # Of the fastest (m/s), on a camera that knows its floor.
+    SPEED = "speed"
+
+
+class PictureZone(Shape, frozen=True, kw_only=True):
+    """A part of a camera's picture.
+
+    Attributes:
+        points: its corners in order, each by its parts of the picture's width and height from the
+            upper left, 0 to 1.
+
+    """
+
+    name: str
+    points: tuple[PicturePoint, ...]
+
+
+class PictureLine(Shape, frozen=True, kw_only=True):
+    """A line on a camera's picture, at which is counted who crosses it.
+
+    Attributes:
+        points: two or more, each by its parts of the picture's width and height from the upper
+            left, 0 to 1. Left and right are as seen along the way from the first to the last.
+
+    """
+
+    name: str
+    points: tuple[PicturePoint, ...]
+
+
+class FloorPoints(Shape, frozen=True, kw_only=True):
+    """Four points of the floor that a camera sees, by which places on its picture become metres.
+
+    Attributes:
+        picture: where they are on the picture, by parts of its width and height from the upper
+            left.
+        metres: where they are on the floor, in the same order: x and y (m) from anywhere.
+
+    """
+
+    picture: tuple[PicturePoint, PicturePoint, PicturePoint, PicturePoint]
+    metres: tuple[PicturePoint, PicturePoint, PicturePoint, PicturePoint]
+
+
 class Detect(Shape, frozen=True, kw_only=True):
     """Object detection on one camera.
 
@@ -49,6 +110,9 @@ class Detect(Shape, frozen=True, kw_only=True):
             detector misses now and then what is there. Charts show each picture's own count.
         at: which machine looks.
         model: a name of `Site.object_models`; without it NanoDet with COCO's 80 classes.
+        zones: parts of the picture in which signals count, by the names that their sources use.
+        lines: lines at which signals count who crosses them, in the same way.
+        floor: four points by which speed is known in metres a second.
 
     """
 
@@ -58,6 +122,9 @@ class Detect(Shape, frozen=True, kw_only=True):
     hold: float = 2.0
     at: DetectAt = DetectAt.GATEWAY
     model: str = ""
+    zones: dict[str, PictureZone] = {}
+    lines: dict[str, PictureLine] = {}
+    floor: FloorPoints | None = None
 
 
 class Blur(Shape, frozen=True, kw_only=True):
@@ -149,9 +216,24 @@ class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
             a camera that looks at all of the sky (`SkyLens`): how much of it is covered (%).
         within: only those whose feet (the middle of the box's lower edge) are in this part of the
             picture: left, top, right, bottom, each 0 to 1; the drive path, say.
+        zone: only those whose feet are in this one of the camera's `Detect.zones`.
+        line: this one of the camera's `Detect.lines`; goes with ``measure: left`` or ``right``.
+        measure: what is told of them.
+        over: of crossings, those of the last so many seconds; 0 counts on from when the camera was
+            looked at first.
 
     """
 
     stream: str = ""
     sees: str = ""
     within: tuple[float, float, float, float] | None = None
+    zone: str = ""
+    line: str = ""
+    measure: Measured = Measured.COUNT
+    over: float = 0.0
+
+    @property
+    def counts_all(self) -> bool:
+        """Whether it counts all of its class on the whole picture."""
+        anywhere = self.within is None and not self.zone and not self.line
+        return anywhere and self.measure is Measured.COUNT

@@ -33,6 +33,8 @@ class SteadyCounts:
 
     def __init__(self, detect: Detect) -> None:
         """Have seen nothing yet."""
+        # Its zones.
+        self._detect = detect
         # As sure as a box must be by itself (0 to 1).
         self._confidence = detect.confidence
         # How long a count stays after it was lower (µs); the description has it in seconds.
@@ -51,7 +53,7 @@ class SteadyCounts:
 
         Args:
             things: what the detector told of it.
-            sources: by signal; see `CameraObjects.count_things`.
+            sources: by signal, of those that count; see `CameraObjects.count_things`.
             at_us: when it was taken; a time before the last one begins anew.
 
         """
@@ -68,7 +70,7 @@ class SteadyCounts:
         self._counted = [*before, *((at_us, thing) for thing in believed)]
         counts = {}
         for name, source in sources.items():
-            now = sum(counts_as(source, thing) for thing in believed)
+            now = sum(counts_as(source, thing, self._detect) for thing in believed)
             past = [entry for entry in self._past.get(name, []) if entry[0] >= since_us]
             # Only what could still be the greatest is kept.
             kept = [count for count in past if count[1] > now]

@@ -51,11 +51,14 @@ devices:
       aside:
         name: Persons beside it
         source: {stream: front, sees: person, within: [0, 0, 0.3, 1]}
+      mat_dwell:
+        name: Longest on the mat (s)
+        source: {stream: front, sees: person, zone: mat, measure: dwell}
     streams:
       front:
         name: Front
         source: {topic: /images, type: sensor_msgs/msg/Image}
-        detect: {classes: [person], model: red, max_rate: 20, hold: 0.2}
+        detect: {classes: [person], model: red, max_rate: 20, hold: 0.2, zones: {mat: MAT}}
     drive:
       topic: /cmd_vel
       max_speed: 0.2
@@ -67,6 +70,7 @@ interlocks:
     refuse: [base/drive]
     dwell: 0.5
 """)
+SITE = SITE.replace("MAT", "{name: Mat, points: [[0.3, 0.6], [0.7, 0.6], [0.7, 1], [0.3, 1]]}")
 HEIGHT, WIDTH = 48, 64
 
 
@@ -149,6 +153,10 @@ async def test_what_is_seen_becomes_samples_boxes_and_sightings(
         over = await hub.next(SightingReport, lambda each: each.ended_us > 0)
         assert over.began_us == began.began_us < over.ended_us
         assert over.thumbnail == b""
+        # It stood on the mat for as long as it was there.
+        assert [(stay.zone, stay.entries) for stay in over.stays] == [("Mat", 1)]
+        assert 0 < over.stays[0].dwell_s == pytest.approx(max(hub.values("base/mat_dwell")), abs=1)
+        assert over.path[0][0] >= over.began_us
         await hub.until(lambda: hub.values("base/front_person")[-1] == 0, "nobody")
         assert set(hub.values("base/front_person")) == {0.0, 1.0}
         assert set(hub.values("base/in_path")) == {0.0, 1.0}

@@ -272,7 +272,7 @@ class World:
         site, _, device = about.partition("/")
         store = self.hub.hub.sightings.store
         picture = b"\xff\xd8not looked at\xff\xd9"
-        one = Sighted(site, f"{device}/eye", "person", NOW, NOW + 1, 1, 0.9, NOW, "b", picture)
+        one = Sighted(site, f"{device}/eye", "person", NOW, NOW + 1, 1, 0.9, NOW, "b", "", picture)
         await store.save_sightings([one], lambda _: None)
         found, _ = await store.find_sightings(site, SightingsAsked(cameras=[one.camera]), 1)
         return str(found[0].id)

@@ -81,14 +81,30 @@ async def test_a_person_is_seen_and_gone_on_pages_in_the_list_and_in_the_logbook
             "began_us": BEGAN,
             "ended_us": None,
             "picture": True,
+            "story": None,
         }
     ]
     client = await hub.client("operator")
     assert (await client.get("/api/sites/agv/events", params={"kind": KIND})).json()["events"] == []
     await gateway.say(seen(many=2, confidence=0.9))
     assert (await page.hear(SightingUpdate)).many == 2
-    await gateway.say(seen(many=2, confidence=0.9, ended_us=BEGAN + 3 * MINUTE))
+    story = {
+        "path": [(BEGAN, 0.25, 0.5), (BEGAN + MINUTE, 1.0, 0.75)],
+        "stays": [frames.ZoneStay(zone="Mat", entries=2, dwell_s=7.5)],
+        "crossings": [frames.LineCrossing(line="Door", left=1, right=0)],
+        "speed": 1.25,
+    }
+    await gateway.say(seen(many=2, confidence=0.9, ended_us=BEGAN + 3 * MINUTE, **story))
     assert (await page.hear(SightingUpdate)).ended_us == BEGAN + 3 * MINUTE
+    assert (await listed(hub))[0]["story"] == {
+        "path": [
+            {"time_us": BEGAN, "x": 0.25, "y": 0.5},
+            {"time_us": BEGAN + MINUTE, "x": 1.0, "y": 0.75},
+        ],
+        "stays": [{"zone": "Mat", "entries": 2, "dwell_s": 7.5}],
+        "crossings": [{"line": "Door", "left": 1, "right": 0}],
+        "speed": 1.25,
+    }
     line = await page.hear(EventUpdate, lambda each: each.kind == KIND)
     # The site's own time: an hour before UTC in winter.
     assert line.message == "person seen at Front camera 23:13–23:16 (at most 2)"

@@ -1,5 +1,7 @@
 /** What a camera sees, in words: classes by name, how many, and how sure. */
 
+import { formatDuration } from "./duration.js";
+
 /** What a class means to who looks: it has a colour of its own, and always its name beside. */
 export type ObjectKind = "person" | "animal" | "vehicle" | "thing";
 
@@ -38,6 +40,33 @@ function pluralOf(label: string): string {
   if (/(s|x|z|ch|sh)$/.test(last)) return `${label}es`;
   if (/[^aeiou]y$/.test(last)) return `${label.slice(0, -1)}ies`;
   return `${label}s`;
+}
+
+/** What one thing did while it was in sight. */
+export interface SightingStory {
+  readonly stays: readonly { readonly zone: string; readonly entries: number; readonly dwell_s: number }[];
+  readonly crossings: readonly { readonly line: string; readonly left: number; readonly right: number }[];
+  /** Mean on the floor (m/s); null where that is not known. */
+  readonly speed: number | null;
+}
+
+/** `12 s in Mat`, `crossed Door to the left twice`, `1.2 m/s`. */
+export function storyFacts(story: SightingStory | null | undefined): string[] {
+  if (story === null || story === undefined) return [];
+  const facts = story.stays.map(({ zone, entries, dwell_s }) =>
+    `${formatDuration(dwell_s)} in ${zone}${entries > 1 ? `, came ${timesText(entries)}` : ""}`);
+  for (const { line, left, right } of story.crossings) {
+    const sides = [["left", left], ["right", right]] as const;
+    for (const [side, many] of sides) {
+      if (many > 0) facts.push(`crossed ${line} to the ${side}${many > 1 ? ` ${timesText(many)}` : ""}`);
+    }
+  }
+  if (story.speed !== null) facts.push(`${story.speed.toFixed(1)}\u202fm/s`);
+  return facts;
+}
+
+function timesText(many: number): string {
+  return many === 2 ? "twice" : `${String(many)} times`;
 }
 
 /** `87 %`, with a space that no line is broken at. */

@@ -2056,10 +2056,24 @@ export interface WriteOnly {
   readonly keys?: Readonly<Record<string, string>> | null;
 }
 
+/** That it crossed a line on the picture. */
+export interface CrossingShape {
+  readonly line: string;
+  readonly left: number;
+  readonly right: number;
+}
+
 /** A class of which a camera has seen something that is kept. */
 export interface LabelShape {
   readonly camera: string;
   readonly label: string;
+}
+
+/** Where it stood, by parts of the picture's width and height from the upper left. */
+export interface PathPlace {
+  readonly time_us: number;
+  readonly x: number;
+  readonly y: number;
 }
 
 /** Something that a camera saw. */
@@ -2072,6 +2086,7 @@ export interface SeenShape {
   readonly began_us: number;
   readonly ended_us: number | null;
   readonly picture: boolean;
+  readonly story: StoryShape | null;
 }
 
 /** What may be asked for, in the order of the cameras' addresses. */
@@ -2083,6 +2098,21 @@ export interface SightingLabels {
 export interface SightingList {
   readonly sightings: readonly SeenShape[];
   readonly more: boolean;
+}
+
+/** That it was in a zone of the picture. */
+export interface StayShape {
+  readonly zone: string;
+  readonly entries: number;
+  readonly dwell_s: number;
+}
+
+/** What it did while it was in sight. */
+export interface StoryShape {
+  readonly path: readonly PathPlace[];
+  readonly stays: readonly StayShape[];
+  readonly crossings: readonly CrossingShape[];
+  readonly speed: number | null;
 }
 
 /** A raw topic that you may tap. */

@@ -21,10 +21,11 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
 from talaia.model.connection import DetectionSource, source_as
 from talaia.model.derived_signals import counts_of, detecting_cameras, detection_setup_of
-from talaia.model.detection import DetectAt
+from talaia.model.detection import DetectAt, Measured
 from talaia.objects.camera_objects import CameraObjects, least_of
 from talaia.objects.errors import DetectorError
 from talaia.objects.steady_counts import SteadyCounts
+from talaia.objects.tracker import colours_of
 from talaia.wire.columns import Columns
 from talaia.wire.frames import DetectedBoxes, DetectedObject
 
@@ -52,6 +53,8 @@ FIRST_WAIT_S, LONGEST_WAIT_S = 1.0, 30.0
 SILENCE_US = 1_000_000
 # Whole things are counted: a change by one is news.
 STILL = 0.5
+# Of a speed (m/s) less is.
+STILL_SPEED = 0.05
 # For decoding and waiting; more cameras than that take turns.
 THREADS = 8
 _T = TypeVar("_T")
@@ -340,20 +343,30 @@ class _Camera:
                 since_us, self._wait_s = max(since_us, look.mono_us), FIRST_WAIT_S
                 # A page is shown no more of it than of the picture; and none without a thing.
                 shown = await self._seeing.on_thread(look.may_leave) if things else None
-                self._publish_detections(look, things, shown)
+                # Of the picture itself: a blurred one has other colours, and only numbers leave.
+                colours = [colours_of(look.rgb, thing) for thing in things]
+                self._publish_detections(look, things, shown, colours)
 
     def _publish_detections(
-        self, look: CameraFrame, things: Sequence[Found], shown: NDArray[np.uint8] | None
+        self,
+        look: CameraFrame,
+        things: Sequence[Found],
+        shown: NDArray[np.uint8] | None,
+        colours: Sequence[NDArray[np.float64] | None],
     ) -> None:
         gathered = []
         readings = {}
+        # First: what signals tell of zones and lines is by whose each thing is.
+        news = self._eyes.add_picture(things, shown, look.time_us, colours)
         sources = _detection_sources(self._counted)
         steady = self._steady.count_things(things, sources, look.mono_us)
         for address, count in self._eyes.count_things(things).items():
             counted = self._counted[address]
             value = count * counted.signal.scale
-            held = steady[address] * counted.signal.scale
-            # Interlocks are told the steady count, pages the plain one.
+            # Interlocks are told the steady count, pages the plain one. Times, speeds and crossings
+            # are of tracks, which a miss in one picture does not end.
+            counts = sources[address].measure is Measured.COUNT
+            held = (steady[address] if counts else count) * counted.signal.scale
             readings[address] = ChannelReading(held, look.mono_us * 1000)
             if self._samplers[address].accept_sample(look.time_us, (value,)):
                 gathered.append((counted.channel, value))
@@ -365,9 +378,7 @@ class _Camera:
         )
         self._seeing.publish_counts(columns, readings)
         self._seeing.record_boxes(look, things)
-        self._seeing.report_sightings(
-            self._name, self._eyes.add_picture(things, shown, look.time_us)
-        )
+        self._seeing.report_sightings(self._name, news)
 
     def _pass_time(self) -> None:
         self._seeing.report_sightings(self._name, self._eyes.pass_time(self._seeing.now_us()))
@@ -390,7 +401,8 @@ class ReadingsWithDetections:
 def _make_sampler(signal: Signal) -> Sampler:
     """Keep what changes, and what does not once a second, or as seldom as the signal says."""
     interval_us = round(1e6 / signal.max_rate) if signal.max_rate > 0 else 0
-    still = max(signal.deadband, STILL * abs(signal.scale))
+    fast = source_as(signal.source, DetectionSource).measure is Measured.SPEED
+    still = max(signal.deadband, (STILL_SPEED if fast else STILL) * abs(signal.scale))
     return Sampler(SamplingRule(interval_us, still, max(SILENCE_US, interval_us)))
 
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import msgspec
 
 from talaia.errors import TalaiaError
-from talaia.wire.frames import LINK_FROM_GATEWAY, SightingReport
+from talaia.wire.frames import LINK_FROM_GATEWAY, LineCrossing, SightingReport, ZoneStay
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -128,6 +128,16 @@ class DetectionReporter:
             many=sighting.most,
             confidence=min(max(sighting.score, 0.0), 1.0),
             ended_us=sighting.ended_us or 0,
+            path=told.story.path_on_picture(),
+            stays=[
+                ZoneStay(zone=zone, entries=visit.entries, dwell_s=visit.dwell_s)
+                for zone, visit in told.story.zones
+            ],
+            crossings=[
+                LineCrossing(line=line, left=left, right=right)
+                for line, left, right in told.story.crossings
+            ],
+            speed=told.story.speed,
             thumbnail=told.thumbnail or (b"" if kept is None else kept.seen.thumbnail),
         )
         if kept is None:

@@ -456,6 +456,8 @@ sightings = Table(
     # The time of its line in the logbook; 0 before there is one.
     Column("noted_us", BigInteger, nullable=False),
     Column("pictured", Boolean, nullable=False),
+    # Its path, and what it did at zones and lines: JSON, or empty.
+    Column("story", String(8000), nullable=False, server_default=""),
     # JPEG. Last, so that a list need not read past it.
     Column("picture", PICTURE_BYTES),
     UniqueConstraint("site", "camera", "label", "began_us", name="uq_sightings_site"),

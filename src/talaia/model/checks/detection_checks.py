@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import Finding, check_above, finding_of, id_fits, name_fits
+from talaia.model.checks.zone_checks import measure_fits, zones_fit
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
 from talaia.model.detection import CLOUDS, DetectAt, DetectionSource
@@ -79,6 +80,7 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
     if not 0 <= detect.hold <= _LONGEST_HOLD_S:
         problem = f"expected 0 to {_LONGEST_HOLD_S:g} s, found {detect.hold}"
         yield Finding(f"{where}.hold", problem, "the interlock's own dwell may be longer")
+    yield from zones_fit(where, detect)
     if detect.model and detect.model not in site.object_models:
         yield _unknown_model(site, f"{where}.model", detect.model)
         return
@@ -155,6 +157,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         problem = f"nothing is detected on {source.stream}"
         yield Finding(f"{where}.stream", problem, "write at the stream: detect: {}")
         return
+    yield from measure_fits(where, source, detect)
     # None are known of a model that is not described; that is said at the stream.
     known = classes_of(site, detect.model)
     if known and source.sees not in known:

@@ -26,15 +26,21 @@ __all__ = [
     "DetectedBoxes",
     "DetectedObject",
     "KeyframeRequest",
+    "LineCrossing",
     "PictureForm",
     "PictureFrame",
     "SightingReport",
     "StreamError",
     "StreamSubscription",
+    "ZoneStay",
     "camera_address",
     "unblurred_address",
 ]
 
+# Of a sighting (s): longer than anything is in sight.
+Seconds = Annotated[float, Meta(ge=0, le=1e9)]
+# On the floor (m/s); a wrong calibration may give anything.
+Speed = Annotated[float, Meta(ge=0, le=1e6)]
 # Behind a camera's address: its pictures as they are, where others get them blurred. It is a
 # stream of its own, which a hub asks for only while somebody looks who may.
 _UNBLURRED = "!unblurred"
@@ -149,18 +155,38 @@ class DetectedBoxes(Message, frozen=True, kw_only=True, tag="boxes"):
     things: Annotated[list[DetectedObject], Meta(max_length=100)]
 
 
+class ZoneStay(Message, frozen=True, kw_only=True, tag="stay"):
+    """That something was in a zone of a camera's picture: how often it came, and how long (s)."""
+
+    zone: Name
+    entries: Count
+    dwell_s: Seconds
+
+
+class LineCrossing(Message, frozen=True, kw_only=True, tag="crossing"):
+    """That something crossed a line on a camera's picture: how often to each side."""
+
+    line: Name
+    left: Count
+    right: Count
+
+
 class SightingReport(Message, frozen=True, kw_only=True, tag="seen"):
-    """Something of one class came into sight, is seen surer or more often, or is gone.
+    """A thing came into sight, is seen surer or with more of its class, or is gone.
 
     On the link, to a hub that takes it (`Welcome`). ``stream``, ``label`` and ``began_us`` tell
     sightings apart; the same one may be told again, and what is told last counts.
 
     Attributes:
-        many: how many at once, at the most so far.
+        many: how many of the class at once meanwhile, at the most so far.
         confidence: of the surest so far.
         began_us: when it was seen first.
         ended_us: when it was seen last; 0 while it is in sight.
         thumbnail: JPEG of a moment of it; empty while there is none, or as it was told before.
+        path: where it stood, so far: time (µs), and parts of the picture's width and height.
+        stays: in the camera's zones.
+        crossings: of the camera's lines.
+        speed: its mean on the floor (m/s); none where that is not known.
 
     """
 
@@ -171,3 +197,7 @@ class SightingReport(Message, frozen=True, kw_only=True, tag="seen"):
     began_us: Micros
     ended_us: Micros = 0
     thumbnail: Thumbnail = b""
+    path: Annotated[list[tuple[Micros, Share, Share]], Meta(max_length=64)] = []
+    stays: Annotated[list[ZoneStay], Meta(max_length=32)] = []
+    crossings: Annotated[list[LineCrossing], Meta(max_length=32)] = []
+    speed: Speed | None = None

@@ -9,7 +9,7 @@ from talaia.hub.store.audit import Audit, AuditEntry, AuditFilter
 from talaia.hub.store.sites.sightings import Sighted, SightingsAsked, SightingStore
 
 PICTURE = bytes(range(256)) * 200
-SEEN = Sighted("agv", "camera/front", "person", 100, 0, 1, 0.7, 5, "boot-1", PICTURE)
+SEEN = Sighted("agv", "camera/front", "person", 100, 0, 1, 0.7, 5, "boot-1", "", PICTURE)
 OVER = SEEN._replace(ended_us=200, many=3, confidence=0.9, told_us=6, picture=b"")
 CAMERAS = ("camera/front",)
 

@@ -2,8 +2,9 @@
 
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { formatDuration } from "../../format/duration.js";
-import { countText, confidenceText } from "../../format/object-names.js";
+import { countText, confidenceText, storyFacts, type SightingStory } from "../../format/object-names.js";
 import { base, quietText } from "../base/base-style.js";
 import { onPicture } from "../camera/picture-overlay.js";
 import "../base/icon.js";
@@ -17,6 +18,8 @@ export interface SightingFacts {
   readonly confidence: number;
   readonly began_us: number;
   readonly ended_us: number | null;
+  /** What it did, of one that was followed. */
+  readonly story?: SightingStory | null;
 }
 
 /**
@@ -118,7 +121,9 @@ export class SightingCard extends LitElement {
   }
 
   override render(): TemplateResult {
-    const { label, many, confidence, began_us, ended_us } = this.sighting;
+    const { label, confidence, began_us, ended_us, story } = this.sighting;
+    // One that was followed is one thing; of those before it is told how many there were at once.
+    const many = story === null || story === undefined ? this.sighting.many : 1;
     const there = this.picture !== "" && !this.lost;
     return html`<div class="picture ${there ? "there" : ""}">
         ${there
@@ -141,6 +146,8 @@ export class SightingCard extends LitElement {
           <span>${this.camera}</span>
           ${ended_us === null ? nothing : html`<span>for ${formatDuration(Math.max(1, Math.round((ended_us - began_us) / 1e6)))}</span>`}
           <span title="Of the surest one">${confidenceText(confidence)} sure</span>
+          ${many === this.sighting.many ? nothing : html`<span>at most ${this.sighting.many} at once</span>`}
+          ${map(storyFacts(story), (fact) => html`<span>${fact}</span>`)}
         </div>
         <slot></slot>
       </div>`;

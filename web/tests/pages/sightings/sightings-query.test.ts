@@ -5,7 +5,7 @@ import type { SeenShape, SiteShape } from "../../../src/generated/api.js";
 
 const LABELS = ["person", "dog", "wine glass", "hot dog"];
 const row = (id: number, more: Partial<SeenShape> = {}): SeenShape => ({
-  id: String(id), camera: "camera/front", label: "person", many: 1, confidence: 0.8, began_us: 100e6, ended_us: null, picture: false, ...more,
+  id: String(id), camera: "camera/front", label: "person", many: 1, confidence: 0.8, began_us: 100e6, ended_us: null, picture: false, story: null, ...more,
 });
 
 test("a filter survives the address, and all of it is as if there were none", () => {

@@ -16,6 +16,7 @@ from talaia.hub.api.schemas.sighting_schemas import (
     SeenShape,
     SightingLabels,
     SightingList,
+    StoryShape,
 )
 from talaia.hub.auth.permissions import Right, sees_stream
 from talaia.hub.store.sites.sightings import SightingsAsked
@@ -105,6 +106,7 @@ def seen_shape(kept: Kept) -> SeenShape:
         began_us=sighted.began_us,
         ended_us=sighted.ended_us or None,
         picture=kept.pictured,
+        story=StoryShape.model_validate_json(sighted.story) if sighted.story else None,
     )
 
 

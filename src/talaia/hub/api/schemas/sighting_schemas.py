@@ -4,7 +4,49 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-__all__ = ["LabelShape", "SeenShape", "SightingLabels", "SightingList"]
+__all__ = [
+    "CrossingShape",
+    "LabelShape",
+    "PathPlace",
+    "SeenShape",
+    "SightingLabels",
+    "SightingList",
+    "StayShape",
+    "StoryShape",
+]
+
+
+class StayShape(BaseModel):
+    """That it was in a zone of the picture."""
+
+    zone: str = Field(description="what the zone is called")
+    entries: int = Field(description="how often it came in")
+    dwell_s: float = Field(description="how long it was there in all (s)")
+
+
+class CrossingShape(BaseModel):
+    """That it crossed a line on the picture."""
+
+    line: str = Field(description="what the line is called")
+    left: int
+    right: int
+
+
+class PathPlace(BaseModel):
+    """Where it stood, by parts of the picture's width and height from the upper left."""
+
+    time_us: int
+    x: float
+    y: float
+
+
+class StoryShape(BaseModel):
+    """What it did while it was in sight."""
+
+    path: list[PathPlace]
+    stays: list[StayShape]
+    crossings: list[CrossingShape]
+    speed: float | None = Field(description="mean on the floor (m/s); null where unknown")
 
 
 class SeenShape(BaseModel):
@@ -18,6 +60,9 @@ class SeenShape(BaseModel):
     began_us: int
     ended_us: int | None = Field(description="when it was seen last; null while it is in sight")
     picture: bool = Field(description="whether there is a picture of a moment of it")
+    story: StoryShape | None = Field(
+        description="what it did; null of what was seen before things were followed"
+    )
 
 
 class SightingList(BaseModel):

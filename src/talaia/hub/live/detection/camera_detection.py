@@ -211,6 +211,8 @@ class CameraDetection:
     ) -> None:
         self._last_us = picture.time_us
         self._ahead_us = self._around.now_us() - picture.time_us
+        # First: what signals tell of zones and lines is by whose each thing is.
+        news = self._eyes.add_picture(found, rgb, picture.time_us)
         counts = {}
         for address, count in self._eyes.count_things(found).items():
             value = count * self._counted[address].scale
@@ -221,9 +223,7 @@ class CameraDetection:
                 counts[address] = value
         self._around.publish_counts(self._live, picture.time_us, counts)
         self._around.show_boxes(self._live, self._name, picture, found)
-        self._around.publish_sightings(
-            self._live, self._name, self._eyes.add_picture(found, rgb, picture.time_us)
-        )
+        self._around.publish_sightings(self._live, self._name, news)
 
     def _pass_time(self) -> None:
         """Let what is in sight end, by the camera's clock, when no picture has come for a while."""

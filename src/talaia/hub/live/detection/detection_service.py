@@ -30,7 +30,14 @@ from talaia.model.derived_signals import counts_of, detecting_cameras, detection
 from talaia.model.detection import DetectAt
 from talaia.objects.camera_objects import least_of
 from talaia.wire.columns import Columns
-from talaia.wire.frames import DetectedBoxes, DetectedObject, PictureForm, SightingReport
+from talaia.wire.frames import (
+    DetectedBoxes,
+    DetectedObject,
+    LineCrossing,
+    PictureForm,
+    SightingReport,
+    ZoneStay,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -313,7 +320,7 @@ class DetectionService:
 
     def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[SightingNews]) -> None:
         """Take news of sightings."""
-        for sighting, thumbnail in news:
+        for sighting, thumbnail, story in news:
             seen = SightingReport(
                 stream=camera,
                 label=sighting.label,
@@ -322,6 +329,16 @@ class DetectionService:
                 began_us=sighting.began_us,
                 ended_us=sighting.ended_us or 0,
                 thumbnail=thumbnail,
+                path=story.path_on_picture(),
+                stays=[
+                    ZoneStay(zone=zone, entries=visit.entries, dwell_s=visit.dwell_s)
+                    for zone, visit in story.zones
+                ],
+                crossings=[
+                    LineCrossing(line=line, left=left, right=right)
+                    for line, left, right in story.crossings
+                ],
+                speed=story.speed,
             )
             self._sightings.record_sighting(live, seen, self.boot)
 

@@ -6,6 +6,8 @@ import datetime as dt
 from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import ZoneInfo
 
+import msgspec
+
 from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
@@ -14,14 +16,25 @@ if TYPE_CHECKING:
     from talaia.hub.store.sites.sightings import Sighted
     from talaia.model.detection import Detect
     from talaia.model.site import Site, Stream
+    from talaia.wire.frames import SightingReport
 
-__all__ = ["Key", "KnownSighting", "SiteSightings", "detect_of", "merge_sightings", "said_of"]
+__all__ = [
+    "Key",
+    "KnownSighting",
+    "SiteSightings",
+    "detect_of",
+    "merge_sightings",
+    "said_of",
+    "story_text",
+]
 
 # Of one site: so many may begin, or show another picture, at once, and then so many a second.
 # A gateway that was away tells a few hundred at once.
 _BURST, _A_SECOND = 1000, 5.0
 # Of one site, in sight and waiting; more is nothing that a person could follow.
 _MOST_OPEN = 500
+# Zones, and lines, that are told of one sighting: the table holds 8 000 letters.
+_MOST_TOLD = 8
 # After so long without one left out it is said that it is over (s).
 _CALM_S = 60.0
 
@@ -101,6 +114,25 @@ def merge_sightings(
         keeps = before is not None and not sighting.picture
         found[key] = sighting._replace(picture=before.picture) if before and keeps else sighting
     return found
+
+
+def story_text(seen: SightingReport) -> str:
+    """Write what a thing did as JSON, within what the table holds; empty where nothing is told."""
+    if not (seen.path or seen.stays or seen.crossings or seen.speed is not None):
+        return ""
+    story = {
+        "path": [{"time_us": us, "x": round(x, 3), "y": round(y, 3)} for us, x, y in seen.path],
+        "stays": [
+            {"zone": safe_text(one.zone, 100), "entries": one.entries, "dwell_s": one.dwell_s}
+            for one in seen.stays[:_MOST_TOLD]
+        ],
+        "crossings": [
+            {"line": safe_text(one.line, 100), "left": one.left, "right": one.right}
+            for one in seen.crossings[:_MOST_TOLD]
+        ],
+        "speed": seen.speed,
+    }
+    return msgspec.json.encode(story).decode()
 
 
 def said_of(sighted: Sighted, site: Site | None) -> str:

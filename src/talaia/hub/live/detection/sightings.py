@@ -24,6 +24,7 @@ from talaia.hub.live.detection.sighting_limits import (
     detect_of,
     merge_sightings,
     said_of,
+    story_text,
 )
 from talaia.hub.live.pictures.jpeg_validator import NotAPicture, bare_jpeg
 from talaia.hub.ports import SightingEvent
@@ -166,6 +167,7 @@ class SightingJournal:
             seen.confidence,
             self._now_us(),
             safe_text(boot, 200),
+            story_text(seen),
         )
         picture = b""
         waits = self._waiting.get(sighted.key)

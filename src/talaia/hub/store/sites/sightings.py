@@ -41,6 +41,7 @@ class Sighted(NamedTuple):
         confidence: of the surest, 0 to 1.
         told_us: when the hub was told of it last, by its own clock (UTC).
         boot: the run that told it.
+        story: its path, and what it did at zones and lines, as JSON; empty for none.
         picture: JPEG; empty for none, or to keep the one that is there.
 
     """
@@ -54,6 +55,7 @@ class Sighted(NamedTuple):
     confidence: float
     told_us: int
     boot: str
+    story: str = ""
     picture: bytes = b""
 
     @property
