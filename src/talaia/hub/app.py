@@ -28,6 +28,7 @@ from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.records.imports import ImportsFeature
+from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -126,7 +127,8 @@ class Hub(AssembledHub):
                 self.people.access.guard_request,
                 self.client_protocols.admission.guard_request,
                 self.people.limits.check_request,
-            )
+            ),
+            picture_origins=lambda: self.maps.sources.origins,
         )
 
     def _add_connections(self) -> None:
@@ -144,6 +146,7 @@ class Hub(AssembledHub):
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=self.history.store)
         self.boards = BoardsFeature(core, audit=log)
+        self.maps = MapsFeature(core, audit=log)
         self.connections = ConnectionsFeature(
             core,
             seats=self.people.seats,
