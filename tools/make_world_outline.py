@@ -100,7 +100,7 @@ def main() -> None:
         text = ";".join(write_line(line) for line in lines if len(line) > 1)
         parts.append(f'export const {name} =\n  "{text}";\n')
     TARGET.write_text("".join(parts), encoding="utf-8")
-    print(f"{TARGET.relative_to(ROOT)}: {len(rings)} rings, {len(borders)} borders")  # noqa: T201
+    print(f"{TARGET.relative_to(ROOT)}: {len(rings)} rings, {len(borders)} borders")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Any
 
 from talaia.model.base import Shape
 
@@ -63,6 +64,18 @@ class ZoneGeometry(Shape, frozen=True, kw_only=True):
 
     type: GeometryType
     coordinates: tuple[object, ...]
+
+    def lines(self) -> list[list[tuple[float, float]]]:
+        """Give longitude and latitude (°) of each place: a polygon's rings, or one line.
+
+        Only of what `map_checks` found no fault with.
+        """
+        given: Any = self.coordinates
+        if self.type is GeometryType.POINT:
+            lines = [[given]]
+        else:
+            lines = given if self.type is GeometryType.POLYGON else [given]
+        return [[(float(place[0]), float(place[1])) for place in line] for line in lines]
 
 
 class MapZone(Shape, frozen=True, kw_only=True):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from pydantic import BaseModel, ConfigDict, Field
 
 from talaia.hub.store.sites.map_sources import SourceKind
@@ -12,6 +10,7 @@ from talaia.model.maps.site_map import GeometryType, ZoneKind  # noqa: TC001 - p
 __all__ = [
     "FloorPlanShape",
     "MapFile",
+    "MapLineShape",
     "MapOffer",
     "MapOriginShape",
     "MapSession",
@@ -37,14 +36,21 @@ class MapOriginShape(_Shape):
     heading: float
 
 
+class MapLineShape(_Shape):
+    """Places in turn (°)."""
+
+    latitudes: list[float]
+    longitudes: list[float]
+
+
 class MapZoneShape(_Shape):
-    """A zone; ``coordinates`` as GeoJSON has them for ``type``."""
+    """A zone: one line, a ring for each of a polygon's, or one place of a point."""
 
     id: str
     name: str
     kind: ZoneKind
     type: GeometryType
-    coordinates: list[Any]
+    lines: list[MapLineShape]
     alarm: str
     interlock: str
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.api.maps.map_schemas import (
     FloorPlanShape,
+    MapLineShape,
     MapOriginShape,
     MapZoneShape,
     SiteMapShape,
@@ -18,7 +19,7 @@ from talaia.model.roles import SignalRole
 from talaia.model.site import PositionFrame, SignalType
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import LiveSite
@@ -82,7 +83,7 @@ def describe_map(site: Site, grants: Grants) -> SiteMapShape | None:
                 name=zone.name,
                 kind=zone.kind,
                 type=zone.geometry.type,
-                coordinates=list(zone.geometry.coordinates),
+                lines=[_line_schema(line) for line in zone.geometry.lines()],
                 alarm=zone.alarm,
                 interlock=zone.interlock,
             )
@@ -135,6 +136,13 @@ def glance_at(live: LiveSite, grants: Grants, fresh: Collection[tuple[str, str]]
             ),
             "",
         ),
+    )
+
+
+def _line_schema(line: Sequence[tuple[float, float]]) -> MapLineShape:
+    return MapLineShape(
+        latitudes=[latitude for _, latitude in line],
+        longitudes=[longitude for longitude, _ in line],
     )
 
 
