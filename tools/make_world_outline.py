@@ -23,7 +23,7 @@ TARGET = ROOT / "web" / "src" / "elements" / "map" / "world-outline.ts"
 STEPS = 10  # Of a degree.
 HEAD = """\
 /**
- * The coarse world: land and borders of Natural Earth at 1:110 million, which is in the public domain.
+ * The coarse world: land and borders of Natural Earth at 1:110 million, in the public domain.
  * Made by tools/make_world_outline.py; do not edit it. Each line is a ring or a line: longitude and
  * latitude of its first place in tenths of a degree, then the steps to each next one.
  */

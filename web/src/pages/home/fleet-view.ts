@@ -28,6 +28,7 @@ export class FleetView extends LitElement {
     css`
       :host {
         display: grid;
+        grid-template-columns: minmax(0, 1fr);
         gap: var(--t-space-4);
       }
       .tools {
@@ -35,11 +36,16 @@ export class FleetView extends LitElement {
         flex-wrap: wrap;
         gap: var(--t-space-2);
       }
+      .tools > * {
+        flex: 1 1 auto;
+        max-inline-size: 100%;
+      }
       .tools input {
-        flex: 1 1 14rem;
+        flex: 4 1 14rem;
       }
       section {
         display: grid;
+        grid-template-columns: minmax(0, 1fr);
         gap: var(--t-space-2);
       }
       ul {

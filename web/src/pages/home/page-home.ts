@@ -27,6 +27,7 @@ export class PageHome extends LitElement {
     css`
       :host {
         display: grid;
+        grid-template-columns: minmax(0, 1fr);
         gap: var(--t-space-4);
       }
       .head {

@@ -87,12 +87,12 @@ export class MapSourcesSection extends LitElement {
             <t-field label="Attribution" hint="What its makers ask to be shown"><input id="attribution" autocomplete="off" maxlength="200" /></t-field>
             <t-field label="Greatest zoom"><input id="zoom" type="number" min="0" max="24" value="19" /></t-field>`}
       <t-field
-        label="What this tells others"
+        label="I allow that for everyone at this hub"
         hint=${google
           ? "Google learns from each browser its address and, by the tiles, where your robots are. Its terms hold."
           : "The server learns from each browser its address and, by the tiles, where your robots are. Pages may ask that host for pictures, and no other."}
       >
-        <label><input id="agreed" type="checkbox" /> I allow that for everyone at this hub</label>
+        <input id="agreed" type="checkbox" />
       </t-field>
       ${renderFormActions({ submit: "Allow it", busy: this.action.busy, cancel: this.closeForm })}
     </form>`;

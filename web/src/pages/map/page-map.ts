@@ -32,6 +32,7 @@ export class PageMap extends LitElement {
     css`
       :host {
         display: grid;
+        grid-template-columns: minmax(0, 1fr);
         gap: var(--t-space-4);
       }
       t-geo-map {
