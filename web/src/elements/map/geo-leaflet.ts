@@ -1,10 +1,10 @@
 /** Leaflet for a map of Earth, loaded when one is first shown: Web Mercator, tiles, touch and keys. */
 
 import * as L from "leaflet";
-import { PMTiles, TileType } from "pmtiles";
 import type { GeoColours } from "./geo-painter.js";
 import type { MapPlace } from "./geodesy.js";
 import { styles } from "./leaflet.js";
+import { PmtilesFile, rangesOf } from "./pmtiles.js";
 import { paintVectorTile } from "./vector-tile-painter.js";
 
 export { styles };
@@ -67,13 +67,6 @@ export function pictureTiles(address: string, mostZoom: number, onTrouble: () =>
   }).on("tileerror", onTrouble);
 }
 
-const PICTURES: ReadonlyMap<TileType, string> = new Map([
-  [TileType.Png, "image/png"],
-  [TileType.Jpeg, "image/jpeg"],
-  [TileType.Webp, "image/webp"],
-  [TileType.Avif, "image/avif"],
-]);
-
 export interface FileGround {
   readonly layer: L.Layer;
   readonly attribution: string;
@@ -87,10 +80,10 @@ export interface FileGround {
  * @throws Error where it is none
  */
 export async function fileTiles(url: string, colours: () => GeoColours, font: string, onTrouble: () => void): Promise<FileGround> {
-  const file = new PMTiles(new URL(url, location.href).href);
-  const header = await file.getHeader();
-  const about = (await file.getMetadata()) as { readonly attribution?: unknown };
-  const picture = PICTURES.get(header.tileType);
+  const file = await PmtilesFile.open(rangesOf(url));
+  const { header } = file;
+  if (header.kind === "unknown") throw new Error("its tiles are of a kind that is not read");
+  const about = (await file.metadata()) as { readonly attribution?: unknown };
   const Layer = L.GridLayer.extend({
     createTile(this: L.GridLayer, at: L.Coords, done: L.DoneCallback): HTMLElement {
       const size = this.getTileSize().x;
@@ -99,14 +92,14 @@ export async function fileTiles(url: string, colours: () => GeoColours, font: st
       canvas.width = Math.round(size * ratio);
       canvas.height = Math.round(size * ratio);
       const draw = async (): Promise<void> => {
-        const tile = await file.getZxy(at.z, at.x, at.y);
+        const tile = await file.tile(at.z, at.x, at.y);
         const pen = canvas.getContext("2d");
         // A tile that is not in the file is empty there: sea, or beyond its edge.
-        if (tile === undefined || pen === null) return;
+        if (tile === null || pen === null) return;
         pen.scale(ratio, ratio);
-        if (picture === undefined) paintVectorTile(pen, tile.data, size, colours(), font);
+        if (header.kind === "vector") paintVectorTile(pen, tile, size, colours(), font);
         else {
-          const image = await createImageBitmap(new Blob([tile.data], { type: picture }));
+          const image = await createImageBitmap(new Blob([tile], { type: header.kind }));
           pen.drawImage(image, 0, 0, size, size);
           image.close();
         }
@@ -124,8 +117,8 @@ export async function fileTiles(url: string, colours: () => GeoColours, font: st
     },
   }) as new (options: L.GridLayerOptions) => L.GridLayer;
   const bounds: L.LatLngBoundsExpression = [
-    [header.minLat, header.minLon],
-    [header.maxLat, header.maxLon],
+    [header.south, header.west],
+    [header.north, header.east],
   ];
   return {
     layer: new Layer({ minNativeZoom: header.minZoom, maxNativeZoom: header.maxZoom, maxZoom: ZOOM.most, bounds }),

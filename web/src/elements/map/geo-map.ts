@@ -9,6 +9,7 @@ import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../feedback/loading.js";
 import "../forms/button.js";
+import { control } from "../forms/input-style.js";
 import { renderOptions } from "../forms/form-parts.js";
 import type * as GeoLeaflet from "./geo-leaflet.js";
 import { paintScene, paintWorld, type DrawnPicture, type DrawnZone, type GeoColours, type GeoScene, type MapRobot, type TrailPoint } from "./geo-painter.js";
@@ -28,6 +29,7 @@ const REACH = 22;
 export class GeoMapElement extends LitElement {
   static override styles = [
     base,
+    control,
     mapFrame,
     css`
       .under {
@@ -250,7 +252,7 @@ export class GeoMapElement extends LitElement {
     }
     const at = places[0] ?? home;
     if (at === null) return;
-    const zoom = this.placed ? geo.map.getZoom() : this.fleet ? 9 : 19;
+    const zoom = this.placed ? geo.map.getZoom() : this.fleet ? 17 : 19;
     this.placed = true;
     geo.map.setView([at.lat, at.lon], zoom, { animate: false });
   }
