@@ -122,12 +122,10 @@ class Hub(AssembledHub):
         )
         self._add_connections()
         # The limits go last: they count by the person that one of the others finds.
+        people, protocols = self.people, self.client_protocols
+        guards = (people.access.guard_request, protocols.admission.guard_request)
         self.serve_features(
-            (
-                self.people.access.guard_request,
-                self.client_protocols.admission.guard_request,
-                self.people.limits.check_request,
-            ),
+            (*guards, people.limits.check_request),
             picture_origins=lambda: self.maps.sources.origins,
         )
 

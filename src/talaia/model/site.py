@@ -373,8 +373,7 @@ class Site(Shape, frozen=True, kw_only=True):
         boards: grids of tiles that the hub's pages offer, by name; see `Board`.
         shown_units: in which unit pages show values of another, ``°C: °F``, to who chose none.
         map: its local frame on Earth, zones and plans of floors; see `SiteMap`.
-        group: under which it stands among many sites, such as ``Warehouse north``.
-        tags: words by which it is found among many.
+        group: under which it stands among many sites; ``tags``: words by which it is found there.
 
     """
 
@@ -480,13 +479,11 @@ class Site(Shape, frozen=True, kw_only=True):
             watched |= {sensor.signal for sensor in sensors}
             # Segments and the flap, too: the roof is closed only when they are.
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
-            if enclosure.parked is not None:
-                watched.add(enclosure.parked.signal)
+            watched |= {enclosure.parked.signal} if enclosure.parked is not None else set()
             if (follow := enclosure.follow) is not None:
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
                 watched |= {sensor.signal for sensor in (follow.moving, follow.open) if sensor}
-        if self.night is not None:
-            watched |= self.night.readings()
+        watched |= self.night.readings() if self.night is not None else set()
         return frozenset(confirming | watched)
 
 

@@ -68,12 +68,11 @@ export interface GeoColours extends Colours {
   readonly label: string;
 }
 
-type Pen = CanvasRenderingContext2D;
 
 /** Web Mercator ends there (°). */
 const MOST_LAT = 85.05;
 
-export function paintWorld(pen: Pen, sight: GeoSight, world: WorldOutline, colours: GeoColours): void {
+export function paintWorld(pen: CanvasRenderingContext2D, sight: GeoSight, world: WorldOutline, colours: GeoColours): void {
   pen.clearRect(0, 0, sight.width, sight.height);
   // The world stands beside itself: whoever looks over the antimeridian sees it on both sides.
   for (const shift of [-360, 0, 360]) {
@@ -94,7 +93,7 @@ export function paintWorld(pen: Pen, sight: GeoSight, world: WorldOutline, colou
   }
 }
 
-function traceOutline(pen: Pen, sight: GeoSight, line: OutlineLine, shift: number): void {
+function traceOutline(pen: CanvasRenderingContext2D, sight: GeoSight, line: OutlineLine, shift: number): void {
   for (let i = 0; i + 1 < line.length; i += 2) {
     const lat = Math.max(-MOST_LAT, Math.min(MOST_LAT, line[i + 1] ?? 0));
     const [x, y] = sight.project({ lat, lon: (line[i] ?? 0) + shift });
@@ -103,7 +102,7 @@ function traceOutline(pen: Pen, sight: GeoSight, line: OutlineLine, shift: numbe
   }
 }
 
-export function paintScene(pen: Pen, sight: GeoSight, scene: GeoScene, colours: GeoColours, font: string): void {
+export function paintScene(pen: CanvasRenderingContext2D, sight: GeoSight, scene: GeoScene, colours: GeoColours, font: string): void {
   pen.clearRect(0, 0, sight.width, sight.height);
   for (const picture of scene.pictures) paintPicture(pen, sight, picture);
   for (const zone of scene.zones) paintZone(pen, sight, zone, colours);
@@ -123,7 +122,7 @@ export function paintScene(pen: Pen, sight: GeoSight, scene: GeoScene, colours: 
   }
 }
 
-function paintPicture(pen: Pen, sight: GeoSight, { image, width, height, corners, opacity }: DrawnPicture): void {
+function paintPicture(pen: CanvasRenderingContext2D, sight: GeoSight, { image, width, height, corners, opacity }: DrawnPicture): void {
   const [[x, y], [rightX, rightY], [belowX, belowY]] = [sight.project(corners[0]), sight.project(corners[1]), sight.project(corners[2])];
   pen.save();
   pen.transform((rightX - x) / width, (rightY - y) / width, (belowX - x) / height, (belowY - y) / height, x, y);
@@ -139,7 +138,7 @@ function zoneColour({ kind, trouble }: DrawnZone, colours: GeoColours): string {
   return { zone: colours.info, fence: colours.strong, dock: colours.ok }[kind];
 }
 
-function paintZone(pen: Pen, sight: GeoSight, zone: DrawnZone, colours: GeoColours): void {
+function paintZone(pen: CanvasRenderingContext2D, sight: GeoSight, zone: DrawnZone, colours: GeoColours): void {
   const colour = zoneColour(zone, colours);
   pen.beginPath();
   for (const line of zone.lines) {
@@ -173,7 +172,7 @@ export function shareColour(share: number): string {
   return `hsl(${String(hue)} ${String(Math.round(20 + 75 * chroma))}% ${String(Math.round(38 + 24 * at))}%)`;
 }
 
-function paintTrail(pen: Pen, sight: GeoSight, trail: readonly TrailPoint[], colours: GeoColours): void {
+function paintTrail(pen: CanvasRenderingContext2D, sight: GeoSight, trail: readonly TrailPoint[], colours: GeoColours): void {
   pen.lineJoin = "round";
   pen.lineCap = "round";
   pen.lineWidth = 3;
@@ -201,7 +200,7 @@ function paintTrail(pen: Pen, sight: GeoSight, trail: readonly TrailPoint[], col
   finish();
 }
 
-function paintRobot(pen: Pen, sight: GeoSight, robot: MapRobot, colours: GeoColours): void {
+function paintRobot(pen: CanvasRenderingContext2D, sight: GeoSight, robot: MapRobot, colours: GeoColours): void {
   const [x, y] = sight.project(robot.place);
   if (x < -40 || y < -40 || x > sight.width + 40 || y > sight.height + 40) return;
   const colour = robot.trouble === "" ? colours.accent : colours[robot.trouble];
@@ -249,7 +248,7 @@ interface MapLabel {
 }
 
 /** Writes a text unless it would lie over another: among hundreds of robots the nearer look tells. */
-function writeLabel(pen: Pen, sight: GeoSight, label: MapLabel, boxes: LabelBox[], colours: GeoColours): void {
+function writeLabel(pen: CanvasRenderingContext2D, sight: GeoSight, label: MapLabel, boxes: LabelBox[], colours: GeoColours): void {
   if (label.x < 0 || label.y < 0 || label.x > sight.width || label.y > sight.height || boxes.length > 80) return;
   const width = pen.measureText(label.text).width;
   const box = { left: label.x - 2, right: label.x + width + 2, top: label.y - 8, bottom: label.y + 8 };

@@ -12,7 +12,7 @@ export interface MapPlace {
 }
 
 /** m on a plane. */
-export interface PlanePoint {
+export interface GroundPoint {
   readonly x: number;
   readonly y: number;
 }
@@ -37,7 +37,7 @@ function earthCentred({ lat, lon }: MapPlace): Triple {
 }
 
 /** East and north of an origin (m), on the plane that touches there. */
-export function flatPosition(place: MapPlace, origin: MapPlace): PlanePoint {
+export function flatPosition(place: MapPlace, origin: MapPlace): GroundPoint {
   const [at, zero] = [earthCentred(place), earthCentred(origin)];
   const [dx, dy, dz] = [at[0] - zero[0], at[1] - zero[1], at[2] - zero[2]];
   const [sinLat, cosLat] = [Math.sin(origin.lat * RADIANS), Math.cos(origin.lat * RADIANS)];
@@ -49,7 +49,7 @@ export function flatPosition(place: MapPlace, origin: MapPlace): PlanePoint {
 }
 
 /** The place that lies so far east and north of an origin (m) on the plane that touches there. */
-export function placeOfFlat({ x, y }: PlanePoint, origin: MapPlace): MapPlace {
+export function placeOfFlat({ x, y }: GroundPoint, origin: MapPlace): MapPlace {
   const zero = earthCentred(origin);
   const [sinLat, cosLat] = [Math.sin(origin.lat * RADIANS), Math.cos(origin.lat * RADIANS)];
   const [sinLon, cosLon] = [Math.sin(origin.lon * RADIANS), Math.cos(origin.lon * RADIANS)];
@@ -66,7 +66,7 @@ export function placeOfFlat({ x, y }: PlanePoint, origin: MapPlace): MapPlace {
 }
 
 /** The place of a point of a local frame. */
-export function placeOfLocal({ x, y }: PlanePoint, frame: MapFrame): MapPlace {
+export function placeOfLocal({ x, y }: GroundPoint, frame: MapFrame): MapPlace {
   const [sin, cos] = [Math.sin(frame.heading * RADIANS), Math.cos(frame.heading * RADIANS)];
   return placeOfFlat({ x: x * sin - y * cos, y: x * cos + y * sin }, frame);
 }

@@ -4,7 +4,6 @@ import { VectorTile, type VectorTileFeature } from "@mapbox/vector-tile";
 import { PbfReader } from "pbf";
 import type { GeoColours } from "./geo-painter.js";
 
-type Pen = CanvasRenderingContext2D;
 type Look = "land" | "green" | "water" | "building" | "road" | "rail" | "border" | "places";
 
 /** By the layer's name, in the order of drawing. What is not there is not drawn. */
@@ -33,7 +32,7 @@ const LINE = 2;
 const SMALL_ROADS = new Set(["path", "footway", "minor", "minor_road", "service", "track", "other"]);
 
 /** @param size side of the tile (px) */
-export function paintVectorTile(pen: Pen, data: ArrayBuffer, size: number, colours: GeoColours, font: string): void {
+export function paintVectorTile(pen: CanvasRenderingContext2D, data: ArrayBuffer, size: number, colours: GeoColours, font: string): void {
   const { layers } = new VectorTile(new PbfReader(new Uint8Array(data)));
   for (const [name, look] of LOOKS) {
     const layer = layers[name];
@@ -46,7 +45,7 @@ export function paintVectorTile(pen: Pen, data: ArrayBuffer, size: number, colou
   }
 }
 
-function paintFeature(pen: Pen, feature: VectorTileFeature, look: Look, scale: number, colours: GeoColours): void {
+function paintFeature(pen: CanvasRenderingContext2D, feature: VectorTileFeature, look: Look, scale: number, colours: GeoColours): void {
   if (feature.type !== AREA && feature.type !== LINE) return;
   pen.beginPath();
   for (const ring of feature.loadGeometry()) {
@@ -80,7 +79,7 @@ function paintFeature(pen: Pen, feature: VectorTileFeature, look: Look, scale: n
   pen.globalAlpha = 1;
 }
 
-function writePlace(pen: Pen, feature: VectorTileFeature, scale: number, colours: GeoColours, font: string): void {
+function writePlace(pen: CanvasRenderingContext2D, feature: VectorTileFeature, scale: number, colours: GeoColours, font: string): void {
   const at = feature.loadGeometry()[0]?.[0];
   const { name } = feature.properties;
   if (at === undefined || typeof name !== "string") return;

@@ -135,24 +135,24 @@ export class FleetView extends LitElement {
   }
 
   private readonly onWords = (event: Event): void => {
-    if (event.target instanceof HTMLInputElement) this.ask({ words: event.target.value });
+    if (event.target instanceof HTMLInputElement) this.changeQuery({ words: event.target.value });
   };
 
   private readonly onTag = (event: Event): void => {
-    if (event.target instanceof HTMLSelectElement) this.ask({ tag: event.target.value });
+    if (event.target instanceof HTMLSelectElement) this.changeQuery({ tag: event.target.value });
   };
 
   private readonly onOrder = (event: Event): void => {
     if (!(event.target instanceof HTMLSelectElement) || !isFleetOrder(event.target.value)) return;
     localStorage.setItem(KEY, event.target.value);
-    this.ask({ order: event.target.value });
+    this.changeQuery({ order: event.target.value });
   };
 
   private readonly onClear = (): void => {
-    this.ask({ words: "", tag: "" });
+    this.changeQuery({ words: "", tag: "" });
   };
 
-  private ask(change: Partial<FleetQuery>): void {
+  private changeQuery(change: Partial<FleetQuery>): void {
     this.query = { ...this.query, ...change };
     this.shown = STEP;
   }

@@ -69,7 +69,7 @@ export class PageMap extends LitElement {
     const zoned = sites.list.slice(0, MOST_ZONED).map(({ site }) => site);
     this.details.load(zoned.map((site) => `${site} ${sites.catalogueOf(site)}`).join("\n"), async () => {
       const found = await Promise.allSettled(zoned.map((site) => sites.loadDetail(site)));
-      return found.flatMap((one) => (one.status === "fulfilled" ? [one.value] : []));
+      return found.flatMap((settled) => (settled.status === "fulfilled" ? [settled.value] : []));
     });
   }
 
@@ -111,8 +111,8 @@ export class PageMap extends LitElement {
   }
 
   private readonly onRobot = (event: CustomEvent<string>): void => {
-    const link = [...this.links].find((one) => one.getAttribute("href") === sitePath(event.detail, "live"));
-    link?.click();
+    const chosen = [...this.links].find((link) => link.getAttribute("href") === sitePath(event.detail, "live"));
+    chosen?.click();
   };
 }
 

@@ -101,7 +101,7 @@ export class SiteOverlays implements ReactiveController {
   private async loadPlans(site: string, asked: SiteMapShape, frame: MapFrame): Promise<void> {
     const found = await Promise.allSettled(asked.plans.map((plan) => loadPlan(site, plan, frame)));
     if (this.asked !== asked) return;
-    this.plans = found.flatMap((one) => (one.status === "fulfilled" ? [one.value] : []));
+    this.plans = found.flatMap((settled) => (settled.status === "fulfilled" ? [settled.value] : []));
     this.trouble = found.some(({ status }) => status === "rejected") ? "A floor plan could not be had." : "";
     this.host.requestUpdate();
   }
