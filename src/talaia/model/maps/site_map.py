@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Any
+
+import msgspec
 
 from talaia.model.base import Shape
 
@@ -70,12 +71,13 @@ class ZoneGeometry(Shape, frozen=True, kw_only=True):
 
         Only of what `map_checks` found no fault with.
         """
-        given: Any = self.coordinates
+        nested: object = self.coordinates
         if self.type is GeometryType.POINT:
-            lines = [[given]]
-        else:
-            lines = given if self.type is GeometryType.POLYGON else [given]
-        return [[(float(place[0]), float(place[1])) for place in line] for line in lines]
+            nested = [[nested]]
+        elif self.type is GeometryType.LINE:
+            nested = [nested]
+        lines = msgspec.convert(nested, list[list[list[float]]])
+        return [[(place[0], place[1]) for place in line] for line in lines]
 
 
 class MapZone(Shape, frozen=True, kw_only=True):
