@@ -29,6 +29,7 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
+from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
     account_schemas,
@@ -91,6 +92,7 @@ SHAPES = (
     notification_schemas,
     sighting_schemas,
     tap_schemas,
+    map_schemas,
     tile_schemas,
     client_schemas,
 )

@@ -28,6 +28,7 @@ from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.records.imports import ImportsFeature
+from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -121,12 +122,11 @@ class Hub(AssembledHub):
         )
         self._add_connections()
         # The limits go last: they count by the person that one of the others finds.
+        people, protocols = self.people, self.client_protocols
+        guards = (people.access.guard_request, protocols.admission.guard_request)
         self.serve_features(
-            (
-                self.people.access.guard_request,
-                self.client_protocols.admission.guard_request,
-                self.people.limits.check_request,
-            )
+            (*guards, people.limits.check_request),
+            picture_origins=lambda: self.maps.sources.origins,
         )
 
     def _add_connections(self) -> None:
@@ -144,6 +144,7 @@ class Hub(AssembledHub):
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=self.history.store)
         self.boards = BoardsFeature(core, audit=log)
+        self.maps = MapsFeature(core, audit=log)
         self.connections = ConnectionsFeature(
             core,
             seats=self.people.seats,

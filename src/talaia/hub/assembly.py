@@ -11,7 +11,7 @@ from talaia.hub.features.feature import Core, Feature
 from talaia.hub.lifecycle import open_features
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterable, Iterator, Sequence
+    from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Sequence
 
     from fastapi import FastAPI
     from starlette.types import ASGIApp
@@ -42,14 +42,16 @@ class AssembledHub:
         self.settings = settings
         self.core = Core(settings=settings, clock=clock)
 
-    def serve_features(self, guards: Sequence[Guard]) -> None:
+    def serve_features(
+        self, guards: Sequence[Guard], *, picture_origins: Callable[[], Sequence[str]] = tuple
+    ) -> None:
         """Take as features all attributes that are some, in the order in which they were set.
 
-        So none can be forgotten.
+        So none can be forgotten. ``picture_origins``: whom pages may ask for pictures besides us.
         """
         self.features = tuple(_features_among(vars(self).values()))
         self.app = web_application(self.features, guards, self.running)
-        self.asgi = RequestGuard(self.app, self.settings)
+        self.asgi = RequestGuard(self.app, self.settings, picture_origins)
 
     @asynccontextmanager
     async def running(self, _app: FastAPI | None = None) -> AsyncIterator[None]:

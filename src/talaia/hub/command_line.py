@@ -176,6 +176,12 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
         help="meshes of robots for Foxglove, in a folder for each site: package://arm/a.stl of the"
         " site agv is agv/arm/a.stl",
     )
+    parser.add_argument(
+        "--maps",
+        type=Path,
+        metavar="FOLDER",
+        help="maps that pages show under the robots: files named *.pmtiles",
+    )
 
 
 def _make_settings(options: argparse.Namespace) -> Settings:
@@ -187,6 +193,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         )
     if options.assets is not None and not options.assets.is_dir():
         raise CannotStart(f"--assets: {options.assets} is no folder", "name one, or leave it out")
+    if options.maps is not None and not options.maps.is_dir():
+        raise CannotStart(f"--maps: {options.maps} is no folder", "name one, or leave it out")
     if options.alerts is not None and not options.alerts.is_dir():
         raise CannotStart(f"--alerts: {options.alerts} is no folder", "name one, or leave it out")
     return Settings(
@@ -206,6 +214,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         sightings_most=max(1, options.sightings_most),
         extensions=options.extensions,
         assets=options.assets,
+        maps=options.maps,
         oidc=options.oidc,
         mqtt=options.mqtt,
         alpaca=options.alpaca,

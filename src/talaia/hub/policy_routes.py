@@ -285,6 +285,14 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("PUT", "/api/client-protocols/{protocol}"): AccessNeed.ADMIN,
         ("PUT", "/api/client-drivers"): AccessNeed.ADMIN,
     },
+    "maps": {
+        # The ground is the same for all; what lies on it each site gives by its own rights.
+        ("GET", "/api/maps"): AccessNeed.SESSION,
+        ("GET", "/api/maps/files/{name}"): AccessNeed.SESSION,
+        ("GET", "/api/maps/sources/{source}/session"): AccessNeed.SESSION,
+        ("POST", "/api/maps/sources"): AccessNeed.ADMIN,
+        ("DELETE", "/api/maps/sources/{source}"): AccessNeed.ADMIN,
+    },
     "boards": {
         # Each board is looked at besides (`auth.board_access`); one that is not open to a person
         # is as if it were not there. A board opens no data: each of its tiles asks for its own.

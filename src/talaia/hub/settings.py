@@ -39,6 +39,7 @@ class Settings:
         sightings_most: of each site so many sightings are kept; then the oldest go.
         extensions: folder of web components that the administrator fills; none: there are none.
         assets: folder with a folder for each site, with its robots' meshes; none: there are none.
+        maps: folder with PMTiles files that pages show as maps; none: there are none.
         oidc: file that names a provider of sign-ins (OpenID Connect); none: there is none.
         mqtt: file that names an MQTT broker and what is published there; none: no broker.
         alpaca: file that says where the hub answers as an Alpaca server; none: it does not.
@@ -82,6 +83,7 @@ class Settings:
     sightings_most: int = 10_000
     extensions: Path | None = None
     assets: Path | None = None
+    maps: Path | None = None
     oidc: Path | None = None
     mqtt: Path | None = None
     alpaca: Path | None = None

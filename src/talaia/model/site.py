@@ -40,6 +40,7 @@ from talaia.model.detection import Blur, Detect, ObjectModel, SkyLens  # noqa: T
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
+from talaia.model.maps.site_map import SiteMap  # noqa: TC001 - msgspec reads it
 from talaia.model.night_section import NightSection  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
@@ -371,6 +372,8 @@ class Site(Shape, frozen=True, kw_only=True):
             Without one: admins, and those with the right ``tap``. See `TopicRule`.
         boards: grids of tiles that the hub's pages offer, by name; see `Board`.
         shown_units: in which unit pages show values of another, ``°C: °F``, to who chose none.
+        map: its local frame on Earth, zones and plans of floors; see `SiteMap`.
+        group: under which it stands among many sites; ``tags``: words by which it is found there.
 
     """
 
@@ -393,6 +396,9 @@ class Site(Shape, frozen=True, kw_only=True):
     topics: tuple[TopicRule, ...] = ()
     boards: dict[str, Board] = {}
     shown_units: dict[str, str] = {}
+    map: SiteMap | None = None
+    group: str = ""
+    tags: tuple[str, ...] = ()
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""
@@ -473,13 +479,11 @@ class Site(Shape, frozen=True, kw_only=True):
             watched |= {sensor.signal for sensor in sensors}
             # Segments and the flap, too: the roof is closed only when they are.
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
-            if enclosure.parked is not None:
-                watched.add(enclosure.parked.signal)
+            watched |= {enclosure.parked.signal} if enclosure.parked is not None else set()
             if (follow := enclosure.follow) is not None:
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
                 watched |= {sensor.signal for sensor in (follow.moving, follow.open) if sensor}
-        if self.night is not None:
-            watched |= self.night.readings()
+        watched |= self.night.readings() if self.night is not None else set()
         return frozenset(confirming | watched)
 
 

@@ -13,6 +13,7 @@ from talaia.hub.auth.passkey_ceremony import RegisteredPasskey
 from talaia.hub.policy import AccessNeed
 from talaia.hub.store.accounts.identities import Identities
 from talaia.hub.store.accounts.passkeys import Passkeys
+from talaia.hub.store.sites.map_sources import MapSource, SourceKind
 from talaia.hub.store.witnessed_hubs import WitnessedHubs
 from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
     from .world import World
 
+MAP_TILES = "https://tiles.example/{z}/{x}/{y}.png"
 # What is asked there may end anyone's session.
 ABOUT_PEOPLE = (
     "/api/people",
@@ -180,6 +182,22 @@ async def _other_hub(world: World, _client: httpx.AsyncClient, _about: str) -> A
     made = await WitnessedHubs(core.database, core.clock).add_hub("Other", 30)
     assert made is not None
     return Ask({"hub": str(made[0])}, done=(200, 204))
+
+
+async def _map_source(world: World, client: httpx.AsyncClient, _about: str) -> Ask:
+    source = MapSource(0, "Streets", SourceKind.TILES, MAP_TILES, "", 19)
+    made = await world.hub.hub.maps.sources.add_source(source, "")
+    if made is None:
+        # Many ask: those that nobody may remove are in the way of the next.
+        for old in await world.hub.hub.maps.sources.list_sources():
+            await world.hub.hub.maps.sources.remove_source(old.id)
+        return await _map_source(world, client, _about)
+    return Ask({"source": str(made)}, done=(204,))
+
+
+async def _add_map_source(world: World, client: httpx.AsyncClient, about: str) -> Ask:
+    await _map_source(world, client, about)
+    return Ask(json={"name": "Streets", "address": MAP_TILES})
 
 
 async def _passkey(world: World, client: httpx.AsyncClient, about: str) -> Ask:
@@ -818,6 +836,14 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/ways/{way}"): _of_way(done=(204,)),
     ("POST", "/api/ways/{way}/test"): _of_way(),
     ("GET", "/api/gateways"): Recipe(plain()),
+    ("GET", "/api/maps"): Recipe(plain()),
+    # No folder of maps is named, and no key of Google is known here.
+    ("GET", "/api/maps/files/{name}"): Recipe(plain(params={"name": "a.pmtiles"}, done=(404,))),
+    ("GET", "/api/maps/sources/{source}/session"): Recipe(
+        plain(params={"source": "0"}, done=(404,))
+    ),
+    ("POST", "/api/maps/sources"): Recipe(_add_map_source),
+    ("DELETE", "/api/maps/sources/{source}"): Recipe(_map_source),
     ("POST", "/api/gateways/codes"): Recipe(plain(json={"site": "farm"})),
     ("DELETE", "/api/gateways/codes/{code}"): Recipe(_code),
     ("POST", "/api/gateways/{gateway}/revoke"): Recipe(_revoke),

@@ -246,6 +246,7 @@ export interface SiteShape {
   readonly rules: readonly RuleShape[];
   readonly enclosures: readonly EnclosureShape[];
   readonly shown_units: Readonly<Record<string, ShownUnitShape>>;
+  readonly map: SiteMapShape | null;
 }
 
 /** A site in the list. */
@@ -263,6 +264,16 @@ export interface SiteSummary {
   readonly devices: number;
   readonly signals: number;
   readonly stale: number;
+  readonly group: string;
+  readonly tags: readonly string[];
+  readonly state: string;
+  readonly battery: number | null;
+  readonly latitude: number | null;
+  readonly longitude: number | null;
+  readonly moving: boolean;
+  readonly heading: number | null;
+  readonly driver: string;
+  readonly stream: string;
 }
 
 /** A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for. */
@@ -2134,6 +2145,93 @@ export interface TopicTable {
   readonly topics: readonly TopicShape[];
 }
 
+/** A picture in the local frame: its lower left corner (m), turned by ``rotation`` (°). */
+export interface FloorPlanShape {
+  readonly id: string;
+  readonly name: string;
+  readonly picture: string;
+  readonly x: number;
+  readonly y: number;
+  readonly rotation: number;
+  readonly resolution: number;
+}
+
+/** A PMTiles file of the hub's folder; ``url`` takes range requests. */
+export interface MapFile {
+  readonly name: string;
+  readonly url: string;
+}
+
+/** Places in turn (°). */
+export interface MapLineShape {
+  readonly latitudes: readonly number[];
+  readonly longitudes: readonly number[];
+}
+
+/** The maps that a page may show, besides the coarse world that it brings along. */
+export interface MapOffer {
+  readonly files: readonly MapFile[];
+  readonly sources: readonly MapSourceShape[];
+}
+
+/** Where the local frame's zero is (°), and where its x points (°, clockwise from north). */
+export interface MapOriginShape {
+  readonly latitude: number;
+  readonly longitude: number;
+  readonly heading: number;
+}
+
+/** A session of a map that is asked by one: the address of its tiles, good until ``ends_us``. */
+export interface MapSession {
+  readonly tiles: string;
+  readonly ends_us: number;
+}
+
+/** A tile server to allow. */
+export interface MapSourceAsk {
+  readonly name: string;
+  readonly kind?: SourceKind;
+  readonly address?: string;
+  readonly attribution?: string;
+  readonly most_zoom?: number;
+  readonly key?: string;
+}
+
+/** The id of what was kept. */
+export interface MapSourceMade {
+  readonly id: string;
+}
+
+/** A tile server that an admin allowed. ``tiles``: its address, empty where a session says it. */
+export interface MapSourceShape {
+  readonly id: string;
+  readonly name: string;
+  readonly kind: SourceKind;
+  readonly host: string;
+  readonly tiles: string;
+  readonly attribution: string;
+  readonly most_zoom: number;
+}
+
+/** A zone: one line, a ring for each of a polygon's, or one place of a point. */
+export interface MapZoneShape {
+  readonly id: string;
+  readonly name: string;
+  readonly kind: ZoneKind;
+  readonly type: GeometryType;
+  readonly lines: readonly MapLineShape[];
+  readonly alarm: string;
+  readonly interlock: string;
+}
+
+/** What a site draws on a map; ``grid`` is a topic of its robot, or empty. */
+export interface SiteMapShape {
+  readonly origin: MapOriginShape | null;
+  readonly zones: readonly MapZoneShape[];
+  readonly plans: readonly FloorPlanShape[];
+  readonly grid: string;
+}
+
 /** Keep a board; ``note`` says in a few words what was done. */
 export interface BoardAsk {
   readonly board: BoardShape;
@@ -2446,6 +2544,12 @@ export type FileKind =
   | "nina"
   | "ekos";
 
+/** The shapes of GeoJSON (RFC 7946) that a zone may have. */
+export type GeometryType =
+  | "Point"
+  | "LineString"
+  | "Polygon";
+
 /** How the requests of a group belong together; ``SEQUENCE``: each after the one before. */
 export type GroupOperator =
   | "SINGLE"
@@ -2589,6 +2693,11 @@ export type SolarSystemBody =
   | "uranus"
   | "neptune";
 
+/** ``tiles``: pictures by column and row; ``google``: the same, by a session of a key. */
+export type SourceKind =
+  | "tiles"
+  | "google";
+
 /** What one state of a signal means, whatever it is called. */
 export type StateMeaning =
   | "closed"
@@ -2654,3 +2763,9 @@ export type WayKind =
   | "chat"
   | "push"
   | "extension";
+
+/** What a zone is for. It is drawn and nothing more: what stops a robot is an interlock. */
+export type ZoneKind =
+  | "zone"
+  | "fence"
+  | "dock";

@@ -17,6 +17,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   oidc: { tag: "t-page-oidc", title: "Sign in", load: () => import("./sign-in/page-oidc.js") },
   setup: { tag: "t-page-setup", title: "Set up", load: () => import("./setup/page-setup.js") },
   home: { tag: "t-page-home", title: "Home", load: () => import("./home/page-home.js") },
+  map: { tag: "t-page-map", title: "Map", load: () => import("./map/page-map.js") },
   devices: { tag: "t-page-devices", title: "Devices", load: () => import("./devices/page-devices.js") },
   device: { tag: "t-page-device", title: "Device", load: () => import("./device/page-device.js") },
   public: { tag: "t-page-public", title: "Public data", load: () => import("./public/page-public.js") },

@@ -9,6 +9,7 @@ export type PageName =
   | "oidc"
   | "setup"
   | "home"
+  | "map"
   | "devices"
   | "public"
   | "boards"
@@ -60,6 +61,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/display": "display",
   "/oidc": "oidc",
   "/setup": "setup",
+  "/map": "map",
   "/devices": "devices",
   "/public": "public",
   "/boards": "boards",

@@ -6,7 +6,7 @@ import { ContextStoreController } from "../controllers/context-store.js";
 import { TickerController } from "../controllers/ticker.js";
 import { base, quietText } from "../elements/base/base-style.js";
 import { formatDuration } from "../format/duration.js";
-import { sitesContext } from "../state/contexts.js";
+import { alarmsContext, sitesContext } from "../state/contexts.js";
 import { sitePath } from "../state/router.js";
 import type { SignalShape, SiteShape, SiteSummary } from "../generated/api.js";
 import "../elements/layout/card.js";
@@ -16,6 +16,8 @@ import "../elements/values/time.js";
 import { firstPageOf, firstPageSignals } from "./catalog.js";
 import "./observatory/device-summary.js";
 import "./signal-value.js";
+import { renderGlance } from "./site-glance.js";
+import { troubleAt } from "./site-trouble.js";
 
 const SHOWN = 4;
 const SHOWN_EACH = 6;
@@ -58,6 +60,14 @@ export class SiteCard extends LitElement {
       }
       .facts {
         ${quietText}
+      }
+      .bad {
+        color: var(--t-bad);
+        font-weight: var(--t-weight-strong);
+      }
+      .warn {
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
       }
       .values {
         display: grid;
@@ -142,6 +152,7 @@ export class SiteCard extends LitElement {
   @property({ type: Boolean, reflect: true }) wide = false;
 
   private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly alarms = new ContextStoreController(this, alarmsContext);
   private readonly detail = new LoadController<SiteShape>(this);
 
   constructor() {
@@ -172,6 +183,7 @@ export class SiteCard extends LitElement {
             ? html`online for ${since}`
             : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
         </p>
+        ${row.online ? renderGlance(row, troubleAt(this.alarms.store, row.site)) : nothing}
       </header>
       <div class="values">${this.renderValues(row)}</div>
       <nav aria-label=${row.name}>

@@ -62,7 +62,7 @@ describe("what charts hold", () => {
   it("share a chart by the unit that is shown", () => {
     const site = {
       site: "s", name: "S", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "1", place: null, rules: [], enclosures: [],
-      shown_units: { "°C": FAHRENHEIT }, devices: [device("other", [warm, signal("other", { unit: "°F" })])],
+      shown_units: { "°C": FAHRENHEIT }, map: null, devices: [device("other", [warm, signal("other", { unit: "°F" })])],
     } satisfies SiteShape;
     const gone = { address: "it/gone", name: "Gone", unit: "°C", type: "number", states: [], decimals: 1, described: false, samples: 1, first_us: 0, last_us: 0 };
     expect(channelRows(site, [gone]).map(({ address, unit }) => [address, unit])).toEqual([

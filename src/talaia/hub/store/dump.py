@@ -12,6 +12,7 @@ from talaia.hub.store import (
     alert_notice_tables as _alert_notice_tables,
     board_tables as _board_tables,
     history_tables as _history_tables,
+    map_tables as _map_tables,
     observing_tables as _observing_tables,
     witness_tables as _witness_tables,
 )
@@ -33,6 +34,7 @@ _ = (
     _alert_notice_tables,
     _board_tables,
     _history_tables,
+    _map_tables,
     _observing_tables,
     _witness_tables,
 )

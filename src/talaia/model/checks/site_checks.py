@@ -55,6 +55,7 @@ from talaia.model.connection import (
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.list_texts import LIST_TYPES, parse_list
+from talaia.model.maps.map_checks import map_findings, tag_findings
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
 from talaia.model.units.time_zones import known_zones
@@ -133,6 +134,8 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from alarms_findings(whole)
     yield from topics_findings(site)
     yield from boards_findings(site)
+    yield from map_findings(site)
+    yield from tag_findings(site)
     if site.recording is not None:
         yield from _check_recording(site, site.recording)
 

@@ -84,24 +84,6 @@ export function mergeTracks(history: readonly TrackPoint[], live: readonly Track
   return [...history.filter((point) => point.timeUs < first), ...live].slice(-MOST_POINTS);
 }
 
-/** A place in degrees, WGS 84. */
-export interface MapPlace {
-  readonly lat: number;
-  readonly lon: number;
-}
-
-const METRES_PER_DEGREE = 111_195;
-
-/** East and north of an origin (m), on a plane that touches there: good for some kilometres. */
-export function flatPosition(place: MapPlace, origin: MapPlace): { readonly x: number; readonly y: number } {
-  // The short way round at the antimeridian.
-  const east = ((((place.lon - origin.lon + 540) % 360) + 360) % 360) - 180;
-  return {
-    x: east * METRES_PER_DEGREE * Math.cos((origin.lat * Math.PI) / 180),
-    y: (place.lat - origin.lat) * METRES_PER_DEGREE,
-  };
-}
-
 /** Which way the last stretch of at least `least` metres went (rad, as in REP-103); NaN: none. */
 export function courseOf(track: readonly TrackPoint[], least = 0.3): number {
   const last = track.at(-1);

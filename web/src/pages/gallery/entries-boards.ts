@@ -15,7 +15,7 @@ import "../../tiles/board/board-tile.js";
 import type { GalleryEntry } from "./entry.js";
 
 const DETAIL: SiteShape = {
-  site: "yard", name: "Yard", zone: "Europe/Madrid", online: true, since_us: 0, last_seen_us: 0, catalogue: "c1", place: null, rules: [], enclosures: [], shown_units: {}, devices: [],
+  site: "yard", name: "Yard", zone: "Europe/Madrid", online: true, since_us: 0, last_seen_us: 0, catalogue: "c1", place: null, rules: [], enclosures: [], shown_units: {}, map: null, devices: [],
 };
 const CONTEXT: BoardTileContext = {
   site: "yard", zone: "Europe/Madrid", detail: DETAIL, device: null, online: false, feed: null, painter: new PaintScheduler(), pictures: new PictureTimes(), line: null, extensions: [],

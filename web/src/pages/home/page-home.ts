@@ -4,6 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
+import { RefreshController } from "../../controllers/refresh.js";
 import { base, plainList } from "../../elements/base/base-style.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
@@ -12,6 +13,12 @@ import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../tiles/site-card.js";
+import "./fleet-view.js";
+
+/** More sites than these stand on small cards, which ask for nothing each. */
+const MOST_LARGE = 8;
+/** States, batteries and places are asked for anew (ms). */
+const EVERY_MS = 5000;
 
 @customElement("t-page-home")
 export class PageHome extends LitElement {
@@ -20,6 +27,7 @@ export class PageHome extends LitElement {
     css`
       :host {
         display: grid;
+        grid-template-columns: minmax(0, 1fr);
         gap: var(--t-space-4);
       }
       .head {
@@ -44,6 +52,10 @@ export class PageHome extends LitElement {
   ];
 
   private readonly sites = new ContextStoreController(this, sitesContext);
+  protected readonly refresh = new RefreshController(this, EVERY_MS, () => {
+    // A load that failed is asked for by its button.
+    if (this.sites.store?.status === "ready") void this.sites.store.load();
+  });
 
   override render(): TemplateResult | null {
     const sites = this.sites.store;
@@ -52,6 +64,7 @@ export class PageHome extends LitElement {
       <div class="head">
         <h1>Sites</h1>
         ${sites.list.length === 0 ? nothing : html`<p class="muted">${sitesSummary(sites)}</p>`}
+        ${sites.list.some(({ latitude }) => latitude !== null) ? html`<a href="/map">Map of all robots</a>` : nothing}
       </div>
       ${this.renderProblem(sites)} ${this.renderContent(sites)}
     `;
@@ -64,6 +77,7 @@ export class PageHome extends LitElement {
 
   private renderContent(sites: Sites): unknown {
     if (sites.list.length > 0) {
+      if (sites.list.length > MOST_LARGE) return html`<t-fleet-view .rows=${sites.list}></t-fleet-view>`;
       const alone = sites.list.length === 1;
       return html`<ul class=${alone ? "sites alone" : "sites"}>
         ${repeat(

@@ -147,11 +147,11 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     render: (settings, context) => html`<t-tile-cameras .context=${context} .streams=${findStreams(settingList(settings, "streams"), context)}></t-tile-cameras>`,
   },
   {
-    type: "trail", title: "Position and trail", about: "Where a device is and where it was, on a plain grid.", icon: "drive", desktop: [5, 5], phone: [4, 5], least: [2, 3],
-    settings: [{ key: "signal", label: "Position", kind: "signal", types: ["position"], needed: true }],
+    type: "trail", title: "Position and trail", about: "Where a device is and where it was: on a map where its place on Earth is known, else on a plain grid.", icon: "drive", desktop: [5, 5], phone: [4, 5], least: [2, 3],
+    settings: [{ key: "signal", label: "Position", kind: "signal", types: ["position"], needed: true }, { key: "colour", label: "Trail coloured by", kind: "signal", types: ["number"], hint: "On a map: from blue for its least to orange for its most" }],
     load: () => import("../map/position-map.js"),
     titleOf: signalTitle,
-    render: (settings, context) => html`<t-map .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .online=${context.online}></t-map>`,
+    render: (settings, context) => html`<t-map .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .colour=${findSignal(settingText(settings, "colour"), context)} .online=${context.online}></t-map>`,
   },
   {
     type: "scene", title: "3D scene", about: "The robot in space: frames, model, scans, clouds, maps and paths of its topics.", icon: "live", desktop: [6, 7], phone: [4, 6], least: [3, 3],

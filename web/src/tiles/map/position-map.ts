@@ -1,18 +1,28 @@
-/** The position of a device on the map: live values, and the trail from the history. */
+/**
+ * The position of a device on the map: live values, and the trail from the history. On Earth where the position is of
+ * Earth or the site says where its frame lies; else on a plain grid in metres.
+ */
 
 import { ContextConsumer } from "@lit/context";
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
+import type { MapRobot } from "../../elements/map/geo-painter.js";
+import { flatPosition, headingOfYaw, placeOfFlat, placeOfLocal, type MapFrame, type MapPlace } from "../../elements/map/geodesy.js";
 import type { Pose } from "../../elements/map/map-painter.js";
 import "../../elements/map/track-map.js";
-import { mergeTracks, courseOf, extendTrack, flatPosition, joinTrack, type MapPlace, type TrackPoint } from "../../elements/map/track.js";
+import { mergeTracks, courseOf, extendTrack, joinTrack, type TrackPoint } from "../../elements/map/track.js";
 import { formatAge } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
-import { apiContext } from "../../state/contexts.js";
-import type { SeriesShape, SignalShape } from "../../generated/api.js";
+import { alarmsContext, apiContext, interlocksContext, sitesContext } from "../../state/contexts.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { LoadController } from "../../controllers/load.js";
+import type { SeriesShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
+import { drawnZones, frameOf, SiteOverlays } from "./site-overlays.js";
+import { scaleOf, sharesAt, trailOnEarth, type SignalSample } from "./trail-shares.js";
+import "../../elements/map/geo-map.js";
 
 const EVERY_MS = 50;
 /** The trail reaches back so far. */
@@ -20,6 +30,8 @@ const TRAIL_MIN = 10;
 const TRAIL_US = TRAIL_MIN * 60e6;
 /** Two points a pixel come at the most: enough for ten samples a second. */
 const HISTORY_WIDTH = 3000;
+/** Samples of what colours the trail. */
+const MOST_TINTS = 12_000;
 
 interface PositionSample {
   readonly numbers: readonly number[];
@@ -37,6 +49,9 @@ export class PositionMap extends LitElement {
   @property() site = "";
   @property({ attribute: false }) signal: SignalShape | null = null;
   @property({ type: Boolean }) online = true;
+  /** Colours the trail; null for one colour. */
+  @property({ attribute: false }) colour: SignalShape | null = null;
+  @property() name = "";
 
   @state() private trail: readonly TrackPoint[] = [];
   @state() private pose: Pose | null = null;
@@ -49,6 +64,12 @@ export class PositionMap extends LitElement {
   private api: HubApi | undefined;
   private timer: ReturnType<typeof setInterval> | undefined;
   private readonly latest = new Map<string, number>();
+  private tints: readonly SignalSample[] = [];
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly alarms = new ContextStoreController(this, alarmsContext);
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
+  private readonly detail = new LoadController<SiteShape>(this);
+  private readonly overlays = new SiteOverlays(this);
   private readonly link = new ConnectionStateController(this);
 
   constructor() {
@@ -75,23 +96,29 @@ export class PositionMap extends LitElement {
 
   override willUpdate(): void {
     const { connection } = this.link;
-    const wanted = this.signal && connection && this.api ? `${this.site} ${this.signal.address}` : "";
+    const sites = this.sites.store;
+    if (sites !== undefined && this.site !== "") this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
+    this.overlays.show(this.site, this.detail.value?.map ?? null);
+    const wanted = this.signal && connection && this.api ? `${this.site} ${this.signal.address} ${this.colour?.address ?? ""}` : "";
     if (wanted === this.opened) return;
     this.closeFeed();
     this.opened = wanted;
     if (wanted === "" || !connection || !this.signal) return;
-    this.cancel = connection.subscribe(this.site, this.signal.channels, EVERY_MS, (batch) => {
+    this.cancel = connection.subscribe(this.site, [...this.signal.channels, ...this.tintChannels()], EVERY_MS, (batch) => {
       this.receiveBatch(batch);
     });
     void this.loadTrail(this.signal);
   }
 
-  override render(): TemplateResult {
+  override render(): TemplateResult | typeof nothing {
     const note = this.signal
       ? this.online
         ? "Waiting for the first position"
         : "The site is offline: no position"
       : "The description names no position for this device";
+    // Which of the two maps it is waits for the site's description: neither flashes up for the other.
+    if (!this.degrees && sitesLoading(this.detail.result.state)) return nothing;
+    if (this.degrees || frameOf(this.detail.value?.map ?? null) !== null) return this.renderEarth(note);
     return html`<t-track-map
       .pose=${this.pose}
       .trail=${this.trail}
@@ -99,6 +126,46 @@ export class PositionMap extends LitElement {
       .stale=${this.stale}
       .where=${this.positionText()}
     ></t-track-map>`;
+  }
+
+  private renderEarth(note: string): TemplateResult {
+    const frame = this.earthFrame();
+    const map = this.detail.value?.map ?? null;
+    const scale = scaleOf(this.tints, this.colour?.minimum ?? null, this.colour?.maximum ?? null);
+    const shares = sharesAt(this.trail.map(({ timeUs }) => timeUs), this.tints, scale);
+    const legend = this.colour === null || scale === null ? null : { name: this.colour.name, least: formatNumber(scale.least, 1), most: `${formatNumber(scale.most, 1)} ${this.colour.unit}` };
+    const place = this.detail.value?.place ?? null;
+    return html`<t-geo-map
+      .robots=${this.robotsOnEarth(frame)}
+      .trails=${frame === null ? [] : [trailOnEarth(this.trail, frame, shares)]}
+      .zones=${drawnZones(this.site, map?.zones ?? [], this.alarms.store, this.interlocks.store)}
+      .pictures=${this.overlays.pictures}
+      .legend=${legend}
+      .home=${frameOf(map) ?? (place === null ? null : { lat: place.latitude, lon: place.longitude })}
+      .note=${note}
+      .stale=${[this.stale, this.overlays.trouble].filter(Boolean).join(" · ")}
+      .where=${this.positionText()}
+    ></t-geo-map>`;
+  }
+
+  /** Of metres the site's own frame; of degrees the plane at the first fix. */
+  private earthFrame(): MapFrame | MapPlace | null {
+    return this.degrees ? this.origin : frameOf(this.detail.value?.map ?? null);
+  }
+
+  private robotsOnEarth(frame: MapFrame | MapPlace | null): readonly MapRobot[] {
+    const { pose } = this;
+    if (pose === null || frame === null) return [];
+    const turned = "heading" in frame;
+    // On the plane at a fix x is east.
+    const heading = headingOfYaw(pose.yaw, turned ? frame.heading : 90);
+    const place = turned ? placeOfLocal(pose, frame) : placeOfFlat(pose, frame);
+    return [{ id: this.signal?.address ?? "", name: this.name, place, heading, stale: this.stale !== "", trouble: "" }];
+  }
+
+  private tintChannels(): readonly string[] {
+    const channel = this.colour?.channels[0];
+    return channel === undefined || this.signal?.channels.includes(channel) === true ? [] : [channel];
   }
 
   private get degrees(): boolean {
@@ -116,16 +183,21 @@ export class PositionMap extends LitElement {
   private receiveBatch(batch: Batch): void {
     const { channel, timeUs, value, ageMs } = batch.columns;
     const channels = this.signal?.channels ?? [];
+    const tint = this.colour?.channels[0];
+    const tints: SignalSample[] = [];
     let newest = 0;
     let age = 0;
     for (let i = 0; i < channel.length; i++) {
       const address = batch.channels[channel[i] ?? -1];
-      if (address !== undefined) this.latest.set(address, value[i] ?? Number.NaN);
+      if (address !== undefined && address === tint) tints.push({ timeUs: timeUs[i] ?? 0, value: value[i] ?? Number.NaN });
+      if (address === undefined || !channels.includes(address)) continue;
+      this.latest.set(address, value[i] ?? Number.NaN);
       if ((timeUs[i] ?? 0) >= newest) {
         newest = timeUs[i] ?? 0;
         age = ageMs[i] ?? 0;
       }
     }
+    if (tints.length > 0) this.tints = keptTints([...this.tints, ...tints]);
     const numbers = channels.map((address) => this.latest.get(address) ?? Number.NaN);
     const place = this.placeOf(numbers[0] ?? Number.NaN, numbers[1] ?? Number.NaN);
     if (newest === 0 || !place) return;
@@ -148,11 +220,20 @@ export class PositionMap extends LitElement {
     const [first, second] = signal.channels;
     if (!this.api || first === undefined || second === undefined) return;
     const toUs = Date.now() * 1000;
-    const query = { channels: [first, second], fromUs: toUs - TRAIL_US, toUs, width: HISTORY_WIDTH };
+    const tint = this.colour?.channels[0];
+    const query = { channels: [first, second, ...(tint === undefined ? [] : this.tintChannels())], fromUs: toUs - TRAIL_US, toUs, width: HISTORY_WIDTH };
     const opened = this.opened;
     try {
       const { series } = await this.api.history(this.site, query);
-      if (opened === this.opened) this.trail = mergeTracks(this.pointsOf(series, first, second), this.trail);
+      if (opened !== this.opened) return;
+      this.trail = mergeTracks(this.pointsOf(series, first, second), this.trail);
+      const tinted = series.find(({ address }) => address === tint);
+      const heard = this.tints[0]?.timeUs ?? Number.POSITIVE_INFINITY;
+      const before = (tinted?.t_us ?? []).flatMap((timeUs, i): SignalSample[] => {
+        const value = tinted?.v[i];
+        return typeof value === "number" && timeUs < heard ? [{ timeUs, value }] : [];
+      });
+      this.tints = keptTints([...before, ...this.tints]);
     } catch {
       // The trail then starts now; the map itself does not depend on the past.
     }
@@ -183,7 +264,16 @@ export class PositionMap extends LitElement {
     this.pose = null;
     this.sample = null;
     this.origin = null;
+    this.tints = [];
   }
+}
+
+const sitesLoading = (state: LoadController<SiteShape>["result"]["state"]): boolean => state === "loading";
+
+/** Those of the time that the trail reaches back. */
+function keptTints(tints: readonly SignalSample[]): readonly SignalSample[] {
+  const from = (tints.at(-1)?.timeUs ?? 0) - TRAIL_US;
+  return tints.filter(({ timeUs }) => timeUs >= from).slice(-MOST_TINTS);
 }
 
 declare global {

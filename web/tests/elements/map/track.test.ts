@@ -1,5 +1,6 @@
+import { flatPosition } from "../../../src/elements/map/geodesy.js";
 import { describe, expect, test } from "vitest";
-import { mergeTracks, courseOf, extendTrack, flatPosition, formatLength, isBreak, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
+import { mergeTracks, courseOf, extendTrack, formatLength, isBreak, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
 
 const at = (x: number, y: number, timeUs: number): TrackPoint => ({ x, y, timeUs });
 

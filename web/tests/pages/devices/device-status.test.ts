@@ -31,7 +31,7 @@ test("of a site only what is public stands on the public page, for an operator t
   });
   const detail: SiteShape = {
     site: "agv", name: "A", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "",
-    place: null, rules: [], enclosures: [], shown_units: {},
+    place: null, rules: [], enclosures: [], shown_units: {}, map: null,
     devices: [device("base", [signal("open", true), signal("closed", false)]), device("safe", [signal("own", false)])],
   };
   const shown = publicOf(detail).map((device) => [device.device.id, device.signals.map(({ id }) => id)]);

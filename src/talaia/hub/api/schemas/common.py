@@ -22,6 +22,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from talaia.hub.api.maps.map_schemas import SiteMapShape  # noqa: TC001 - pydantic reads it
 from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydantic reads them
     EnclosureShape,
     PlaceShape,
@@ -172,6 +173,17 @@ class SiteSummary(Schema):
     devices: int
     signals: int
     stale: int
+    group: str  # under which it stands among many; empty for none
+    tags: list[str]
+    state: str  # a state in words, with the name of its device; empty where there is none
+    battery: float | None  # how full the emptiest battery is (%); None: not known now
+    # Where its robot is (°), while ``moving``; else where the site is, where that is described.
+    latitude: float | None
+    longitude: float | None
+    moving: bool
+    heading: float | None  # of the robot, clockwise from true north (°)
+    driver: str  # who drives something of it; empty for nobody
+    stream: str  # a camera of it, ``device/stream``; empty for none
 
 
 class ShownUnitShape(Schema):
@@ -329,6 +341,7 @@ class SiteShape(Schema):
     enclosures: list[EnclosureShape]
     # By the unit of values as they are stored; of units that are shown as they are there is none.
     shown_units: dict[str, ShownUnitShape]
+    map: SiteMapShape | None  # what it draws on a map; None: nothing, or none of it is yours to see
 
 
 class EventShape(Schema):

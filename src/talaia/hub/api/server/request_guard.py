@@ -16,6 +16,8 @@ from talaia.hub.api.server.response_headers import guarding_headers
 from talaia.hub.policy_routes import ROUTES, AccessNeed
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
     from talaia.hub.settings import Settings
@@ -72,9 +74,18 @@ def same_origin(origin: str | None, host: str, *, tls: bool) -> bool:
 class RequestGuard:
     """ASGI around the application."""
 
-    def __init__(self, app: ASGIApp, settings: Settings) -> None:
-        """Guard ``app``; hosts, proxies and the body's limit come from ``settings``."""
+    def __init__(
+        self,
+        app: ASGIApp,
+        settings: Settings,
+        picture_origins: Callable[[], Sequence[str]] = tuple,
+    ) -> None:
+        """Guard ``app``; hosts, proxies and the body's limit come from ``settings``.
+
+        ``picture_origins`` are those that an admin allowed pages to ask for tiles of maps.
+        """
         self._app = app
+        self._picture_origins = picture_origins
         # All fixed while the hub runs.
         self._proxies = Proxies(settings.proxies)
         self._hosts = settings.host_names
@@ -97,7 +108,7 @@ class RequestGuard:
         hosts = headers.getlist("host")
         # DNS rebinding: a stranger's name that leads to this address is not answered.
         host = hosts[0] if len(hosts) == 1 and self._is_ours(hosts[0], scope) else ""
-        dressed = _dressed(scope, host, send, tls=tls)
+        dressed = self._dress(scope, host, send, tls=tls)
         # A proxy and this hub could each believe another one of them.
         if len(hosts) > 1:
             no: _No | None = _No(400, "host", "say once which host is meant")
@@ -118,6 +129,10 @@ class RequestGuard:
                 await self._app(scope, receive, dressed)
             else:
                 await _refuse_request(_TOO_MANY, scope, receive, dressed)
+
+    def _dress(self, scope: Scope, host: str, send: Send, *, tls: bool) -> Send:
+        guarding = guarding_headers(host, tls=tls, pictures=self._picture_origins())
+        return _dressed(scope, guarding, send)
 
     def _is_ours(self, host: str, scope: Scope) -> bool:
         if not _STRANGE.isdisjoint(host):
@@ -236,12 +251,12 @@ async def _refuse_request(no: _No, scope: Scope, receive: Receive, send: Send) -
     await send({"type": "websocket.http.response.body", "body": bytes(answer.body)})
 
 
-def _dressed(scope: Scope, host: str, send: Send, *, tls: bool) -> Send:
+def _dressed(scope: Scope, guarding: Sequence[tuple[str, str]], send: Send) -> Send:
     async def dressed(message: Message) -> None:
         if message["type"] in {"http.response.start", "websocket.http.response.start"}:
             headers = MutableHeaders(scope=message)
             # Also on refusals, and on what the framework itself answers.
-            for name, value in guarding_headers(host, tls=tls):
+            for name, value in guarding:
                 # What others have sent us is locked up more tightly by its own route.
                 if not headers.get(name, "").startswith("sandbox"):
                     headers[name] = value

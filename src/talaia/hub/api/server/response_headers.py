@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 __all__ = ["guarding_headers"]
 
 _ALWAYS = (
@@ -25,15 +30,19 @@ _ALWAYS = (
 _STRICT = ("Strict-Transport-Security", "max-age=31536000")
 
 
-def guarding_headers(host: str, *, tls: bool) -> list[tuple[str, str]]:
+def guarding_headers(
+    host: str, *, tls: bool, pictures: Sequence[str] = ()
+) -> list[tuple[str, str]]:
     """Give the headers for an answer to a request of ``host``, which is one of our names or empty.
 
     Nothing but our own files runs in our pages, no other origin is asked, and nobody frames them.
+    ``pictures`` are origins that an admin named: tiles of maps come from there, and nothing else.
     """
     # Older browsers do not count a WebSocket to the same host as 'self'.
     socket = f" {'wss' if tls else 'ws'}://{host}" if host else ""
+    tiles = "".join(f" {origin}" for origin in pictures)
     policy = (
-        f"default-src 'self'; img-src 'self' blob: data:; connect-src 'self'{socket};"
+        f"default-src 'self'; img-src 'self' blob: data:{tiles}; connect-src 'self'{socket};"
         " worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'self';"
         " frame-ancestors 'none'"
     )

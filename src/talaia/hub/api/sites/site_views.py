@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.hub.api.maps.site_map_views import describe_map, glance_at
 from talaia.hub.api.schemas.account_schemas import DeviceSummary
 from talaia.hub.api.schemas.common import (
     ArgumentShape,
@@ -88,6 +89,7 @@ def describe_site(
         rules=describe_rules(site, grants),
         enclosures=describe_enclosures(site, grants),
         shown_units={unit: ShownUnitShape(**way._asdict()) for unit, way in shown.items()},
+        map=describe_map(site, grants),
     )
 
 
@@ -95,6 +97,7 @@ def summarise_site(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
     """Say in short how a site is."""
     site = live.description
     seen, fresh = _visible_signals(live, grants, now_ns)
+    glance = glance_at(live, grants, fresh)
     return SiteSummary(
         site=site.site,
         name=site.name,
@@ -109,6 +112,16 @@ def summarise_site(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
         devices=sum(sees_device(grants, site, device) for device in site.devices),
         signals=len(seen),
         stale=len(seen - fresh),
+        group=site.group,
+        tags=list(site.tags),
+        state=glance.state,
+        battery=glance.battery,
+        latitude=None if glance.place is None else glance.place.latitude,
+        longitude=None if glance.place is None else glance.place.longitude,
+        moving=glance.moving,
+        heading=glance.heading,
+        driver=glance.driver,
+        stream=glance.stream,
     )
 
 

@@ -9,7 +9,7 @@ function signal(id: string, change: Partial<SignalShape> = {}): SignalShape {
   };
 }
 const DETAIL: SiteShape = {
-  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], shown_units: {}, last_seen_us: 0,
+  site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], shown_units: {}, map: null, last_seen_us: 0,
   devices: [
     {
       id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [],

@@ -1,0 +1,90 @@
+/** Many sites in order: found by words and tags, sorted, and under their groups. Pure. */
+
+import type { SiteSummary } from "../../generated/api.js";
+import { NO_TROUBLE, type SiteTrouble } from "../../tiles/site-trouble.js";
+
+export const FLEET_ORDERS = [
+  ["trouble", "Trouble first"],
+  ["name", "Name"],
+  ["battery", "Battery, emptiest first"],
+  ["heard", "Last heard"],
+] as const;
+
+export type FleetOrder = (typeof FLEET_ORDERS)[number][0];
+
+export interface FleetQuery {
+  readonly words: string;
+  /** Empty for all. */
+  readonly tag: string;
+  readonly order: FleetOrder;
+}
+
+export interface FleetGroup {
+  /** Empty for those that are in none. */
+  readonly name: string;
+  readonly rows: readonly SiteSummary[];
+}
+
+export function isFleetOrder(text: string): text is FleetOrder {
+  return FLEET_ORDERS.some(([order]) => order === text);
+}
+
+/** Every tag that some site has, in the order of the alphabet. */
+export function tagsOf(rows: readonly SiteSummary[]): string[] {
+  return [...new Set(rows.flatMap(({ tags }) => tags))].sort((a, b) => a.localeCompare(b));
+}
+
+/** The names to show: where two sites have the same one, each says its id, too. */
+export function uniqueNames(rows: readonly SiteSummary[]): ReadonlyMap<string, string> {
+  const counts = new Map<string, number>();
+  for (const { name } of rows) counts.set(folded(name), (counts.get(folded(name)) ?? 0) + 1);
+  return new Map(rows.map(({ site, name }) => [site, (counts.get(folded(name)) ?? 0) > 1 ? `${name} (${site})` : name]));
+}
+
+/** Those that fit, under their groups by name; the ones in no group come last. */
+export function fleetGroups(rows: readonly SiteSummary[], query: FleetQuery, troubles: ReadonlyMap<string, SiteTrouble>): FleetGroup[] {
+  const words = folded(query.words).split(/\s+/).filter(Boolean);
+  const fitting = rows.filter((row) => (query.tag === "" || row.tags.includes(query.tag)) && fitsWords(row, words));
+  const sorted = fitting.sort((a, b) => compareRows(a, b, query.order, troubles) || a.name.localeCompare(b.name, undefined, { numeric: true }) || a.site.localeCompare(b.site));
+  const groups = new Map<string, SiteSummary[]>();
+  for (const row of sorted) {
+    const group = groups.get(row.group);
+    if (group === undefined) groups.set(row.group, [row]);
+    else group.push(row);
+  }
+  return [...groups].map(([name, found]) => ({ name, rows: found })).sort((a, b) => Number(a.name === "") - Number(b.name === "") || a.name.localeCompare(b.name, undefined, { numeric: true }));
+}
+
+function fitsWords(row: SiteSummary, words: readonly string[]): boolean {
+  if (words.length === 0) return true;
+  const text = folded([row.name, row.site, row.group, row.state, row.driver, row.online ? "online" : "offline", ...row.tags].join(" "));
+  return words.every((word) => text.includes(word));
+}
+
+function compareRows(a: SiteSummary, b: SiteSummary, order: FleetOrder, troubles: ReadonlyMap<string, SiteTrouble>): number {
+  switch (order) {
+    case "trouble":
+      return troubleRank(b, troubles) - troubleRank(a, troubles);
+    case "battery":
+      // What is not known is no emptier than what is.
+      return (a.battery ?? Number.POSITIVE_INFINITY) - (b.battery ?? Number.POSITIVE_INFINITY) || 0;
+    case "heard":
+      return heardUs(b) - heardUs(a) || 0;
+    case "name":
+      return 0;
+  }
+}
+
+const heardUs = (row: SiteSummary): number => (row.online ? Number.POSITIVE_INFINITY : row.last_seen_us);
+
+function troubleRank(row: SiteSummary, troubles: ReadonlyMap<string, SiteTrouble>): number {
+  const { bad, warn } = troubles.get(row.site) ?? NO_TROUBLE;
+  if (bad > 0) return 3;
+  if (!row.online) return 2;
+  return warn > 0 ? 1 : 0;
+}
+
+/** Letters without case and accents: who looks for "Pena" finds "Peña". */
+function folded(text: string): string {
+  return text.normalize("NFD").replaceAll(/\p{M}/gu, "").toLowerCase();
+}
