@@ -12,6 +12,7 @@ import numpy as np
 from talaia.planner.feasibility import Feasibility
 from talaia.planner.night_problem import NO_VISIT_BEFORE, ProposalLimit
 from talaia.planner.overheads import PARKED, TelescopePointing
+from talaia.planner.pauses import UNFOCUSED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -39,6 +40,8 @@ class NightProgress:
         closed_why: why it is not, in words.
         seeing: as measured last (″); none: nobody knows.
         clouds: as measured last (%); none: nobody knows.
+        focus: the last focus run, as the planner was told.
+        focus_again: why the next one comes, where the filter stays, in words.
 
     """
 
@@ -57,6 +60,8 @@ class NightProgress:
         self.closed_why = ""
         self.seeing: float | None = None
         self.clouds: float | None = None
+        self.focus = UNFOCUSED
+        self.focus_again = "some time has passed since the last one"
         self._limits = self._visit_limits()
 
     def set_limits(self, limits: Sequence[ProposalLimit]) -> bool:

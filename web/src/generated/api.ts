@@ -1461,6 +1461,7 @@ export interface PlanBlockShape {
   readonly end_us: number;
   readonly overhead_s: number;
   readonly reason: string;
+  readonly pauses: readonly PlanPauseShape[];
 }
 
 /** A night from now on; ``bound``: no plan is worth more (none: not worked out). */

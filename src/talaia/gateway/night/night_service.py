@@ -36,7 +36,7 @@ from talaia.gateway.night.night_values import (
 )
 from talaia.gateway.night.planning.charged_time import seconds_left
 from talaia.gateway.night.planning.planner_process import PlannerProcess
-from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
+from talaia.gateway.night.planning.planner_question import FocusNews, PlannerQuestion, PlannerSetup
 from talaia.gateway.night.request_intake import RequestIntake
 from talaia.model.night_section import NightLinkLoss
 from talaia.wire.frames import (
@@ -243,6 +243,7 @@ class NightService:
                 longitude=self._place.longitude,
                 elevation=self._place.elevation,
                 instrument=self._night.times,
+                pauses=self._night.pauses,
                 proposals=self._requests.proposals,
                 groups=groups,
             )
@@ -312,8 +313,17 @@ class NightService:
                 seeing=view.seeing,
                 clouds=view.clouds,
                 parked=view.parked is True,
+                focus=self._focus_news(question.time),
             )
         )
+
+    def _focus_news(self, now: float) -> FocusNews | None:
+        seen = self._parts.focus_outlook()
+        if seen is None:
+            return None
+        # To the minute: the same question is answered in the same way.
+        at = round((now - seen.ago) / 60.0) * 60.0
+        return FocusNews(filter=seen.filter_name, at=at, every=seen.every, again=seen.again)
 
     def _take_plan(self, answer: PlannerAnswer) -> None:
         self._executor.chooser.take_choice(

@@ -18,7 +18,12 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.night.imaging.frame_reckoner import FrameReckoner
-    from talaia.gateway.night.imaging.star_parts import AutoFocuser, AutoGuider, PlateSolver
+    from talaia.gateway.night.imaging.star_parts import (
+        AutoFocuser,
+        AutoGuider,
+        FocusOutlook,
+        PlateSolver,
+    )
     from talaia.gateway.night.night_values import ObservationChange, PartRun
     from talaia.gateway.ports import EventSink
 
@@ -99,6 +104,10 @@ class PartRuns:
             focus_due=focus_due if self._focuser.present else None,
             guide_lost=self._guider.lost_reason,
         )
+
+    def focus_outlook(self) -> FocusOutlook | None:
+        """Tell of the last focus run and of the next; none: there was none yet."""
+        return self._focuser.outlook(self._temperature(), self._clock.monotonic_ns() / SECOND)
 
     def begin_part(self, run: PartRun, answered: Callable[[StepAnswer], None]) -> None:
         """Begin a part; ``answered`` is told how it ended, unless it is broken off."""
