@@ -1464,6 +1464,14 @@ export interface PlanBlockShape {
   readonly pauses: readonly PlanPauseShape[];
 }
 
+/** What a plan counts with between exposures: ``kind`` is ``flip`` or ``focus``. */
+export interface PlanPauseShape {
+  readonly kind: string;
+  readonly start_us: number;
+  readonly end_us: number;
+  readonly reason: string;
+}
+
 /** A night from now on; ``bound``: no plan is worth more (none: not worked out). */
 export interface PlanShape {
   readonly made_us: number;

@@ -39,6 +39,7 @@ __all__ = [
     "ObservationShape",
     "PhaseShape",
     "PlanBlockShape",
+    "PlanPauseShape",
     "PlanShape",
     "ProposalAsk",
     "ProposalChange",
