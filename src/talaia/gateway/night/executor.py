@@ -21,13 +21,13 @@ from talaia.gateway.night.night_values import NightAction, NightEvent
 from talaia.gateway.night.observing_run import ObservingRun
 from talaia.gateway.night.request_chooser import RequestChooser
 from talaia.gateway.night.roof.coming_to_rest import NOT_PARKED, ComingToRest
+from talaia.gateway.night.roof.opening_run import OpeningRun
 from talaia.gateway.night.roof.roof_steps import (
     abort_commands,
     leave_reason,
-    opening_steps,
 )
 from talaia.gateway.night.roof.unended_commands import GUARD_S, UnendedCommands
-from talaia.gateway.night.step_runner import StepRunner, StepsState
+from talaia.gateway.night.step_runner import StepsState
 from talaia.model.observing.states import SuspensionCause
 from talaia.wire.frames import NightPhase, NightState
 
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from talaia.gateway.night.night_values import NightView, StepAnswer
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
+    from talaia.model.observing.targets import Target
 
 __all__ = ["NightExecutor"]
 
@@ -79,7 +80,7 @@ class NightExecutor:
             arming: of an earlier run.
 
         """
-        self._night, self._roof = night, enclosure
+        self._night, self._roof, self._place = night, enclosure, place
         self.arming = arming if arming is not None else NightArming()
         self.phase, self.why = _phase_at_rest(self.arming), ""
         self._since: float | None = None
@@ -91,7 +92,7 @@ class NightExecutor:
             # What an earlier run left open is closed before anything else.
             self.phase, self.why = _P.PARKING, "the gateway has just been started"
         self.why = self.arming.fault or self.why
-        self._steps: StepRunner | None = None
+        self._steps: OpeningRun | None = None
         self._rest = ComingToRest(night, enclosure, self._next_id)
         self.chooser = RequestChooser(night, place)
         self._observing = ObservingRun(
@@ -101,6 +102,8 @@ class NightExecutor:
             night, self.chooser, self._observing, begun=bool(self.arming.armed_by)
         )
         self._closed_since: float | None = None
+        # Of what it opens for.
+        self._first: Target | None = None
         self._undoing = UnendedCommands({night.open.command, night.unpark.command})
         self._actions: list[NightAction] = []
         self._report = NightReport(night)
@@ -221,7 +224,13 @@ class NightExecutor:
             self._indoors.begun = True
             self.arming = replace(self.arming, opened=True)
             self._move(view, _P.OPENING, "")
-            self._steps = StepRunner(opening_steps(self._night), self._next_id)
+            self._steps = OpeningRun(
+                night=self._night,
+                enclosure=self._roof,
+                place=self._place,
+                next_id=self._next_id,
+                target=self._first,
+            )
 
     def _pass_twilight(self, view: NightView, why: str) -> None:
         """Let the day pass; while it is not quite day, requests that need no sky are served."""
@@ -267,10 +276,12 @@ class NightExecutor:
 
     def _may_observe(self, view: NightView) -> bool:
         """Tell whether there is something to open for: a target, or a sky for flats."""
+        self._first = None
         if view.sun > self._night.sun.observing:
             return self.chooser.flats_now(view) is not None
         asked, actions = self.chooser.choose_request(view)
         self._actions += actions
+        self._first = asked.request.target if asked is not None else None
         return asked is not None
 
     # ── open ──
@@ -289,7 +300,7 @@ class NightExecutor:
         elif self._observing.idle_s(view) > IDLE_CLOSE_S:
             self._park(view, _P.WAITING, "nothing may be observed for a while")
 
-    def _go_on_opening(self, view: NightView, steps: StepRunner) -> None:
+    def _go_on_opening(self, view: NightView, steps: OpeningRun) -> None:
         if view.person:
             self._park(view, _P.WAITING, f"{view.person} is at work")
             return
@@ -299,6 +310,7 @@ class NightExecutor:
             # What is best now is asked at once: what it opened for was chosen a while ago.
             self.chooser.look_again()
             self._move(view, _P.OBSERVING, "")
+            self._go_on_open(view)
         elif steps.state is StepsState.REFUSED:
             # An interlock or somebody: no fault. It is tried again when it may be.
             self._park(view, _P.CLOSED, steps.why)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from talaia.model.night_section import NightSection
 
 __all__ = [
+    "OPENING",
     "LeaveReason",
     "abort_commands",
     "closing_steps",
@@ -25,10 +26,13 @@ __all__ = [
     "opening_steps",
     "parking_steps",
     "steps_of",
+    "unparking_step",
 ]
 
 # Where the description does not say how long a command may take (s).
 STEP_S = 120.0
+OPENING = "opening the roof"
+"""What is done while the roof opens."""
 _P, _C = NightPhase, SuspensionCause
 
 
@@ -74,28 +78,34 @@ def opening_steps(night: NightSection) -> list[NightStep]:
     def is_open(view: NightView) -> bool:
         return view.opened is True
 
-    def is_ready(view: NightView) -> bool:
-        return view.parked is False
-
     return [
         *steps_of(night.start, "getting ready"),
         NightStep(
-            words="opening the roof",
+            words=OPENING,
             command=night.open.command,
             args=night.open.args,
             within=night.open.within or STEP_S,
             tries=night.step_tries,
             reached=is_open,
         ),
-        NightStep(
-            words="unparking the telescope",
-            command=night.unpark.command,
-            args=night.unpark.args,
-            within=night.unpark.within or STEP_S,
-            tries=night.step_tries,
-            reached=is_ready,
-        ),
+        unparking_step(night),
     ]
+
+
+def unparking_step(night: NightSection) -> NightStep:
+    """Give what gets the telescope ready to point."""
+
+    def is_ready(view: NightView) -> bool:
+        return view.parked is False
+
+    return NightStep(
+        words="unparking the telescope",
+        command=night.unpark.command,
+        args=night.unpark.args,
+        within=night.unpark.within or STEP_S,
+        tries=night.step_tries,
+        reached=is_ready,
+    )
 
 
 def closing_steps(rule: Enclosure, *, opens: bool, unparks: bool) -> list[NightStep]:
