@@ -197,9 +197,11 @@ def print_waits(name: str, waits: list[Wait], limit: str) -> None:
     whole = rows[:, 0] + rows[:, 3]
     half, most = np.percentile(whole, [50, 95])
     beyond = np.percentile(rows[:, 0] + rows[:, 3] - rows[:, 1] - rows[:, 2], [50, 95])
+    unmoved = np.percentile(whole - rows[:, 1], [50, 95])
     print(
         f"{name}: {len(rows)} times: p50 {half:.1f} s, p95 {most:.1f} s, most {whole.max():.1f} s"
         f" (limit: {limit});"
+        f" without the slew p50 {unmoved[0]:.1f} s, p95 {unmoved[1]:.1f} s;"
         f" slewing {np.median(rows[:, 1]):.0f} s, roof moving {np.median(rows[:, 2]):.0f} s,"
         f" beyond both p50 {beyond[0]:.1f} s, p95 {beyond[1]:.1f} s;"
         f" planner {np.median(rows[:, 3]):.2f} s, at most {rows[:, 3].max():.2f} s"
