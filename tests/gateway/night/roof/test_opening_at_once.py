@@ -55,6 +55,19 @@ def test_a_slew_ahead_that_fails_fails_nothing() -> None:
     assert world.events == []
 
 
+def test_a_telescope_that_is_let_only_under_an_open_roof_waits_for_it() -> None:
+    world = opening(ClosingOrder.PARALLEL)
+    world.faults |= {"dome/open": None, "telescope/unpark": CommandPhase.REFUSED}
+    world.shutter = "opening"
+    world.until(lambda: bool(world.asked("telescope/unpark")))
+    world.pass_time(10.0)
+    assert world.executor.phase is P.OPENING
+    world.faults.clear()
+    world.shutter = "opened"
+    world.until(lambda: bool(world.frames))
+    assert world.events == []
+
+
 def test_rain_while_both_move_closes_and_parks() -> None:
     world = opening(ClosingOrder.PARALLEL)
     world.until(lambda: bool(world.asked("telescope/unpark")))

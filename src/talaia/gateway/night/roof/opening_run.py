@@ -56,7 +56,8 @@ class OpeningRun:
         self._roof = StepRunner(steps[:-1] if at_once else steps, next_id)
         self._mount = StepRunner([unparking_step(night)] if at_once else [], next_id)
         self._ahead: StepRunner | None = None
-        self._at_once = at_once
+        # The roof is open, and what was refused before may be let now.
+        self._at_once, self._waited = at_once, not at_once
 
     @property
     def words(self) -> str:
@@ -66,9 +67,10 @@ class OpeningRun:
     @property
     def state(self) -> StepsState:
         """How it stands; what goes ahead of the first block fails nothing."""
-        for runner in (self._roof, self._mount):
-            if runner.state is not StepsState.DONE:
-                return runner.state
+        if self._roof.state is not StepsState.DONE:
+            return self._roof.state
+        if self._mount.state is not StepsState.DONE:
+            return self._mount.state if self._waited else StepsState.RUNNING
         ahead = self._ahead
         busy = ahead is not None and ahead.state is StepsState.RUNNING
         return StepsState.RUNNING if busy else StepsState.DONE
@@ -92,6 +94,12 @@ class OpeningRun:
         # Not before the roof was asked for: what gets ready first (a cooler) is still under way.
         if self._roof.words != OPENING and self._roof.state is not StepsState.DONE:
             return asked
+        is_open = self._roof.state is StepsState.DONE
+        if is_open and not self._waited:
+            self._waited = True
+            if self._mount.state in {StepsState.FAILED, StepsState.REFUSED}:
+                # An interlock may want the roof open first: then as with any other roof.
+                self._mount = StepRunner([unparking_step(self._night)], self._next_id)
         asked += self._mount.update_steps(view)
         if self._mount.state is StepsState.DONE:
             if self._ahead is None:
