@@ -115,10 +115,10 @@ export class PlanTimeline extends LitElement {
         position: absolute;
         inset-block-end: 2.5rem;
         inset-inline-start: calc(var(--left) * 100%);
-        inline-size: max(3px, calc(var(--width) * 100%));
-        block-size: 0.6rem;
-        border: 1px solid var(--t-edge);
-        background: var(--t-muted);
+        inline-size: max(6px, calc(var(--width) * 100%));
+        block-size: 0.7rem;
+        border: 1px solid var(--t-text);
+        background: var(--t-surface);
         pointer-events: none;
       }
       .flip {
@@ -192,7 +192,7 @@ export class PlanTimeline extends LitElement {
         background: var(--colour);
       }
       .key .focus {
-        background: var(--t-muted);
+        background: var(--t-surface);
       }
       .key .flip {
         background: repeating-linear-gradient(45deg, var(--t-text) 0 2px, var(--t-surface) 2px 4px);

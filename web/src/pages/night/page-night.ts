@@ -260,8 +260,7 @@ export class PageNight extends LitElement {
         { title: "Proposal", cell: ({ proposal }) => `${marks.get(proposal)?.letter ?? ""} ${proposal}` },
         { title: "Lasts", cell: ({ startMs, endMs }) => formatDuration((endMs - startMs) / 1000) },
         { title: "State", cell: ({ state }) => BLOCK_WORDS[state] },
-        { title: "Why", cell: ({ reason }) => reason },
-        { title: "In between", cell: ({ pauses }) => map(pauses ?? [], (pause) => html`<div>${pauseText(pause, this.zone)}</div>`) },
+        { title: "Why", cell: ({ reason, pauses }) => html`${reason}${map(pauses ?? [], (pause) => html`<div class="muted">${pauseText(pause, this.zone)}</div>`)}` },
       ],
     });
   }
