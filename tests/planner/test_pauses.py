@@ -15,8 +15,8 @@ from talaia.model.observing.requests import (
     Window,
 )
 from talaia.model.observing.targets import FixedTarget, IcrsTarget, Target
+from talaia.planner.between.pauses import BlockPauses
 from talaia.planner.from_requests import make_night
-from talaia.planner.pauses import BlockPauses
 from talaia.planner.session import PlanningSession
 from talaia.planner.sky import TelescopePlace
 

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from talaia.planner.between.overheads import overhead_matrix, overheads_from
+from talaia.planner.between.pauses import BlockPauses
 from talaia.planner.feasibility import NEVER
-from talaia.planner.overheads import overhead_matrix, overheads_from
-from talaia.planner.pauses import BlockPauses
 from talaia.planner.sky import MARK_S
 
 if TYPE_CHECKING:
@@ -374,6 +374,7 @@ def _timed_blocks(
         start = feasibility.earliest_starts(rows[None, :], begin)
         return start, start + blocks
     index = index[None, :]
+    # Columns, so that each plan stands against every candidate.
     filters, focused = focus[:, :1], focus[:, 1:]
     due = pauses.focus_due(index, begin, filters, focused)
     start = feasibility.earliest_starts(rows[None, :], begin + pauses.focus_s * due)
@@ -390,6 +391,7 @@ def _focus_after(field: Field, focus: Ints, visit: Ints, times: tuple[Ints, Ints
     filters, focused = focus[:, 0], focus[:, 1]
     due = pauses.focus_due(visit, start - pauses.focus_s, filters, focused)
     since = pauses.focused_after(visit, start, end, np.where(due, start, focused))
+    # A block of several filters ends in focus for its last one.
     changes = due | (pauses.first[visit] != pauses.last[visit])
     return np.stack([np.where(changes, pauses.last[visit], filters), since], axis=1)
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from talaia.planner.between.pauses import leads_from
 from talaia.planner.feasibility import NEVER
-from talaia.planner.pauses import leads_from
 
 if TYPE_CHECKING:
     from talaia.planner.night_problem import Ints

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.planner.between.overheads import PARKED, TelescopePointing
+from talaia.planner.between.pauses import UNFOCUSED
 from talaia.planner.feasibility import Feasibility
 from talaia.planner.night_problem import NO_VISIT_BEFORE, ProposalLimit
-from talaia.planner.overheads import PARKED, TelescopePointing
-from talaia.planner.pauses import UNFOCUSED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -12,6 +12,8 @@ from msgspec.structs import replace
 
 from talaia.model.observing.plan import Plan, PlannedBlock, WhyNot
 from talaia.planner.beam_search import OrderedVisit
+from talaia.planner.between.overheads import overheads_from
+from talaia.planner.between.pauses import UNFOCUSED, FocusState, leads_from, planned_pauses
 from talaia.planner.bound import RestBound
 from talaia.planner.dispatch import rank_now, soonest_start
 from talaia.planner.errors import UnknownRequest
@@ -21,8 +23,6 @@ from talaia.planner.from_requests import limits_of, visits_of
 from talaia.planner.idle_rounds import IdleRounds
 from talaia.planner.night_problem import RAPID
 from talaia.planner.outlook import WeatherOutlook
-from talaia.planner.overheads import overheads_from
-from talaia.planner.pauses import UNFOCUSED, FocusState, leads_from, planned_pauses
 from talaia.planner.progress import NightProgress
 from talaia.planner.search import PROMPT, THOROUGH, Effort, NightSearch
 from talaia.planner.sky import MARK_S

@@ -49,6 +49,7 @@ class OpeningRun:
 
         """
         self._night, self._place, self._next_id = night, place, next_id
+        # Chosen before it opens; the block behind it is chosen anew, and mostly the same.
         self._target = target
         at_once = enclosure.order is not ClosingOrder.MOUNT_FIRST
         steps = opening_steps(night)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.model.observing.plan import PauseKind, PlannedPause
-from talaia.planner.overheads import overheads_from
+from talaia.planner.between.overheads import overheads_from
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -64,6 +64,7 @@ class BlockPauses:
         self._frame = table.frame_s[rows]
         # When each passes the meridian (s of the night); a long night has it twice.
         directions = sky.star_directions(table.ra[rows], table.dec[rows])
+        # Of date, as sidereal time is.
         right = np.arctan2(directions[:, 1], directions[:, 0])
         angle = (right - float(sky.sidereal[0]) + math.pi) % _TURN - math.pi
         transit = angle / _TURN * _SIDEREAL_DAY_S
@@ -104,12 +105,16 @@ class BlockPauses:
         """
         rules = self._rules
         transit, frame = self._transit[index], self._frame[index]
+        # Behind this a frame may no longer end: the mount would run into its pier.
         limit = transit + rules.flip_after
+        # A last frame that ends before it needs no turn, whatever its readout takes.
         last = start + self._blocks[index] - self._readout
         turns = (start < transit) & (last > limit) & self._tracked[index] & (rules.flip > 0.0)
+        # How many whole frames end by then; none, where already the first would end too late.
         exposure = np.maximum(frame - self._readout, 0.0)
         frames = np.floor((limit - start - exposure) / np.maximum(frame, 1.0)) + 1.0
         begin = start + np.maximum(frames, 0.0) * frame
+        # East of the meridian a mount that is sent to the same place does not turn.
         waits = np.maximum(transit - begin, 0.0)
         return np.where(turns, begin, np.nan), np.where(turns, waits + rules.flip, 0.0)
 
@@ -122,6 +127,7 @@ class BlockPauses:
     def focused_after(self, index: Ints, start: Ints, finish: Ints, focused: Ints) -> Ints:
         """Give when the last focus run will have been, behind a block."""
         count = self.inner_runs(index, start, focused)
+        # Without a run in the block this is the former one.
         within = focused + count * (self._rules.focus_every + self._rules.focus)
         return np.asarray(np.minimum(within, finish).astype(np.int64))
 
@@ -165,6 +171,7 @@ def planned_pauses(
         return (), focus, 0
     only = np.array([0])
     rules = problem.pauses
+    # A run that was due when the block was timed ends as its first frame begins.
     begin = np.array([start - pauses.focus_s])
     due = bool(pauses.focus_due(only, begin, np.array(focus.filter), np.array(focus.second))[0])
     found: list[PlannedPause] = []
@@ -185,6 +192,7 @@ def planned_pauses(
     if seconds[0] > 0.0:
         add(PauseKind.FLIP, float(turn[0]), float(seconds[0]), "its target passes the meridian")
     found.sort(key=lambda pause: pause.start)
+    # Runs in the block belong to its end, whatever the turn adds.
     end = np.array([start + int(problem.table.block_s[row])])
     after = int(pauses.focused_after(only, at, end, np.array([since]))[0])
     changed = due or int(pauses.last[0]) != int(pauses.first[0])
