@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from msgspec.structs import replace
 
 from talaia.model.observing.plan import Plan, PlannedBlock, WhyNot
 from talaia.planner.beam_search import OrderedVisit
@@ -41,8 +40,6 @@ __all__ = ["Decision", "PlanningSession"]
 _HOLD_S = 120
 # Rather than to stand idle at a field for longer, wait where something new may come first (s).
 _LONGEST_IDLE_S = 30
-# By less the time to the next focus run is no other (s): a tube's thermometer trembles.
-_FOCUS_PLAY_S = 300.0
 _USUAL_OUTLOOK = WeatherOutlook()
 
 
@@ -179,18 +176,11 @@ class PlanningSession:
             again: why then, in words.
 
         """
-        progress, rules = self._progress, self._problem.pauses
-        if every is not None and abs(every - rules.focus_every) > _FOCUS_PLAY_S:
-            self._problem.pauses = replace(rules, focus_every=every)
-            self._changed = True
-        if again:
-            progress.focus_again = again
         focus = UNFOCUSED
         if time is not None:
             index = self._problem.filter_index(filter_name)
             focus = FocusState(index, self._problem.second(time))
-        self._changed |= focus != progress.focus
-        progress.focus = focus
+        self._changed |= self._progress.set_focus(focus, every=every, again=again)
 
     def set_proposals(self, proposals: Sequence[Proposal]) -> None:
         """Take what proposals are due and have left now; one that is not named has nothing."""

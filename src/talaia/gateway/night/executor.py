@@ -10,6 +10,7 @@ Long, because every phase of a night and what leads from one to another stands i
 from __future__ import annotations
 
 import itertools
+from functools import partial
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
@@ -37,9 +38,9 @@ if TYPE_CHECKING:
     from talaia.gateway.night.block_run import BlockParts
     from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
     from talaia.gateway.night.night_values import NightView, StepAnswer
+    from talaia.gateway.night.simple_dispatch import AskedRequest
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
-    from talaia.model.observing.targets import Target
 
 __all__ = ["NightExecutor"]
 
@@ -80,7 +81,7 @@ class NightExecutor:
             arming: of an earlier run.
 
         """
-        self._night, self._roof, self._place = night, enclosure, place
+        self._night, self._roof = night, enclosure
         self.arming = arming if arming is not None else NightArming()
         self.phase, self.why = _phase_at_rest(self.arming), ""
         self._since: float | None = None
@@ -102,8 +103,7 @@ class NightExecutor:
             night, self.chooser, self._observing, begun=bool(self.arming.armed_by)
         )
         self._closed_since: float | None = None
-        # Of what it opens for.
-        self._first: Target | None = None
+        self._make_opening = partial(OpeningRun, night, enclosure, place, self._next_id)
         self._undoing = UnendedCommands({night.open.command, night.unpark.command})
         self._actions: list[NightAction] = []
         self._report = NightReport(night)
@@ -213,7 +213,7 @@ class NightExecutor:
         elif view.person:
             self._leave_calibrations(view, f"{view.person} is at work")
             self._move(view, _P.WAITING, f"{view.person} is at work")
-        elif not self._may_observe(view):
+        elif (first := self._next_request(view)) is None:
             self._calibrate(view, _P.WAITING, "nothing may be observed now")
         else:
             # Re-planned first: there is something to open for.
@@ -224,13 +224,7 @@ class NightExecutor:
             self._indoors.begun = True
             self.arming = replace(self.arming, opened=True)
             self._move(view, _P.OPENING, "")
-            self._steps = OpeningRun(
-                night=self._night,
-                enclosure=self._roof,
-                place=self._place,
-                next_id=self._next_id,
-                target=self._first,
-            )
+            self._steps = self._make_opening(target=first.request.target)
 
     def _pass_twilight(self, view: NightView, why: str) -> None:
         """Let the day pass; while it is not quite day, requests that need no sky are served."""
@@ -274,15 +268,13 @@ class NightExecutor:
         else:
             self._move(view, _P.CALIBRATING if self._indoors.is_busy else phase, why)
 
-    def _may_observe(self, view: NightView) -> bool:
-        """Tell whether there is something to open for: a target, or a sky for flats."""
-        self._first = None
+    def _next_request(self, view: NightView) -> AskedRequest | None:
+        """Give what there is to open for: a target, or a sky for flats."""
         if view.sun > self._night.sun.observing:
-            return self.chooser.flats_now(view) is not None
+            return self.chooser.flats_now(view)
         asked, actions = self.chooser.choose_request(view)
         self._actions += actions
-        self._first = asked.request.target if asked is not None else None
-        return asked is not None
+        return asked
 
     # ── open ──
 

@@ -31,11 +31,11 @@ class OpeningRun:
 
     def __init__(
         self,
-        *,
         night: NightSection,
         enclosure: Enclosure,
         place: Place,
         next_id: Callable[[], str],
+        *,
         target: Target | None,
     ) -> None:
         """Begin with the next `update_steps`.
