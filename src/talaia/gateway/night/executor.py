@@ -33,8 +33,6 @@ from talaia.model.observing.states import SuspensionCause
 from talaia.wire.frames import NightPhase, NightState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from talaia.gateway.night.block_run import BlockParts
     from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
     from talaia.gateway.night.night_values import NightView, StepAnswer
@@ -85,8 +83,7 @@ class NightExecutor:
         self.arming = arming if arming is not None else NightArming()
         self.phase, self.why = _phase_at_rest(self.arming), ""
         self._since: float | None = None
-        counter = itertools.count(1)
-        self._next_id: Callable[[], str] = lambda: f"{id_prefix}-{next(counter)}"
+        self._next_id = map(f"{id_prefix}-{{}}".format, itertools.count(1)).__next__
         # Into which phase parking leads.
         self._after_parking = _phase_at_rest(self.arming)
         if self.arming.armed_by or self.arming.opened:
