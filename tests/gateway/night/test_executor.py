@@ -495,6 +495,7 @@ def happen(world: PureObservatory, what: str) -> None:
 @settings(max_examples=60, deadline=None)
 @given(events=st.lists(EVENT, max_size=25))
 @example(events=[("dry", 4), ("disarm", 20)])
+@example(events=[("dry", 24), ("blind", 1), ("dry", 31)])
 def test_whatever_happens_nothing_moves_that_may_not_and_it_comes_to_rest(
     events: list[tuple[str, int]],
 ) -> None:

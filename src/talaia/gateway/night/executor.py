@@ -182,7 +182,7 @@ class NightExecutor:
 
     def _must_close(self, view: NightView) -> bool:
         """Leave an open roof where anything forbids it; tell whether that is so."""
-        leave = leave_reason(view, self._night.sun.closing, observing=self.phase is _P.OBSERVING)
+        leave = leave_reason(view, self._night.sun.closing, opening=self._steps)
         if leave is None:
             return False
         self._suspend(view, leave.cause, leave.why)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.night.roof.roof_steps import OPENING, opening_steps, unparking_step
+from talaia.gateway.night.roof.roof_steps import OPENING, UNPARKING, opening_steps, unparking_step
 from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
 from talaia.gateway.night.target_place import place_of_date
 from talaia.model.interlocks.enclosure import ClosingOrder
@@ -81,6 +81,13 @@ class OpeningRun:
         """Why it failed or was refused."""
         return self._roof.why or self._mount.why
 
+    @property
+    def roof_is_open(self) -> bool:
+        """Whether it has been seen open: what its sensors say from then on counts."""
+        # With one row for both, what comes behind the roof is the telescope's last step.
+        roof = self._roof
+        return roof.state is StepsState.DONE or roof.words == UNPARKING
+
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command ended."""
         for runner in (self._roof, self._mount, self._ahead):
@@ -94,6 +101,9 @@ class OpeningRun:
             return asked
         # Not before the roof was asked for: what gets ready first (a cooler) is still under way.
         if self._roof.words != OPENING and self._roof.state is not StepsState.DONE:
+            return asked
+        if view.opened is None and view.closed is None:
+            # Under a roof of which nobody knows anything a telescope stays where it is.
             return asked
         is_open = self._roof.state is StepsState.DONE
         if is_open and not self._waited:

@@ -12,12 +12,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from talaia.gateway.night.night_values import NightAction, NightView
+    from talaia.gateway.night.roof.opening_run import OpeningRun
     from talaia.model.interlocks.enclosure import Enclosure
     from talaia.model.interlocks.interlock import Step
     from talaia.model.night_section import NightSection
 
 __all__ = [
     "OPENING",
+    "UNPARKING",
     "LeaveReason",
     "abort_commands",
     "closing_steps",
@@ -33,6 +35,7 @@ __all__ = [
 STEP_S = 120.0
 OPENING = "opening the roof"
 """What is done while the roof opens."""
+UNPARKING = "unparking the telescope"
 _P, _C = NightPhase, SuspensionCause
 
 
@@ -53,13 +56,15 @@ class LeaveReason(NamedTuple):
     disarms: bool = False
 
 
-def leave_reason(view: NightView, closing_sun: float, *, observing: bool) -> LeaveReason | None:
-    """Give what forbids an open roof; while it is opening its sensors do not count yet."""
+def leave_reason(
+    view: NightView, closing_sun: float, *, opening: OpeningRun | None
+) -> LeaveReason | None:
+    """Give what forbids an open roof; while it is ``opening`` its sensors do not count yet."""
     if why := view.closing or view.barred:
         return LeaveReason(_C.WEATHER, why, None)
     if view.sun > closing_sun:
         return LeaveReason(_C.WEATHER, "the Sun rises", _P.WAITING)
-    if not observing:
+    if opening is not None and not opening.roof_is_open:
         return None
     if view.opened is None and view.closed is None:
         return LeaveReason(_C.FAULT, "the roof's sensors say nothing", _P.CLOSED)
@@ -67,7 +72,7 @@ def leave_reason(view: NightView, closing_sun: float, *, observing: bool) -> Lea
         # Nothing of the weather has closed it.
         why = f"{view.person or 'somebody'} has closed the roof"
         return LeaveReason(_C.PERSON, why, _P.DISARMED, disarms=True)
-    if view.parked is None:
+    if opening is None and view.parked is None:
         return LeaveReason(_C.FAULT, "nobody knows how the telescope stands", _P.CLOSED)
     return None
 
@@ -99,7 +104,7 @@ def unparking_step(night: NightSection) -> NightStep:
         return view.parked is False
 
     return NightStep(
-        words="unparking the telescope",
+        words=UNPARKING,
         command=night.unpark.command,
         args=night.unpark.args,
         within=night.unpark.within or STEP_S,
