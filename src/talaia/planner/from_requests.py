@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from talaia.model.observing.plan import PauseRules
 from talaia.model.observing.requests import (
     Configuration,
     GroupOperator,
@@ -32,13 +33,15 @@ if TYPE_CHECKING:
 
     from talaia.model.observing.plan import Instrument
 
-__all__ = ["limits_of", "make_night", "visits_of"]
+__all__ = ["NO_PAUSES", "limits_of", "make_night", "visits_of"]
 
 _URGENCIES = {
     Urgency.NORMAL: NORMAL,
     Urgency.TIME_CRITICAL: TIME_CRITICAL,
     Urgency.RAPID_RESPONSE: RAPID,
 }
+NO_PAUSES = PauseRules()
+"""Of a mount that never turns over, at a site that nobody focuses."""
 _INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
 _YEAR_S = 365.25 * 86_400.0
 # 2000-01-01T12:00:00 (s since the epoch).
@@ -51,6 +54,7 @@ def make_night(
     time: float,
     *,
     instrument: Instrument,
+    pauses: PauseRules = NO_PAUSES,
     proposals: Sequence[Proposal] = (),
     groups: Sequence[RequestGroup] = (),
 ) -> NightProblem:
@@ -64,6 +68,7 @@ def make_night(
         length_s=length_s,
         sky=compute_sky(place, start, length_s),
         instrument=instrument,
+        pauses=pauses,
         proposals=limits_of(proposals),
     )
     problem.add_visits(visits_of(problem, groups))
@@ -122,6 +127,7 @@ def _visit(
         ra=ra,
         dec=dec,
         track=track,
+        tracked=not isinstance(request.target, FixedTarget),
         needs_sky=not waits_for,
         waits_for=waits_for,
         priority=group.priority,
@@ -163,7 +169,9 @@ def _frame_runs(problem: NightProblem, request: Request) -> tuple[FrameRun, ...]
     for part, kept in zip(request.configurations, done, strict=False):
         left = max(0, part.count - kept)
         changes = last is not None and part.filter not in ("", last.filter)
-        before = problem.instrument.filter_change if changes and left else 0.0
+        # Through another filter it is focused on anew.
+        change = problem.instrument.filter_change + problem.pauses.focus
+        before = change if changes and left else 0.0
         runs.append(FrameRun(left, part.exposure + problem.instrument.readout, before))
         if left:
             last = part

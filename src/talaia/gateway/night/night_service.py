@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from talaia.gateway.night.night_values import NightAction, StepAnswer
     from talaia.gateway.night.planning.planner_process import NightPlanner
     from talaia.gateway.night.planning.planner_question import PlannerAnswer
+    from talaia.gateway.night.request_intake import RequestSet
     from talaia.gateway.ports import EventSink
     from talaia.model.interlocks.enclosure import Place
     from talaia.model.night_section import NightSection
@@ -237,16 +238,7 @@ class NightService:
         self._executor.chooser.replace_requests(
             groups, self._book.frames_done(groups), self._book.ended
         )
-        self.planner.take_setup(
-            PlannerSetup(
-                latitude=self._place.latitude,
-                longitude=self._place.longitude,
-                elevation=self._place.elevation,
-                instrument=self._night.times,
-                proposals=self._requests.proposals,
-                groups=groups,
-            )
-        )
+        self.planner.take_setup(_planner_setup(self._place, self._night, self._requests))
 
     def _hand_over_hours(self) -> None:
         charged = self._book.charged_seconds()
@@ -312,6 +304,7 @@ class NightService:
                 seeing=view.seeing,
                 clouds=view.clouds,
                 parked=view.parked is True,
+                focus=self._parts.focus_news(question.time),
             )
         )
 
@@ -387,3 +380,16 @@ class NightService:
         await self._parts.close()
         await self._commands.close()
         await self._tasks.close()
+
+
+def _planner_setup(place: Place, night: NightSection, requests: RequestSet) -> PlannerSetup:
+    """Tell the planner what is asked, and of which telescope."""
+    return PlannerSetup(
+        latitude=place.latitude,
+        longitude=place.longitude,
+        elevation=place.elevation,
+        instrument=night.times,
+        pauses=night.pauses,
+        proposals=requests.proposals,
+        groups=requests.groups,
+    )
