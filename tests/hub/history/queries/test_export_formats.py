@@ -3,6 +3,7 @@
 import asyncio
 import csv
 import io
+import sys
 import tempfile
 import tracemalloc
 from pathlib import Path
@@ -14,6 +15,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from many_examples import examples
 
+from talaia.hub.errors import LibraryMissing
 from talaia.hub.history.errors import HistoryBusy
 from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
 from talaia.wire.columns import Columns
@@ -90,6 +92,29 @@ async def test_no_cell_of_a_csv_is_a_formula(url) -> None:
     assert [row[1] for row in table[1:]] == [*("'" + text for text in texts[:6]), *texts[6:]]
     assert {row[2] for row in table[1:]} == {"-1.5"}
     assert table[1][0] == "2023-11-14 22:13:20.000000Z"
+
+
+async def test_without_arrow_a_csv_has_the_same_cells(url, monkeypatch) -> None:
+    numbers = [0.0, -0.0, 1 / 3, 5e-324, 1.7e308, 123_456_789.0, 2.0**53, float("nan"), -1.5]
+    rows = [(0, START + 2 * i, number) for i, number in enumerate(numbers)]
+    rows += [(0, START + 40, float("inf"))]
+    rows += [(1, START + 3 * i, text) for i, text in enumerate(["=1", "a,b", 'say "hi"', "é\nü", ""])]
+    rows += [(2, START + SECOND * i, float(i)) for i in range(3)]
+    columns = [SPEED, MODE, STATE]
+    async with opened(url) as store:
+        await store.append_samples("agv", "b1", 0, addresses=ADDRESSES, columns=batch(rows))
+        tables = []
+        for module in (pa, None):
+            # As Python marks what is not there.
+            monkeypatch.setitem(sys.modules, "pyarrow", module)
+            body = (await taken(store, columns, FileForm.CSV)).decode()
+            tables.append(list(csv.reader(io.StringIO(body, newline=""))))
+        with pytest.raises(LibraryMissing, match=r"pip install 'talaia\[arrow\]'"):
+            await taken(store, columns, FileForm.PARQUET)
+    arrows, own = tables
+    assert [(row[0], *row[2:]) for row in own] == [(row[0], *row[2:]) for row in arrows]
+    said = [[float(row[1]) for row in table[1:] if row[1]] for table in tables]
+    assert str(said[0]) == str(said[1])
 
 
 row = st.tuples(st.integers(0, 1), moment, number)
