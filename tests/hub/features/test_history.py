@@ -3,7 +3,6 @@
 import asyncio
 import csv
 import io
-import sys
 import json
 
 import pyarrow as pa
@@ -75,26 +74,6 @@ async def test_last_value_and_statistics(stored) -> None:
     assert found["deviation"] == pytest.approx(0.288661, rel=1e-5)
     assert found["high"] == {"t_us": NOW + 99_000, "v": 0.99, "text": None}
     assert found["gap_us"] == 0
-
-
-async def test_a_hub_without_arrow_gives_csv_and_says_what_brings_the_rest(
-    stored, monkeypatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    client = await stored.client("operator")
-    answers = {
-        form: await client.get(
-            f"/api/sites/agv/{path}", params={"signal": "base/speed", "format": form, **WINDOW}
-        )
-        for path, form in (("export", "csv"), ("export", "parquet"), ("history", "arrow"))
-    }
-    assert {form: answer.status_code for form, answer in answers.items()} == {
-        "csv": 200, "parquet": 501, "arrow": 501,
-    }  # fmt: skip
-    assert len(answers["csv"].text.splitlines()) == 101
-    said = answers["parquet"].json()
-    assert said["code"] == "not_installed"
-    assert said["message"].endswith("run there: pip install 'talaia[arrow]'")
 
 
 async def test_an_export_is_a_file_of_every_sample(stored) -> None:
