@@ -163,6 +163,19 @@ export class HubApi {
     return (await this.request<StoredList>("GET", path)).channels;
   }
 
+  /** Why no such file would be given, by asking for a microsecond of it; empty where nothing stands against it. */
+  async exportRefusal(site: string, query: ExportQuery): Promise<string> {
+    const least = { ...query, toUs: query.fromUs + 1, width: 0 };
+    try {
+      const response = await this.fetcher(exportPath(site, least), { credentials: "same-origin" });
+      if (!response.ok) return (await refusalOf(response)).message;
+      await response.body?.cancel();
+      return "";
+    } catch {
+      return "The hub does not answer.";
+    }
+  }
+
   /** The anomaly detectors of a site, and what each says now. */
   anomalies(site: string): Promise<AnomalyList> {
     return this.request("GET", `/api/sites/${encodeURIComponent(site)}/anomalies`);
