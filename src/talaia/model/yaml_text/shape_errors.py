@@ -8,15 +8,26 @@ from __future__ import annotations
 
 import copy
 import re
-from typing import NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import msgspec
 
 from talaia.model.base import FOREIGN_KEYS
 from talaia.model.connection import Connection, ConnectionKind
 from talaia.model.errors import DescriptionError, UnknownWord
+from talaia.model.meant_words import list_words, meant_word
+from talaia.model.roles import CommandRole, SignalRole
 from talaia.model.site import Site
 from talaia.model.yaml_text.source_tags import with_tags
+from talaia.model.yaml_text.value_remedies import (
+    example_of_key,
+    remedy_of_value,
+    words_of_item,
+    words_of_value,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
 
 __all__ = ["ShapeError", "ShapeErrors", "list_shape_errors", "shape_error"]
 
@@ -36,16 +47,10 @@ _WRONG_TYPE = re.compile(r"Expected `(?P<expected>[^`]*)`, got `(?P<found>[^`]*)
 _STEP = re.compile(r"\.([A-Za-z_]\w*)|\[(\d+|\.\.\.)\]")
 # A key of a mapping that could not be told.
 _ANY = "…"
-_WORDS = {
-    "array": "a list",
-    "bool": "true or false",
-    "float": "a number",
-    "int": "a whole number",
-    "null": "nothing",
-    "object": "a mapping",
-    "str": "a text",
-}
-_LONGEST_SHOWN = 60
+# Which keys may stand beside these goes by their value.
+_DECIDING = ("kind", "type")
+# Nearer than this, a key that nobody knows is read as the one that was meant.
+_SURELY_MEANT = 0.7
 
 
 class ShapeError(NamedTuple):
@@ -72,43 +77,122 @@ class ShapeErrors(NamedTuple):
     Attributes:
         errors: in the order in which they were found.
         site: what is left without them; None if that is not enough for a description.
+        renamed: paths of that, and how they stand in the text, where another key was meant.
+        follows: paths of what cannot be judged, for what stands there was put there.
 
     """
 
     errors: list[DescriptionError]
     site: Site | None
+    renamed: dict[str, str]
+    follows: list[str]
 
 
 def list_shape_errors(document: dict[str, object], most: int = MOST_ERRORS) -> ShapeErrors:
     """Find every mistake of shape in a description's plain values, which are left as they are."""
     document = copy.deepcopy(document)
-    errors: list[DescriptionError] = []
+    errors: list[DescriptionError] = [*_name_keys(document, "$")]
+    if "ros2" in document and document["ros2"] is None:
+        # Nothing is as good as no key: nobody would be told why there is no connection.
+        errors.append(DescriptionError("$.ros2", "nothing stands behind ros2", "write: ros2: {}"))
+        document["ros2"] = {}
+    renamed: dict[str, str] = {}
+    follows: list[str] = []
     while len(errors) < most:
         tagged = with_tags(document)
         try:
-            return ShapeErrors(errors, msgspec.convert(tagged, Site))
+            return ShapeErrors(errors, msgspec.convert(tagged, Site), renamed, follows)
         except (msgspec.ValidationError, RecursionError) as error:
             found = shape_error(str(error), tagged)
         errors.append(found.error)
-        if not found.steps or _ANY in found.steps or not _mend(document, found):
+        if not found.steps or _ANY in found.steps:
             break
-    return ShapeErrors(errors, None)
+        if _rename(document, found, renamed):
+            continue
+        if found.steps[-1] in _DECIDING:
+            follows.append(f"{path_of(found.steps[:-1])}.")
+        if not _mend(document, found):
+            break
+    return ShapeErrors(errors, None, renamed, follows)
+
+
+def _name_keys(value: object, where: str) -> Iterator[DescriptionError]:
+    """Make texts of all keys, in place, and tell of those that were none."""
+    if isinstance(value, list):
+        for index, item in enumerate(value):
+            yield from _name_keys(item, f"{where}[{index}]")
+        return
+    if not isinstance(value, dict):
+        return
+    for key in [key for key in value if not isinstance(key, str)]:
+        written = words_of_item(key)
+        said = "true or false" if isinstance(key, bool) else "a number"
+        problem = f"the name of this, {written}, is read as {said}"
+        yield DescriptionError(f"{where}.{written}", problem, "put the name in quotes")
+        value[written] = value.pop(key)
+    for key, part in value.items():
+        yield from _name_keys(part, f"{where}.{key}")
+
+
+def _rename(document: dict[str, object], found: ShapeError, renamed: dict[str, str]) -> bool:
+    """Read a key that nobody knows as the one that was meant, so that what is in it is checked.
+
+    Else all that refers to it would be told as mistakes, too.
+    """
+    error, (*way, last) = found.error, found.steps
+    if not isinstance(error, UnknownWord) or last != error.word:
+        return False
+    holder = _holder_of(document, way)
+    if not isinstance(holder, dict) or last not in holder:
+        return False
+    meant = error.meant
+    if not way and _is_device(holder[last]) and isinstance(holder.get("devices"), dict):
+        # At the margin, as if it were a part of the site.
+        error.problem = f"the device {last!r} stands beside devices, not in it"
+        error.remedy = "put spaces before it and all of its lines, as before the other devices"
+        holder["devices"].setdefault(last, holder.pop(last))
+        renamed[f"$.devices.{last}"] = error.where
+        return True
+    if not meant or meant in holder:
+        return False
+    if not found.is_needed and not meant_word(error.word, [meant], _SURELY_MEANT):
+        return False
+    holder[meant] = holder.pop(last)
+    renamed[path_of((*way, meant))] = error.where
+    return True
+
+
+def _is_device(value: object) -> bool:
+    parts = {"signals", "streams", "commands", "drive"}
+    return isinstance(value, dict) and "name" in value and not parts.isdisjoint(value)
+
+
+def _holder_of(document: object, way: Sequence[Step]) -> object:
+    """Walk to what a part stands in; None if there is none."""
+    holder = document
+    for step in way:
+        try:
+            holder = holder[step]  # type: ignore[index]  # KeyError and the like tell what it is
+        except (KeyError, IndexError, TypeError):
+            return None
+    return holder
 
 
 def _mend(document: dict[str, object], found: ShapeError) -> bool:
     """Take a wrong value out, or put one of the right shape there; false if neither is possible."""
     # The tree is walked anew each time: what was mended before may have replaced a part of it.
     *way, last = found.steps
-    holder: object = document
-    for step in way:
-        try:
-            holder = holder[step]  # type: ignore[index]  # KeyError and the like tell what it is
-        except (KeyError, IndexError, TypeError):
-            return False
+    holder = _holder_of(document, way)
     stand_in = _stand_in(found.shape)
+    if isinstance(found.error, UnknownWord) and last != found.error.word:
+        # A word of a list: what was meant fits best what stands around it.
+        stand_in = found.error.meant or stand_in
     if isinstance(holder, dict):
         # Without a needed key the next run would tell of its absence, which is nobody's mistake.
         if found.is_needed and stand_in is not None:
+            holder[last] = stand_in
+            return True
+        if isinstance(found.error, UnknownWord) and last != found.error.word and stand_in:
             holder[last] = stand_in
             return True
         return holder.pop(last, _ANY) is not _ANY
@@ -158,20 +242,49 @@ def shape_error(message: str, document: object) -> ShapeError:
     if unknown := _UNKNOWN_FIELD.search(problem):
         key = unknown[1]
         error: DescriptionError = UnknownWord(f"{where}.{key}", "key", key, _keys_of(inner))
-        return ShapeError(error, (*steps, key), None, is_needed=False)
+        meant = getattr(error, "meant", "")
+        is_needed = _field_type(inner, meant)[1]
+        return ShapeError(error, (*steps, key), None, is_needed=is_needed)
     if missing := _MISSING.search(problem):
         key = missing[1]
-        error = DescriptionError(where, f"the key {key!r} is missing", f"add {key}: …")
-        return ShapeError(error, (*steps, key), *_field_type(inner, key))
+        shape, is_needed = _field_type(inner, key)
+        example = example_of_key(shape)
+        if key == "kind" and shape is None:
+            example = f"one of {', '.join(kind.value for kind in ConnectionKind)}"
+        error = DescriptionError(where, f"the key {key!r} is missing", f"add {key}: …, {example}")
+        return ShapeError(error, (*steps, key), shape, is_needed)
     if enum := _UNKNOWN_ENUM.search(problem):
-        error = UnknownWord(where, "word", enum[1], _words_of(inner))
+        error = _unknown_word(where, steps, enum[1], _words_of(inner))
     elif (tag := _UNKNOWN_TAG.search(problem)) and where.startswith("$.connections."):
-        error = UnknownWord(where, "kind of connection", tag[1], ConnectionKind)
+        error = UnknownWord(where, "kind of connection", tag[1], [*ConnectionKind])
     elif wrong := _WRONG_TYPE.search(problem):
-        error = _wrong_type(where, wrong["expected"], wrong["found"], value)
+        error = _wrong_type(where, wrong["expected"], wrong["found"], value, shape)
     else:
         error = DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
     return ShapeError(error, steps, shape, is_needed)
+
+
+def _unknown_word(
+    where: str, steps: tuple[Step, ...], word: str, known: list[str]
+) -> DescriptionError:
+    # The key says best what the word is: a kind, a role, a severity.
+    what = str(steps[-1]) if steps and isinstance(steps[-1], str) else "word"
+    error = UnknownWord(where, what, word, known)
+    if what != "role":
+        return error
+    for names, here, other in (
+        (SignalRole, "command", "signal"),
+        (CommandRole, "signal", "command"),
+    ):
+        if word in {*names} and word not in known:
+            error.problem = f"{word!r} is a role of a {other}, and this is a {here}"
+            error.meant = ""
+    beside = [one for one in known if one.partition(".")[0] == word.partition(".")[0]]
+    # Of letters alone ``vehicle.height`` is near to ``telescope.right``.
+    if beside and not meant_word(word, [error.meant], _SURELY_MEANT + 0.15):
+        error.remedy = f"use one of: {list_words(beside)}"
+        error.meant = ""
+    return error
 
 
 def path_of(steps: tuple[Step, ...]) -> str:
@@ -179,28 +292,21 @@ def path_of(steps: tuple[Step, ...]) -> str:
     return "$" + "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps)
 
 
-def _wrong_type(where: str, expected: str, found: str, value: object) -> DescriptionError:
-    """Say what was expected and what stands there, in no language's words for it."""
+def _wrong_type(
+    where: str, expected: str, found: str, value: object, shape: object
+) -> DescriptionError:
+    """Say what was expected, what stands there and what to write, in no language's words."""
     kinds = [kind.strip() for kind in expected.split("|")]
     # Whole numbers are numbers; nothing is never what people forgot to write.
     if "float" in kinds and "int" in kinds:
         kinds.remove("int")
     if len(kinds) > 1 and "null" in kinds:
         kinds.remove("null")
-    said = " or ".join(_WORDS.get(kind, kind) for kind in kinds)
-    shown = _WORDS.get(found, found)
-    # Before numbers, for Python takes truth values for some.
-    if isinstance(value, bool):
-        shown = "true" if value else "false"
-    elif isinstance(value, int | float):
-        shown = f"the number {value}"
-    elif isinstance(value, str):
-        cut = value if len(value) <= _LONGEST_SHOWN else f"{value[:_LONGEST_SHOWN]}…"
-        shown = f"the text {cut!r}"
-    remedy = ""
-    if "str" in kinds and isinstance(value, bool | int | float):
-        remedy = "put it in quotes"
-    return DescriptionError(where, f"expected {said}, found {shown}", remedy)
+    said = " or ".join(words_of_value(None, kind) for kind in kinds)
+    remedy = remedy_of_value(kinds, value, shape)
+    if where == "$.zone":
+        remedy = "write the name of its region, as Europe/Madrid"
+    return DescriptionError(where, f"expected {said}, found {words_of_value(value, found)}", remedy)
 
 
 def _keys_of(shape: object) -> list[str]:
@@ -290,4 +396,27 @@ def _first_wrong(value: object, shape: object, problem: str) -> str:
             except msgspec.ValidationError as error:
                 if str(error).startswith(problem):
                     return str(key)
+    if kind is None:
+        return next((str(key) for key, part in value.items() if not _fits(part, shape)), _ANY)
     return _ANY
+
+
+def _fits(value: object, shape: object) -> bool:
+    """Tell whether a plain value is of a plain type, or a mapping of such."""
+    if isinstance(shape, msgspec.inspect.UnionType):
+        return any(_fits(value, kind) for kind in shape.types)
+    if isinstance(shape, msgspec.inspect.DictType):
+        return isinstance(value, dict) and all(
+            _fits(part, shape.value_type) for part in value.values()
+        )
+    if isinstance(value, bool):
+        return isinstance(shape, msgspec.inspect.BoolType)
+    return any(
+        isinstance(shape, kind) and isinstance(value, made)
+        for kind, made in (
+            (msgspec.inspect.StrType, str),
+            (msgspec.inspect.IntType, int),
+            (msgspec.inspect.FloatType, (int, float)),
+            (msgspec.inspect.NoneType, type(None)),
+        )
+    )

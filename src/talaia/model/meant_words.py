@@ -1,0 +1,119 @@
+"""Words that people bring from elsewhere, and what they are called in a description. Pure.
+
+Likeness of letters finds a slip of the finger; it takes ``private`` for no word, and
+``vehicle.velocity`` for ``vehicle.position``. What stands here goes first, where it is among the
+words that fit.
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+__all__ = ["list_words", "meant_word"]
+
+# More are no help to who reads them.
+_MOST_LISTED = 20
+_ABOVE, _BELOW = ("above",), ("below",)
+_NUMBER, _TEXT, _WHOLE = ("number",), ("text",), ("integer", "number")
+_MEANT: dict[str, tuple[str, ...]] = {
+    ">": _ABOVE,
+    ">=": _ABOVE,
+    "gt": _ABOVE,
+    "greater": _ABOVE,
+    "greater_than": _ABOVE,
+    "more_than": _ABOVE,
+    "<": _BELOW,
+    "<=": _BELOW,
+    "lt": _BELOW,
+    "less": _BELOW,
+    "less_than": _BELOW,
+    "=": ("is",),
+    "==": ("is",),
+    "equals": ("is",),
+    "state": ("is",),
+    "!=": ("is_not",),
+    "not": ("is_not",),
+    "bool": ("boolean", "state"),
+    "boolean": ("state",),
+    "switch": ("state",),
+    "enum": ("state",),
+    "float": _NUMBER,
+    "float32": _NUMBER,
+    "float64": _NUMBER,
+    "double": _NUMBER,
+    "int": _WHOLE,
+    "int32": _WHOLE,
+    "integer": _NUMBER,
+    "str": _TEXT,
+    "string": _TEXT,
+    "gps": ("position",),
+    "pose": ("position",),
+    "robot": ("vehicle",),
+    "rover": ("vehicle",),
+    "car": ("vehicle",),
+    "mobile_base": ("vehicle",),
+    "mount": ("telescope",),
+    "roof": ("dome",),
+    "battery": ("power",),
+    "private": ("view",),
+    "hidden": ("view",),
+    "guest": ("public",),
+    "everyone": ("public",),
+    "high": ("critical",),
+    "low": ("info",),
+    "error": ("critical",),
+    "fatal": ("critical",),
+    "threshold": ("limit",),
+    "range": ("limit",),
+    "timeout": ("stale",),
+    "condition": ("expression",),
+    "max": ("maximum",),
+    "min": ("minimum",),
+    "speed_limit": ("max_speed",),
+    "velocity": ("max_speed",),
+    "label": ("name",),
+    "title": ("name",),
+    "sensors": ("signals",),
+    "actions": ("commands",),
+    "services": ("commands",),
+    "buttons": ("commands",),
+    "cameras": ("streams",),
+    "timezone": ("zone",),
+    "time_zone": ("zone",),
+    "tz": ("zone",),
+    "location": ("place",),
+    "altitude": ("elevation",),
+    "version": ("talaia",),
+    "rules": ("interlocks",),
+    "rosbridge_server": ("rosbridge",),
+    "rtsp": ("video",),
+    "camera": ("video",),
+    "ascom": ("alpaca",),
+    "ros": ("ros2",),
+    "vehicle.velocity": ("vehicle.speed",),
+    "weather.wind_speed": ("weather.wind",),
+}
+
+
+def meant_word(word: str, known: Collection[str], likeness: float = 0.5) -> str:
+    """Give the one of ``known`` that was most likely meant; empty for none.
+
+    Looser than difflib's own 0.6, so that short words with a slip are still met.
+    """
+    for meant in _MEANT.get(word.lower(), ()):
+        if meant in known:
+            return meant
+    near = get_close_matches(word, sorted(known), n=1, cutoff=likeness)
+    return near[0] if near else ""
+
+
+def list_words(words: Collection[str]) -> str:
+    """List words with commas, the first of many."""
+    shown = sorted(words)
+    if len(shown) <= _MOST_LISTED:
+        return ", ".join(shown)
+    return f"{', '.join(shown[:_MOST_LISTED])}, … ({len(shown)} in all)"
