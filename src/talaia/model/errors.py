@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
-from talaia.model.meant_words import list_words, meant_word
+from talaia.model.meant_words import list_words, meant_word, near_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -49,6 +49,7 @@ class UnknownWord(DescriptionError):
         elif self.meant and word:
             remedy = f"did you mean {self.meant!r}?"
         else:
-            remedy = f"use one of: {list_words(words)}"
+            key = "use" if word else f"add {where.rpartition('.')[2]}: and"
+            remedy = f"{key} one of: {list_words(near_words(word, words))}"
         problem = f"unknown {what} {word!r}" if word else f"which {what} is meant?"
         super().__init__(where, problem, remedy)

@@ -7,13 +7,13 @@ words that fit.
 
 from __future__ import annotations
 
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-__all__ = ["list_words", "meant_word"]
+__all__ = ["list_words", "meant_word", "near_words"]
 
 # More are no help to who reads them.
 _MOST_LISTED = 20
@@ -107,8 +107,34 @@ def meant_word(word: str, known: Collection[str], likeness: float = 0.5) -> str:
     for meant in _MEANT.get(word.lower(), ()):
         if meant in known:
             return meant
+    if any("/" in one for one in known) and not word.startswith("/"):
+        return _meant_address(word, known)
     near = get_close_matches(word, sorted(known), n=1, cutoff=likeness)
     return near[0] if near else ""
+
+
+def _meant_address(word: str, known: Collection[str]) -> str:
+    """Compare what stands behind the device: that alone tells ``dome/open`` from ``dome/close``."""
+    device, _, name = word.rpartition("/")
+    # Of the same device first, then of one that is called alike.
+    for likeness in (1.0, 0.6) if device else (0.0,):
+        some = {
+            one.rpartition("/")[2]: one
+            for one in sorted(known)
+            if SequenceMatcher(None, device, one.rpartition("/")[0]).ratio() >= likeness
+        }
+        near = get_close_matches(name, sorted(some), n=1, cutoff=0.65)
+        if near:
+            return some[near[0]]
+    # A device by another name, with a signal that only one has.
+    same = [one for one in known if one.rpartition("/")[2] == name]
+    return same[0] if len(same) == 1 else ""
+
+
+def near_words(word: str, known: Collection[str]) -> list[str]:
+    """Give those of ``known`` that belong to the same device; all, if none does."""
+    device = word.partition("/")[0]
+    return [one for one in known if one.partition("/")[0] == device] or list(known)
 
 
 def list_words(words: Collection[str]) -> str:

@@ -18,7 +18,7 @@ from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.model.yaml_text.version import FORMAT, require_current
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding
@@ -106,13 +106,23 @@ def check_text(
             found += of_types.mistakes
             notes += of_types.notes
         findings += [finding for finding in found if not _follows(finding, wrong, follows)]
-    findings = [_as_written(finding, renamed) for finding in findings]
+    findings = [_as_written(finding, renamed) for finding in _without_offers(findings)]
     return TextReport(
         place_findings(findings, text), None if findings else site, place_findings(notes, text)
     )
 
 
-def _as_written(finding: Finding, renamed: Mapping[str, str]) -> Finding:
+def _without_offers(findings: list[Finding]) -> Iterator[Finding]:
+    """Leave out what offers a device whose own name is told as wrong."""
+    wrong = [
+        f"did you mean '{finding.where.rpartition('.')[2]}/"
+        for finding in findings
+        if finding.where.count(".") == 2 and finding.where.startswith("$.devices.")
+    ]
+    return (one for one in findings if not one.remedy.startswith(tuple(wrong)))
+
+
+def _as_written(finding: Finding, renamed: dict[str, str]) -> Finding:
     """Give a finding with its path as it stands in the text, where keys were misspelt."""
     where = finding.where
     # The last first: the ones before it may be a part of its path.
@@ -146,7 +156,7 @@ def _follows(finding: Finding, wrong: list[str], follows: list[str]) -> bool:
         finding.where.startswith(where)
         # It asks for something that is there, but is wrong.
         or repr(where.rpartition(".")[2]) in finding.problem
-        or (where.startswith("$.connections") and NO_CONNECTION in finding.problem)
+        or (where.startswith(("$.connections", "$.ros2")) and NO_CONNECTION in finding.problem)
         or _is_about(finding.problem, where)
         for where in wrong
     )

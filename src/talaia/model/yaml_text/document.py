@@ -95,15 +95,19 @@ def read_document(text: str) -> object:
     except _Refused as error:
         # Marks count from 0.
         where = f"line {error.problem_mark.line + 1}, column {error.problem_mark.column + 1}"
-        raise NotReadable(where, error.problem or "", error.note or "") from error
+        problem = error.problem or ""
+        if "written twice" in problem:
+            problem += _first_of(text, error.problem_mark)
+        raise NotReadable(where, problem, error.note or "") from error
     except yaml.MarkedYAMLError as error:
         told = explain_yaml_error(error, text)
         where = f"line {told.line}, column {told.column}"
         raise NotReadable(where, told.problem, told.remedy) from error
     except yaml.reader.ReaderError as error:
-        before = text[: error.position]
+        # libyaml counts bytes.
+        before = text.encode(errors="replace")[: error.position].decode(errors="ignore")
         where = f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
-        problem = f"a character that no text has (U+{ord(text[error.position]):04X})"
+        problem = f"a character that no text has (U+{_code_of(error.character):04X})"
         raise NotReadable(where, problem, "delete it; it may not be seen") from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise NotReadable("$", f"is not YAML: {error}") from error
@@ -114,6 +118,21 @@ def dump_document(plain: object) -> str:
     # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
     text: str = yaml.dump(plain, Dumper=_Dumper, sort_keys=False, width=1_000_000)
     return text
+
+
+def _code_of(letter: str | bytes | int) -> int:
+    return letter if isinstance(letter, int) else ord(letter)
+
+
+def _first_of(text: str, mark: yaml.Mark) -> str:
+    """Say in which line a key that is written twice stands first; nothing if it cannot be told."""
+    lines = text.split("\n")
+    said = lines[mark.line][mark.column :].partition(":")[0]
+    for at in range(mark.line - 1, -1, -1):
+        line = lines[at]
+        if line[mark.column :].partition(":")[0] == said and not line[: mark.column].strip("- "):
+            return f", first in line {at + 1}"
+    return ""
 
 
 class _Document:

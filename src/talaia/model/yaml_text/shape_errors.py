@@ -128,7 +128,9 @@ def _name_keys(value: object, where: str) -> Iterator[DescriptionError]:
         written = words_of_item(key)
         said = "true or false" if isinstance(key, bool) else "a number"
         problem = f"the name of this, {written}, is read as {said}"
-        yield DescriptionError(f"{where}.{written}", problem, "put the name in quotes")
+        yield DescriptionError(
+            f"{where}.{written}", problem, "put the name in quotes, or begin it with a letter"
+        )
         value[written] = value.pop(key)
     for key, part in value.items():
         yield from _name_keys(part, f"{where}.{key}")
@@ -251,14 +253,16 @@ def shape_error(message: str, document: object) -> ShapeError:
         example = example_of_key(shape)
         if key == "kind" and shape is None:
             example = f"one of {', '.join(kind.value for kind in ConnectionKind)}"
-        error = DescriptionError(where, f"the key {key!r} is missing", f"add {key}: …, {example}")
+        error = DescriptionError(where, f"the key {key!r} is missing", f"add {key}: … ({example})")
         return ShapeError(error, (*steps, key), shape, is_needed)
     if enum := _UNKNOWN_ENUM.search(problem):
         error = _unknown_word(where, steps, enum[1], _words_of(inner))
     elif (tag := _UNKNOWN_TAG.search(problem)) and where.startswith("$.connections."):
         error = UnknownWord(where, "kind of connection", tag[1], [*ConnectionKind])
     elif wrong := _WRONG_TYPE.search(problem):
-        error = _wrong_type(where, wrong["expected"], wrong["found"], value, shape)
+        kinds = [kind.strip() for kind in wrong["expected"].split("|")]
+        remedy = _remedy_of(where, kinds, value, shape, is_needed=is_needed)
+        error = _wrong_type(where, kinds, words_of_value(value, wrong["found"]), remedy)
     else:
         error = DescriptionError(where, problem[:1].lower() + problem[1:].replace("`", ""))
     return ShapeError(error, steps, shape, is_needed)
@@ -292,21 +296,24 @@ def path_of(steps: tuple[Step, ...]) -> str:
     return "$" + "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps)
 
 
-def _wrong_type(
-    where: str, expected: str, found: str, value: object, shape: object
-) -> DescriptionError:
+def _wrong_type(where: str, kinds: list[str], found: str, remedy: str) -> DescriptionError:
     """Say what was expected, what stands there and what to write, in no language's words."""
-    kinds = [kind.strip() for kind in expected.split("|")]
+    said = " or ".join(words_of_value(None, kind) for kind in _told_kinds(kinds))
+    return DescriptionError(where, f"expected {said}, found {found}", remedy)
+
+
+def _told_kinds(kinds: list[str]) -> list[str]:
     # Whole numbers are numbers; nothing is never what people forgot to write.
-    if "float" in kinds and "int" in kinds:
-        kinds.remove("int")
-    if len(kinds) > 1 and "null" in kinds:
-        kinds.remove("null")
-    said = " or ".join(words_of_value(None, kind) for kind in kinds)
-    remedy = remedy_of_value(kinds, value, shape)
+    left_out = {"int"} if "float" in kinds else set()
+    return [kind for kind in kinds if kind not in left_out | {"null"}] or kinds
+
+
+def _remedy_of(
+    where: str, kinds: list[str], value: object, shape: object, *, is_needed: bool
+) -> str:
     if where == "$.zone":
-        remedy = "write the name of its region, as Europe/Madrid"
-    return DescriptionError(where, f"expected {said}, found {words_of_value(value, found)}", remedy)
+        return "write the name of its region, as Europe/Madrid"
+    return remedy_of_value(_told_kinds(kinds), value, shape, is_needed=is_needed)
 
 
 def _keys_of(shape: object) -> list[str]:

@@ -42,8 +42,8 @@ class SourcePositions:
         if "$" not in where:
             return SourcePosition()
         if node is None:
-            # An empty text has a first line, too.
-            return SourcePosition(1, 1)
+            # The whole of it begins in its first line, be it empty.
+            return SourcePosition(1, 1) if where == "$" else SourcePosition()
         for key, index in _STEP.findall(where[where.index("$") + 1 :]):
             found = _step_into(node, key, index)
             if found is None:

@@ -28,6 +28,7 @@ _WITH_ZERO = re.compile(r"[-+]?0[0-9]+(?:\.[0-9]*)?\Z")
 _WITH_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
 _WITH_COLON = re.compile(r"[-+]?[0-9]+(?::[0-9.]+)+\Z")
 _WITH_UNIT = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>[^\d\s,:.].*)\Z")
+_OWN_UNITS = {"s", "m", "m/s", "rad/s", "px", "Hz", "%", "V", "A", "N", "E", "°", "°C"}
 _TRUTHS = {"yes", "no", "true", "false", "on", "off"}
 # Of these YAML makes no text.
 _BARE = re.compile(r"[A-Za-z_/][\w/.-]*\Z")
@@ -46,19 +47,25 @@ def words_of_value(value: object, found: str) -> str:
     return _WORDS.get(found, found)
 
 
-def remedy_of_value(kinds: Collection[str], value: object, shape: object) -> str:
+def remedy_of_value(
+    kinds: Collection[str], value: object, shape: object, *, is_needed: bool = False
+) -> str:
     """Say what to write instead.
 
     Args:
         kinds: what is expected, in msgspec's words: ``float``, ``array``.
         value: what stands there; None for nothing.
         shape: what is expected, as of `msgspec.inspect`.
+        is_needed: the key may not be left out.
 
     """
     if value is None:
+        instead = "" if is_needed else ", or leave the key out"
         if "object" in kinds:
-            return "write its parts below it, further to the right, or leave the key out"
-        return "write it behind the colon, or leave the key out"
+            return f"write its parts below it, further to the right{instead}"
+        return f"write it behind the colon{instead}"
+    if len(kinds) > 1:
+        return "write one of them, without brackets" if isinstance(value, list) else "write one"
     if "object" in kinds:
         return _as_mapping(value, shape)
     if "array" in kinds:
@@ -81,15 +88,22 @@ def _as_number(value: object, *, whole: bool) -> str:
         return "write one number"
     text = value.strip()
     if _WITH_ZERO.match(text):
-        return f"leave out the zero before it: {text.lstrip('0') or '0'}"
+        bare = text.lstrip("0") or "0"
+        if whole or "." in text:
+            return f"leave out the zero before it: {bare}"
+        # Half of a speed or ten times that: only who wrote it knows.
+        return f"write {bare}, or {text[0]}.{text[1:]} if a point is missing"
     if _PLAIN_NUMBER.match(text):
         return f"leave out the quotes: {text}"
     if _WITH_COMMA.match(text):
         return f"write a point: {text.replace(',', '.')}"
     if _WITH_COLON.match(text):
-        return "write one number without a colon, such as 90 for a minute and a half in seconds"
+        return "write one number without a colon, such as 1.5 or 90"
     if unit := _WITH_UNIT.match(text):
-        return f"leave out what stands behind the number: {unit['number']}"
+        # Another unit than that of the key would be another number.
+        if unit["unit"] in _OWN_UNITS:
+            return f"write the number alone: {unit['number']}"
+        return "write the number alone, in the unit of this key: seconds, metres, m/s"
     return "write it in digits"
 
 
@@ -123,16 +137,19 @@ def _as_mapping(value: object, shape: object) -> str:
     struct = shape
     if isinstance(shape, msgspec.inspect.UnionType):
         structs = [one for one in shape.types if isinstance(one, msgspec.inspect.StructType)]
-        # Of several nothing can be said of their keys.
-        struct = structs[0] if len(structs) == 1 else None
+        if len(structs) > 1:
+            return "write its keys below it; which ones goes by the kind of the connection"
+        struct = structs[0] if structs else None
     if isinstance(struct, msgspec.inspect.StructType):
         needed = [field.encode_name for field in struct.fields if field.required]
+        if "until_below" in (names := [field.encode_name for field in struct.fields]):
+            return "write: {signal: device/name, above: 1}, or below, is, is_not"
         if needed:
             keys = ", ".join(f"{key}: …" for key in needed)
             return f"write its keys: {{{keys}}}"
         if isinstance(value, bool):
             return "write {} where there is nothing more to say"
-        keys = ", ".join(field.encode_name for field in struct.fields[:6])
+        keys = ", ".join(names[:6])
         return f"write its keys, such as {keys}"
     if isinstance(value, list):
         return "leave out the dashes, and begin each part with its name and a colon"

@@ -210,14 +210,30 @@ def _open_bracket(lines: list[str], begin: tuple[int, int], at: int, column: int
     if quote is not None:
         return _open_quote(*quote, lines)
     if closing and begin[0] != at:
-        return TextMistake(
-            begin[0] + 1,
-            begin[1] + 1,
-            f"the {opened} that begins here is not closed",
-            f"add {closing}",
-        )
+        return _not_closed(opened, *begin)
+    if not closing and at >= len(lines) - 1:
+        opened, *place = _last_opened(lines)
+        if opened:
+            return _not_closed(opened, *place)
     expected = f"expected , or {closing} here" if closing else "expected a value here"
     return TextMistake(at + 1, column + 1, expected, _IN_QUOTES)
+
+
+def _not_closed(opened: str, at: int, column: int) -> TextMistake:
+    problem = f"the {opened} that begins here is not closed"
+    return TextMistake(at + 1, column + 1, problem, f"add {_CLOSED_BY[opened]}")
+
+
+def _last_opened(lines: list[str]) -> tuple[str, int, int]:
+    """Find the innermost bracket that is open at the end of a text."""
+    opened: list[tuple[str, int, int]] = []
+    for at, line in enumerate(lines):
+        for column, letter in enumerate(line):
+            if letter in _CLOSED_BY:
+                opened.append((letter, at, column))
+            elif opened and letter == _CLOSED_BY[opened[-1][0]]:
+                opened.pop()
+    return opened[-1] if opened else ("", 0, 0)
 
 
 def _odd_indent(lines: list[str], first: int, at: int, column: int) -> TextMistake:
