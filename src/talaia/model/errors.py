@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
-from talaia.model.meant_words import list_words, meant_word, near_words
+from talaia.model.yaml_text.meant_words import list_words, meant_word, near_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -61,7 +61,7 @@ MISTAKES = [
     ("[base/spee, base/turn_rate]", "[base/speed, base/turn_rate]", "confirmed_by[0]", "spee", ""),
     ("topic: odom,", "topic: /odom,", "speed.source.topic", "absolute", "/odom"),
     ("type: nav_msgs/Odometry", "type: nav_msgs/msg/Odometry", "source.type", "ROS type", "msg"),
-    ("type: std_srvs/msg/SetBool", "type: std_srvs/srv/SetBool", "wander.type", "of a message", "srv"),
+    ("type: std_srvs/msg/SetBool", "type: std_srvs/srv/SetBool", "wander.type", "a message", "srv"),
     (
         'states: "off"',
         'states: ["off", "on"]',

@@ -26,6 +26,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from talaia.errors import TalaiaError
+from talaia.model.alarms.sign_remedies import sign_remedy
 from talaia.model.errors import UnknownWord
 
 __all__ = [
@@ -189,24 +190,11 @@ def _split_tokens(text: str) -> list[_Token]:
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None or match.lastgroup is None:
-            raise ExpressionError(at, f"{text[at]!r} is not expected here", _remedy_for(text[at]))
+            raise ExpressionError(at, f"{text[at]!r} is not expected here", sign_remedy(text[at]))
         if match.lastgroup != "space":
             found.append(_Token(match.lastgroup, match[match.lastgroup], at))
         at = match.end()
     return [*found, _Token("end", "", len(text))]
-
-
-def _remedy_for(sign: str) -> str:
-    """Say what is written instead of a sign that other languages have."""
-    return {
-        "=": "compare with ==",
-        "!": "write not, or != to compare",
-        "&": "write and",
-        "|": "write or",
-        "*": "multiply a value with itself for its square",
-        "^": "multiply a value with itself for its square",
-        "'": 'put texts in double quotes: "on"',
-    }.get(sign, "see that signs and brackets are whole")
 
 
 class _Reader:
@@ -231,7 +219,7 @@ class _Reader:
         # Something is left over: an operator is missing, or a parenthesis too many.
         if self._word.sort != "end":
             problem = f"{self._quote_token(self._word)} is not expected here"
-            raise ExpressionError(self._word.at, problem, _remedy_for(self._word.text))
+            raise ExpressionError(self._word.at, problem, sign_remedy(self._word.text))
         return tree
 
     @property
@@ -376,7 +364,7 @@ class _Reader:
             raise ExpressionError(word.at, "it ends too soon", "write what is missing at its end")
         if word.sort != "word":
             problem = f"{self._quote_token(word)} is not expected here"
-            raise ExpressionError(word.at, problem, _remedy_for(word.text))
+            raise ExpressionError(word.at, problem, sign_remedy(word.text))
         if self._word.text == "(":
             problem = f"there is no function {word.text!r}"
             raise ExpressionError(word.at, problem, f"use one of: {', '.join(sorted(_CALLS))}")

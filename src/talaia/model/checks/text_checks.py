@@ -18,7 +18,7 @@ from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.model.yaml_text.version import FORMAT, require_current
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding

@@ -14,7 +14,7 @@ from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Site
 from talaia.model.yaml_text.document import dump_document, read_document
-from talaia.model.yaml_text.shape_errors import shape_error
+from talaia.model.yaml_text.shape_sentences import shape_error
 from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
 

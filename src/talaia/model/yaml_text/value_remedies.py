@@ -59,11 +59,13 @@ def remedy_of_value(
         is_needed: the key may not be left out.
 
     """
+    # Somebody wrote the key and went on.
     if value is None:
         instead = "" if is_needed else ", or leave the key out"
         if "object" in kinds:
             return f"write its parts below it, further to the right{instead}"
         return f"write it behind the colon{instead}"
+    # A value of any plain type is expected: nothing more is known of it.
     if len(kinds) > 1:
         return "write one of them, without brackets" if isinstance(value, list) else "write one"
     if "object" in kinds:
@@ -82,6 +84,7 @@ def remedy_of_value(
 
 
 def _as_number(value: object, *, whole: bool) -> str:
+    # Rounding is theirs to choose.
     if isinstance(value, float) and whole:
         return "leave out the fraction"
     if not isinstance(value, str):
@@ -95,8 +98,10 @@ def _as_number(value: object, *, whole: bool) -> str:
         return f"write {bare}, or {text[0]}.{text[1:]} if a point is missing"
     if _PLAIN_NUMBER.match(text):
         return f"leave out the quotes: {text}"
+    # As half of the world writes numbers.
     if _WITH_COMMA.match(text):
         return f"write a point: {text.replace(',', '.')}"
+    # A time, or degrees and minutes; which one nobody can tell here.
     if _WITH_COLON.match(text):
         return "write one number without a colon, such as 1.5 or 90"
     if unit := _WITH_UNIT.match(text):
@@ -117,6 +122,7 @@ def _as_text(value: object) -> str:
 
 def _as_list(value: object) -> str:
     if isinstance(value, str):
+        # One item, or several as people list them in a sentence.
         items = [item.strip() for item in value.split(",")]
         bare = all(_BARE.match(item) and item.lower() not in _TRUTHS for item in items)
         written = ", ".join(item if bare else f'"{item}"' for item in items)
@@ -142,6 +148,7 @@ def _as_mapping(value: object, shape: object) -> str:
         struct = structs[0] if structs else None
     if isinstance(struct, msgspec.inspect.StructType):
         needed = [field.encode_name for field in struct.fields if field.required]
+        # A condition: most often somebody wrote it as a sum, ``base/speed > 1``.
         if "until_below" in (names := [field.encode_name for field in struct.fields]):
             return "write: {signal: device/name, above: 1}, or below, is, is_not"
         if needed:

@@ -42,6 +42,7 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
     context = error.context_mark
     # Where what is not closed begins; the parser looks for its end to the end of the text.
     begin = (context.line, context.column) if context else (at, column)
+    # First: where a tab stands the parser says something else each time.
     if "\t" in line[: len(line) - len(line.lstrip())]:
         tab = line.index("\t")
         return TextMistake(
@@ -52,12 +53,14 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
         return TextMistake(
             at + 1, column + 1, f"a text cannot begin with {letter}", _quoted(line[column:])
         )
+    # Found out in the next line; the context is where the key begins.
     if "could not find expected ':'" in problem:
         return _without_colon(lines, *begin)
     if "mapping values are not allowed" in problem:
         return _second_colon(lines, at, column)
     if "unexpected end of stream" in problem and "quoted" in (error.context or ""):
         return _open_quote(*begin, lines)
+    # Told where the next key begins, be it twenty lines below the bracket.
     if "expected ',' or" in problem or "expected node content" in problem:
         return _open_bracket(lines, begin, at, column)
     if "block sequence entries are not allowed" in problem:
@@ -74,8 +77,10 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
             "this line belongs to a list, and has no dash",
             "write a list with - before each item, or a mapping with a name and : for each part",
         )
+    # A block ended that nobody meant to end.
     if "did not find expected key" in problem or "expected <block end>" in problem:
         return _odd_indent(lines, begin[0], at, column)
+    # ``*`` and ``&`` begin an alias and an anchor, which have names.
     if "alphabetic or numeric character" in problem:
         letter = line[begin[1] : begin[1] + 1]
         return TextMistake(
@@ -104,6 +109,7 @@ def _quoted(rest: str) -> str:
 
 def _without_colon(lines: list[str], at: int, column: int) -> TextMistake:
     said = lines[at].strip()
+    # Without the space the colon is a letter of the word.
     if glued := _NO_SPACE.match(said):
         return TextMistake(
             at + 1,
@@ -115,6 +121,7 @@ def _without_colon(lines: list[str], at: int, column: int) -> TextMistake:
         return TextMistake(
             at + 1, column + 1, "there is no space behind the dash", f"write: - {said[1:]}"
         )
+    # What is behind # is no part of it.
     word = said.split("#")[0].strip()
     return TextMistake(
         at + 1, column + 1, f"there is no colon behind {word[:60]!r}", f"write: {word[:60]}:"
@@ -140,6 +147,7 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
             if '"' not in value
             else "put a text with a colon in quotes",
         )
+    # What is odd about this line is often the one above it.
     above = _above(lines, at)
     if above is not None:
         upper = lines[above]
@@ -206,6 +214,7 @@ def _unclosed_quote(lines: list[str], first: int, last: int) -> tuple[int, int] 
 def _open_bracket(lines: list[str], begin: tuple[int, int], at: int, column: int) -> TextMistake:
     opened = lines[begin[0]][begin[1] : begin[1] + 1] if begin[0] < len(lines) else ""
     closing = _CLOSED_BY.get(opened, "")
+    # An open quote swallows brackets.
     quote = _unclosed_quote(lines, begin[0], at)
     if quote is not None:
         return _open_quote(*quote, lines)
@@ -226,6 +235,7 @@ def _not_closed(opened: str, at: int, column: int) -> TextMistake:
 
 def _last_opened(lines: list[str]) -> tuple[str, int, int]:
     """Find the innermost bracket that is open at the end of a text."""
+    # Not aware of quotes: asked only for a text that ends too soon.
     opened: list[tuple[str, int, int]] = []
     for at, line in enumerate(lines):
         for column, letter in enumerate(line):
@@ -237,6 +247,7 @@ def _last_opened(lines: list[str]) -> tuple[str, int, int]:
 
 
 def _odd_indent(lines: list[str], first: int, at: int, column: int) -> TextMistake:
+    # It ends at the next quote in the text, and what follows that makes no sense.
     quote = _unclosed_quote(lines, first, at)
     if quote is not None:
         return _open_quote(*quote, lines)

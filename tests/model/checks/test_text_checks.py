@@ -1,6 +1,6 @@
 """Mistaken descriptions: what a beginner is told, with its line, word for word.
 
-The table is `mistakes.yaml`. It is checked by what `talaia check` does, without installed
+The table is `mistakes/mistakes.yaml`. It is checked by what `talaia check` does, without installed
 extensions, so that it says the same on every machine.
 """
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.pure
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "mistakes"
 ROWS = yaml.safe_load((HERE / "mistakes.yaml").read_text())
 # Words of Python, of its libraries and of a parser, which say nothing to a robot's maker.
 FOREIGN = re.compile(

@@ -17,9 +17,11 @@ __all__ = ["list_words", "meant_word", "near_words"]
 
 # More are no help to who reads them.
 _MOST_LISTED = 20
+# Words that several entries share.
 _ABOVE, _BELOW = ("above",), ("below",)
 _NUMBER, _TEXT, _WHOLE = ("number",), ("text",), ("integer", "number")
 _MEANT: dict[str, tuple[str, ...]] = {
+    # Signs and words of other languages for conditions.
     ">": _ABOVE,
     ">=": _ABOVE,
     "gt": _ABOVE,
@@ -37,6 +39,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "state": ("is",),
     "!=": ("is_not",),
     "not": ("is_not",),
+    # Types of programming languages and of messages.
     "bool": ("boolean", "state"),
     "boolean": ("state",),
     "switch": ("state",),
@@ -52,6 +55,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "string": _TEXT,
     "gps": ("position",),
     "pose": ("position",),
+    # Kinds of devices.
     "robot": ("vehicle",),
     "rover": ("vehicle",),
     "car": ("vehicle",),
@@ -59,6 +63,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "mount": ("telescope",),
     "roof": ("dome",),
     "battery": ("power",),
+    # Who sees it, and how bad it is.
     "private": ("view",),
     "hidden": ("view",),
     "guest": ("public",),
@@ -71,6 +76,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "range": ("limit",),
     "timeout": ("stale",),
     "condition": ("expression",),
+    # Keys, as other programs call them.
     "max": ("maximum",),
     "min": ("minimum",),
     "speed_limit": ("max_speed",),
@@ -89,6 +95,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "altitude": ("elevation",),
     "version": ("talaia",),
     "rules": ("interlocks",),
+    # Kinds of connections.
     "rosbridge_server": ("rosbridge",),
     "rtsp": ("video",),
     "camera": ("video",),
@@ -107,6 +114,7 @@ def meant_word(word: str, known: Collection[str], likeness: float = 0.5) -> str:
     for meant in _MEANT.get(word.lower(), ()):
         if meant in known:
             return meant
+    # Addresses: ``device/name``.
     if any("/" in one for one in known) and not word.startswith("/"):
         return _meant_address(word, known)
     near = get_close_matches(word, sorted(known), n=1, cutoff=likeness)
