@@ -44,6 +44,7 @@ class UnknownWord(DescriptionError):
         words = [str(one) for one in known]
         self.word = word
         self.meant = meant_word(word, words)
+        # An empty list would be no help, nor a word that cannot be had.
         if not words:
             remedy = f"no {what} is described: describe it, or leave this out"
         elif self.meant and word:
@@ -51,5 +52,6 @@ class UnknownWord(DescriptionError):
         else:
             key = "use" if word else f"add {where.rpartition('.')[2]}: and"
             remedy = f"{key} one of: {list_words(near_words(word, words))}"
+        # Nothing was named: to call that unknown would lead astray.
         problem = f"unknown {what} {word!r}" if word else f"which {what} is meant?"
         super().__init__(where, problem, remedy)

@@ -188,6 +188,7 @@ def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
     if alarm.kind is AlarmKind.ANOMALY:
         known += addresses.groups
     other = described.get(alarm.signal)
+    # It is there, so no likeness of names would help.
     if other is not None and alarm.signal not in known:
         problem = f"{alarm.signal!r} is of type {other.type}, of which there is no {alarm.kind}"
         kind = "state" if other.type in _fitting_types(AlarmKind.STATE) else "limit"

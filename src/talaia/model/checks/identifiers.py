@@ -66,6 +66,7 @@ def id_fits(where: str, word: str) -> Iterator[Finding]:
 
 def _near_word(word: str) -> str:
     """Give a name that can stand in an address and is like ``word``; empty for none."""
+    # Letters without their accents; what has no Latin letters is left to who wrote it.
     plain = unicodedata.normalize("NFKD", word).encode("ascii", "ignore").decode().lower()
     near = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
     if near[:1].isdigit():
@@ -98,6 +99,7 @@ def topic_fits(where: str, topic: str) -> Iterator[Finding]:
     if not topic:
         yield Finding(where, "which topic is meant?", "write it with its slash: topic: /like/this")
     elif not _TOPIC.match(topic):
+        # The slash in front is what is missing nearly always.
         near = "/" + re.sub(r"[^A-Za-z0-9_/]+", "_", topic.strip().strip("/"))
         written = near if _TOPIC.match(near) else "/like/this"
         yield Finding(where, f"{topic!r} is not an absolute ROS name", f"write it as {written}")
@@ -113,6 +115,7 @@ def type_fits(where: str, name: str, middle: str) -> Iterator[Finding]:
         problem = f"expected the type of a {_MIDDLES[middle]}, found that of a {_MIDDLES[match[1]]}"
         yield Finding(where, f"{problem}, {name!r}", f"write it as {example}")
     elif not match:
+        # As ROS 1, Python or C++ writes it: std_msgs/Bool, std_msgs.msg.Bool, std_msgs::msg::Bool.
         parts = re.split(r"[./:]+", name)
         near = f"{parts[0]}/{middle}/{parts[-1]}"
         written = near if len(parts) in (2, 3) and _TYPE.match(near) else example
@@ -122,6 +125,7 @@ def type_fits(where: str, name: str, middle: str) -> Iterator[Finding]:
 def field_fits(where: str, field: str) -> Iterator[Finding]:
     """A path into a message."""
     if not FIELD.match(field):
+        # As a path of files is written.
         near = field.strip("/ .").replace("/", ".").replace(" ", "")
         written = near if FIELD.match(near) else "pose.x or a[0]"
         yield Finding(where, f"{field!r} is not the path of a field", f"write it as {written}")

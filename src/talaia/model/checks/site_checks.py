@@ -309,6 +309,7 @@ def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
         fits = False
     if not fits:
         value = argument.default
+        # In the words of the other checks of values.
         word = {str: "str", bool: "bool", int: "int"}.get(type(value), "float")
         kind = {"number": "float", "integer": "int", "boolean": "bool"}.get(argument.type, "str")
         problem = f"expected {words_of_value(None, kind)}, found {words_of_value(value, word)}"
@@ -352,6 +353,7 @@ def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     yield from check_above(f"{where}.stop.below", drive.stop.below, 0)
     for index, address in enumerate(drive.stop.confirmed_by):
         at = f"{where}.stop.confirmed_by[{index}]"
+        # There, but no number: another name would lead astray.
         if address in numbers and numbers[address] is not SignalType.NUMBER:
             problem = f"{address!r} is of type {numbers[address]}, and a number belongs here"
             yield Finding(at, problem, "name a number that is 0 while it stands, as its speed")

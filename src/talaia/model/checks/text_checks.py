@@ -150,6 +150,7 @@ _ADDRESSED = re.compile(
 
 def _follows(finding: Finding, wrong: list[str], follows: list[str]) -> bool:
     """Tell whether a finding is only of what was taken out, or put there, for an earlier one."""
+    # Beside a kind that was put there for one that nobody knows.
     if finding.where.startswith(tuple(follows)):
         return True
     return any(
@@ -164,6 +165,7 @@ def _follows(finding: Finding, wrong: list[str], follows: list[str]) -> bool:
 
 def _is_about(problem: str, where: str) -> bool:
     """Tell whether a problem names what stood at ``where``, or a part of it, by its address."""
+    # Of ``$.devices`` alone every address is a part.
     found = _ADDRESSED.match(where)
     if found is None:
         return False

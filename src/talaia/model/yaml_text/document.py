@@ -121,11 +121,13 @@ def dump_document(plain: object) -> str:
 
 
 def _code_of(letter: str | bytes | int) -> int:
+    # libyaml gives a number, PyYAML in Python a letter.
     return letter if isinstance(letter, int) else ord(letter)
 
 
 def _first_of(text: str, mark: yaml.Mark) -> str:
     """Say in which line a key that is written twice stands first; nothing if it cannot be told."""
+    # By the same column, which a key of the same mapping in lines of its own has.
     lines = text.split("\n")
     said = lines[mark.line][mark.column :].partition(":")[0]
     for at in range(mark.line - 1, -1, -1):

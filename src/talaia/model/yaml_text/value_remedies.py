@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["example_of_key", "remedy_of_value", "words_of_value"]
 
+# msgspec's words for the types of JSON, and ours.
 _WORDS = {
     "array": "a list",
     "bool": "true or false",
@@ -21,14 +22,21 @@ _WORDS = {
     "object": "a mapping",
     "str": "a text",
 }
+# Of a text that stands in the wrong place: enough to find it again.
 _LONGEST_SHOWN = 60
+# What people write for numbers, each with its own remedy.
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
-_PLAIN_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
+_PLAIN# What people write for numbers, each with its own remedy.
+_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
+# For some languages to the base of 8.
 _WITH_ZERO = re.compile(r"[-+]?0[0-9]+(?:\.[0-9]*)?\Z")
 _WITH_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
 _WITH_COLON = re.compile(r"[-+]?[0-9]+(?::[0-9.]+)+\Z")
+# Anything behind a number that is no part of one.
 _WITH_UNIT = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>[^\d\s,:.].*)\Z")
+# Those in which keys are; a number with another one would have to be converted.
 _OWN_UNITS = {"s", "m", "m/s", "rad/s", "px", "Hz", "%", "V", "A", "N", "E", "°", "°C"}
+# YAML's bare words for true and false, which are texts in quotes.
 _TRUTHS = {"yes", "no", "true", "false", "on", "off"}
 # Of these YAML makes no text.
 _BARE = re.compile(r"[A-Za-z_/][\w/.-]*\Z")
@@ -91,11 +99,14 @@ def _as_number(value: object, *, whole: bool) -> str:
         return "write one number"
     text = value.strip()
     if _WITH_ZERO.match(text):
-        bare = text.lstrip("0") or "0"
+        digits = text.lstrip("+-")
+        sign = text[: len(text) - len(digits)]
+        bare = f"{sign}{digits.lstrip('0') or '0'}"
         if whole or "." in text:
             return f"leave out the zero before it: {bare}"
         # Half of a speed or ten times that: only who wrote it knows.
-        return f"write {bare}, or {text[0]}.{text[1:]} if a point is missing"
+        return f"write {bare}, or {sign}{digits[0]}.{digits[1:]} if a point is missing"
+    # A right number, and only its quotes are too much.
     if _PLAIN_NUMBER.match(text):
         return f"leave out the quotes: {text}"
     # As half of the world writes numbers.
@@ -143,10 +154,12 @@ def _as_mapping(value: object, shape: object) -> str:
     struct = shape
     if isinstance(shape, msgspec.inspect.UnionType):
         structs = [one for one in shape.types if isinstance(one, msgspec.inspect.StructType)]
+        # Of several nothing can be said of their keys.
         if len(structs) > 1:
             return "write its keys below it; which ones goes by the kind of the connection"
         struct = structs[0] if structs else None
     if isinstance(struct, msgspec.inspect.StructType):
+        # The needed ones are the least that makes it right.
         needed = [field.encode_name for field in struct.fields if field.required]
         # A condition: most often somebody wrote it as a sum, ``base/speed > 1``.
         if "until_below" in (names := [field.encode_name for field in struct.fields]):
@@ -154,10 +167,12 @@ def _as_mapping(value: object, shape: object) -> str:
         if needed:
             keys = ", ".join(f"{key}: …" for key in needed)
             return f"write its keys: {{{keys}}}"
+        # ``ros2: true``: all of its keys may be left out, yet a mapping it is.
         if isinstance(value, bool):
             return "write {} where there is nothing more to say"
         keys = ", ".join(names[:6])
         return f"write its keys, such as {keys}"
+    # Parts with names of their own: devices, signals, interlocks.
     if isinstance(value, list):
         return "leave out the dashes, and begin each part with its name and a colon"
     return "write each part below it, with its name, a colon and its own keys"
@@ -167,6 +182,7 @@ def example_of_key(shape: object) -> str:
     """Say what is written behind a key."""
     if isinstance(shape, msgspec.inspect.EnumType):
         return f"one of {', '.join(str(member.value) for member in shape.cls)}"
+    # No examples of numbers: how fast a robot may go nobody but its owner can say.
     for kind, word in (
         (msgspec.inspect.StrType, "a text"),
         (msgspec.inspect.BoolType, "true or false"),
