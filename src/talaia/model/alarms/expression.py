@@ -365,6 +365,7 @@ class _Reader:
         if word.sort != "word":
             problem = f"{self._quote_token(word)} is not expected here"
             raise ExpressionError(word.at, problem, sign_remedy(word.text))
+        # A name before a parenthesis is one of a function.
         if self._word.text == "(":
             problem = f"there is no function {word.text!r}"
             raise ExpressionError(word.at, problem, f"use one of: {', '.join(sorted(_CALLS))}")

@@ -232,6 +232,7 @@ def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
         return
     fields = fields_of(command, step.args)
     if isinstance(fields, str):
+        # All of them, for the next one may be missing, too.
         needs = ", ".join(f"{name}: …" for name in command.arguments) or "none"
         yield Finding(f"{where}.args", fields, f"its arguments are: {needs}")
     if step.within is not None:

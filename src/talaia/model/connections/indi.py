@@ -93,6 +93,7 @@ class IndiRules(KindRules[IndiConnection, IndiSource]):
         connection = self.connection
         if not connection.host or not connection.host.isprintable():
             yield Finding(f"{where}.host", "there is no host", "write: host: 127.0.0.1")
+        # As it is copied from a browser.
         elif not _HOST.match(connection.host):
             problem = f"{connection.host[:80]!r} is not the name or the number of a computer"
             remedy = "leave out http://, the port and all behind it: host: 192.168.1.20"

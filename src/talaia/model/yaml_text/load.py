@@ -178,6 +178,7 @@ def mapping_of_text(text: str) -> dict[str, object]:
     document = read_document(text)
     if isinstance(document, dict):
         return document
+    # An empty file, or one of comments.
     if document is None:
         raise DescriptionError("$", "there is no description in it", _BEGIN)
     said = "a list" if isinstance(document, list) else "one word or sentence"

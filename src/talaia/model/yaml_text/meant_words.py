@@ -131,6 +131,7 @@ def _meant_address(word: str, known: Collection[str]) -> str:
             for one in sorted(known)
             if SequenceMatcher(None, device, one.rpartition("/")[0]).ratio() >= likeness
         }
+        # Higher than for whole words: these are short, and a wrong command is dangerous.
         near = get_close_matches(name, sorted(some), n=1, cutoff=0.65)
         if near:
             return some[near[0]]
@@ -141,12 +142,14 @@ def _meant_address(word: str, known: Collection[str]) -> str:
 
 def near_words(word: str, known: Collection[str]) -> list[str]:
     """Give those of ``known`` that belong to the same device; all, if none does."""
+    # A site has thousands of signals, a device a dozen.
     device = word.partition("/")[0]
     return [one for one in known if one.partition("/")[0] == device] or list(known)
 
 
 def list_words(words: Collection[str]) -> str:
     """List words with commas, the first of many."""
+    # In the order of the alphabet, so that the same mistake gives the same sentence.
     shown = sorted(words)
     if len(shown) <= _MOST_LISTED:
         return ", ".join(shown)

@@ -110,6 +110,7 @@ def _rename(document: dict[str, object], found: ShapeError, renamed: dict[str, s
     holder = _holder_of(document, way)
     if not isinstance(holder, dict) or last not in holder:
         return False
+    # Empty where no word is near enough.
     meant = error.meant
     if not way and _is_device(holder[last]) and isinstance(holder.get("devices"), dict):
         # At the margin, as if it were a part of the site.
@@ -129,6 +130,7 @@ def _rename(document: dict[str, object], found: ShapeError, renamed: dict[str, s
 
 
 def _is_device(value: object) -> bool:
+    # Any of these makes a device of what has a name.
     parts = {"signals", "streams", "commands", "drive"}
     return isinstance(value, dict) and "name" in value and not parts.isdisjoint(value)
 

@@ -71,4 +71,5 @@ def _truth_of(name: yaml.ScalarNode) -> str:
     """Give what a key such as ``on`` is read as; empty for any other."""
     if name.tag != "tag:yaml.org,2002:bool":
         return ""
+    # As it is told: ``on`` stands in the text, and true in the path.
     return "true" if name.value.lower() in {"true", "yes", "on"} else "false"

@@ -26,8 +26,7 @@ _WORDS = {
 _LONGEST_SHOWN = 60
 # What people write for numbers, each with its own remedy.
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
-_PLAIN# What people write for numbers, each with its own remedy.
-_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
+_PLAIN_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
 # For some languages to the base of 8.
 _WITH_ZERO = re.compile(r"[-+]?0[0-9]+(?:\.[0-9]*)?\Z")
 _WITH_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")

@@ -16,9 +16,12 @@ if TYPE_CHECKING:
 
 __all__ = ["TextMistake", "explain_yaml_error"]
 
+# A key with its colon; in a list it may stand behind dashes.
 _KEY = re.compile(r"\s*(?:- )*(?P<key>[^\s#'\"{}\[\],:][^#'\"{}\[\],:]*):(?P<rest>\s.*|$)")
+# Not an address: http://host has its slashes behind the colon.
 _NO_SPACE = re.compile(r"(?P<key>[A-Za-z_][\w]*):(?P<value>[^\s/:].*)")
 _QUOTES = {'"': "double", "'": "single"}
+# What opens, and what closes it.
 _CLOSED_BY = {"[": "]", "{": "}"}
 _IN_QUOTES = "put a text with any of : { } [ ] , # & * ! | > % @ in quotes"
 
@@ -48,6 +51,7 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
         return TextMistake(
             at + 1, tab + 1, "a tab stands where spaces belong", "indent with spaces only"
         )
+    # % begins a directive, and @ and ` are kept for later versions of YAML.
     if "cannot start any token" in problem:
         letter = line[column : column + 1]
         return TextMistake(
@@ -56,6 +60,7 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
     # Found out in the next line; the context is where the key begins.
     if "could not find expected ':'" in problem:
         return _without_colon(lines, *begin)
+    # A colon where a value ends; the line above may be to blame.
     if "mapping values are not allowed" in problem:
         return _second_colon(lines, at, column)
     if "unexpected end of stream" in problem and "quoted" in (error.context or ""):
@@ -63,6 +68,7 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
     # Told where the next key begins, be it twenty lines below the bracket.
     if "expected ',' or" in problem or "expected node content" in problem:
         return _open_bracket(lines, begin, at, column)
+    # ``key: - item`` looks right, and is none of the two ways to write a list.
     if "block sequence entries are not allowed" in problem:
         return TextMistake(
             at + 1,
@@ -137,6 +143,7 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
             at + 1, begin + 1, "there is no space behind the dash", f"write: - {said[1:]}"
         )
     key = _KEY.match(line)
+    # The first colon made the key, so the second stands in its value.
     if key and key.end("key") < column:
         value = key["rest"].strip()
         return TextMistake(
@@ -174,6 +181,7 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
 
 def _above(lines: list[str], at: int) -> int | None:
     """Give the nearest line above that says something."""
+    # Neither blank lines nor comments.
     for other in range(at - 1, -1, -1):
         said = lines[other].strip()
         if said and not said.startswith("#"):
@@ -218,6 +226,7 @@ def _open_bracket(lines: list[str], begin: tuple[int, int], at: int, column: int
     quote = _unclosed_quote(lines, begin[0], at)
     if quote is not None:
         return _open_quote(*quote, lines)
+    # In one line something is left out within it; over several its end is missing.
     if closing and begin[0] != at:
         return _not_closed(opened, *begin)
     if not closing and at >= len(lines) - 1:
@@ -271,6 +280,7 @@ def _odd_indent(lines: list[str], first: int, at: int, column: int) -> TextMista
 
 def _open_indents(lines: list[str], at: int) -> Iterator[int]:
     """Give the indents of the line above, and of all that it stands in."""
+    # Only lines that are further to the left than all below them hold this one.
     least: int | None = None
     for other in range(at - 1, -1, -1):
         said = lines[other].strip()
