@@ -9,7 +9,8 @@ import "../../elements/map/track-map.js";
 import { mergeTracks, courseOf, extendTrack, flatPosition, joinTrack, type MapPlace, type TrackPoint } from "../../elements/map/track.js";
 import { formatAge } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
-import { apiContext } from "../../state/contexts.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { apiContext, pastContext } from "../../state/contexts.js";
 import type { SeriesShape, SignalShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
@@ -50,6 +51,8 @@ export class PositionMap extends LitElement {
   private timer: ReturnType<typeof setInterval> | undefined;
   private readonly latest = new Map<string, number>();
   private readonly link = new ConnectionStateController(this);
+  /** Undefined where all is of now. */
+  private readonly past = new ContextStoreController(this, pastContext);
 
   constructor() {
     super();
@@ -75,21 +78,25 @@ export class PositionMap extends LitElement {
 
   override willUpdate(): void {
     const { connection } = this.link;
-    const wanted = this.signal && connection && this.api ? `${this.site} ${this.signal.address}` : "";
+    const past = this.past.store;
+    // While somebody moves the moment about there is no place of it; then the trail is of what was before it.
+    const moment = past === undefined ? "" : past.isSettled ? String(past.jumps) : null;
+    const wanted = this.signal && connection && this.api && moment !== null ? `${this.site} ${this.signal.address} ${moment}` : "";
     if (wanted === this.opened) return;
     this.closeFeed();
     this.opened = wanted;
     if (wanted === "" || !connection || !this.signal) return;
-    this.cancel = connection.subscribe(this.site, this.signal.channels, EVERY_MS, (batch) => {
+    const receive = (batch: Batch): void => {
       this.receiveBatch(batch);
-    });
+    };
+    this.cancel = past === undefined ? connection.subscribe(this.site, this.signal.channels, EVERY_MS, receive) : past.replayChannels(this.site, this.signal.channels, receive);
     void this.loadTrail(this.signal);
   }
 
   override render(): TemplateResult {
     const note = this.signal
       ? this.online
-        ? "Waiting for the first position"
+        ? (this.past.store === undefined ? "Waiting for the first position" : "No position was recorded at this moment")
         : "The site is offline: no position"
       : "The description names no position for this device";
     return html`<t-track-map
@@ -99,6 +106,12 @@ export class PositionMap extends LitElement {
       .stale=${this.stale}
       .where=${this.positionText()}
     ></t-track-map>`;
+  }
+
+  /** A clock (ms): this page's own, or that of the moment that is shown. */
+  private nowMs(): number {
+    const past = this.past.store;
+    return past === undefined ? performance.now() : past.us / 1000;
   }
 
   private get degrees(): boolean {
@@ -129,7 +142,7 @@ export class PositionMap extends LitElement {
     const numbers = channels.map((address) => this.latest.get(address) ?? Number.NaN);
     const place = this.placeOf(numbers[0] ?? Number.NaN, numbers[1] ?? Number.NaN);
     if (newest === 0 || !place) return;
-    this.freshAt = performance.now() - age;
+    this.freshAt = this.nowMs() - age;
     this.sample = { numbers, timeUs: newest };
     this.trail = extendTrack(this.trail, { ...place, timeUs: newest }, TRAIL_US);
     const yaw = this.degrees ? courseOf(this.trail) : (numbers[2] ?? Number.NaN);
@@ -147,7 +160,7 @@ export class PositionMap extends LitElement {
   private async loadTrail(signal: SignalShape): Promise<void> {
     const [first, second] = signal.channels;
     if (!this.api || first === undefined || second === undefined) return;
-    const toUs = Date.now() * 1000;
+    const toUs = this.past.store?.us ?? Date.now() * 1000;
     const query = { channels: [first, second], fromUs: toUs - TRAIL_US, toUs, width: HISTORY_WIDTH };
     const opened = this.opened;
     try {
@@ -170,7 +183,7 @@ export class PositionMap extends LitElement {
 
   private readonly updateAge = (): void => {
     if (!this.sample || !this.signal) return;
-    const seconds = (performance.now() - this.freshAt) / 1000;
+    const seconds = (this.nowMs() - this.freshAt) / 1000;
     this.stale = seconds > this.signal.max_age ? `Stale: from ${formatAge(seconds)}` : "";
   };
 
