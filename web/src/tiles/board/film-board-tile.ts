@@ -31,11 +31,14 @@ export class FilmBoardTile extends LitElement {
       :host {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
-        align-content: start;
         gap: var(--t-space-2);
+        min-block-size: 100%;
       }
       .none {
         display: grid;
+        /* Alone it has all of the tile. */
+        block-size: 100%;
+        grid-column: 1 / -1;
         align-content: center;
         justify-items: center;
         gap: var(--t-space-1);
