@@ -1,5 +1,7 @@
 /** What the address of a board says besides its key: what it is looked at with, and whether it fills the screen. Pure. */
 
+import { templatePath, withQuery } from "../state/router.js";
+
 export interface BoardQuery {
   readonly site: string;
   readonly device: string;
@@ -49,6 +51,11 @@ export function writeBoardQuery({ site = "", device = "", at = null, kiosk = fal
 /** A moment as addresses have it: ISO 8601, UTC, to the millisecond. */
 export function momentText(us: number): string {
   return new Date(Math.floor(us / 1000)).toISOString();
+}
+
+/** Where the board that is made of a site's description shows a moment (µs). */
+export function boardAtPath(site: string, us: number): string {
+  return withQuery(templatePath(site), writeBoardQuery({ at: us }));
 }
 
 /** With a zone or in UTC; null for what is no time, or is before 1970. */

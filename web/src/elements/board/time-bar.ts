@@ -154,8 +154,8 @@ export class TimeBar extends LitElement {
       <div class="ends"><span>${from.local}</span><span>${span.toUs >= end ? "now" : to.local}</span></div>
       <div class="keys" role="group" aria-label="Play">
         <t-button ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? "Pause" : "Play"}</t-button>
-        <t-button kind="quiet" label="A second back" @click=${this.stepper(-STEP_US)}>−1 s</t-button>
-        <t-button kind="quiet" label="A second on" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
+        <t-button kind="quiet" @click=${this.stepper(-STEP_US)}>−1 s</t-button>
+        <t-button kind="quiet" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
         <label>Speed <select aria-label="Speed" @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
         <label>Bar <select aria-label="Length of the bar" @change=${this.onLength}>${renderOptions(LENGTHS, String(this.lengthUs))}</select></label>
       </div>

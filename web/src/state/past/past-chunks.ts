@@ -157,6 +157,9 @@ export class PastChunks {
       this.source.history(this.site, { channels, fromUs, toUs: fromUs + lengthUs, width }, signal),
       withLast ? this.source.lastValues(this.site, channels, fromUs, signal) : Promise.resolve<ValueList>({ values: [] }),
     ]);
-    for (const one of series) chunk.columns.set(one.address, { series: one, before: values.find(({ address }) => address === one.address) ?? null });
+    for (const channel of series) {
+      const before = values.find(({ address }) => address === channel.address) ?? null;
+      chunk.columns.set(channel.address, { series: channel, before });
+    }
   }
 }

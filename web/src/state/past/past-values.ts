@@ -93,7 +93,8 @@ function readingAt({ series, before }: PastColumn, us: number): Reading | undefi
   const i = firstIndexFrom(series.t_us, us + 1) - 1;
   const timeUs = series.t_us[i];
   if (timeUs !== undefined) return readingOf(timeUs, series.v[i] ?? null, series.text?.[i] ?? null);
-  return before === null ? undefined : readingOf(before.t_us, before.v, before.text ?? null);
+  // Whatever the hub says: nothing later than the moment is of it.
+  return before === null || before.t_us > us ? undefined : readingOf(before.t_us, before.v, before.text ?? null);
 }
 
 function readingOf(timeUs: number, value: number | null, text: string | null): Reading {
