@@ -201,4 +201,6 @@ async def test_a_board_in_the_past_shows_it_and_sends_nothing(chromium, hub, gat
     await page.get_by_role("link", name="Board then").first.click()
     await page.wait_for_url("**/boards/template%3Aagv?at=20*Z")
     await expect(bar.locator("time")).to_be_visible()
+    # What happened stands on the bar.
+    await expect(page.locator("t-time-bar .mark").last).to_be_visible()
     assert page.errors == []

@@ -1,7 +1,7 @@
 /** The moment that a board shows, and what moves it: play, pause, speed, step, scrub. */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property } from "lit/decorators.js";
 import { timeText } from "../../format/time.js";
 import { DAY_US, HOUR_US, MINUTE_US, SECOND_US } from "../../series/zone-clock.js";
 import { base, quietText, raisedBox } from "../base/base-style.js";
@@ -28,6 +28,8 @@ export function barSpan(us: number, endUs: number, lengthUs: number): { readonly
  * @fires t-step by how much it is moved (µs)
  * @fires t-play play, or pause
  * @fires t-speed how many times as fast it plays
+ * @fires t-length how much time the bar is to span (µs)
+ * @slot marks - what happened, placed by `--at`: its part of the bar, 0 to 1
  * @fires t-now back to now
  * @fires t-retry ask the hub once more
  */
@@ -88,6 +90,14 @@ export class TimeBar extends LitElement {
         position: relative;
         display: grid;
         min-block-size: var(--t-touch);
+        padding-block-start: 1.5rem;
+      }
+      ::slotted([slot="marks"]) {
+        position: absolute;
+        inset-block-start: 0;
+        /* As the slider's thumb: its middle stays half its width inside. */
+        inset-inline-start: calc(8px + (100% - 16px) * var(--at));
+        translate: -50% 0;
       }
       input[type="range"] {
         inline-size: 100%;
@@ -124,11 +134,12 @@ export class TimeBar extends LitElement {
   /** The moment has come up to the newest. */
   @property({ type: Boolean, attribute: "at-end" }) atEnd = false;
 
-  @state() private lengthUs = HOUR_US;
+  /** How much time the bar spans (µs). */
+  @property({ type: Number }) length = HOUR_US;
 
   override render(): TemplateResult {
     const { us, zone, end } = this;
-    const span = barSpan(us, end, this.lengthUs);
+    const span = barSpan(us, end, this.length);
     const text = timeText(us, zone, Date.now() * 1000);
     const from = timeText(span.fromUs, zone, end);
     const to = timeText(span.toUs, zone, end);
@@ -138,14 +149,14 @@ export class TimeBar extends LitElement {
         ${text.zone === "UTC" ? nothing : html`<span class="utc">${text.utc}</span>`}
         <t-button class="now" kind="primary" @click=${this.onNow}>Back to now</t-button>
       </div>
-      <div class="rail"><slot></slot>
+      <div class="rail"><slot name="marks"></slot>
         <input
           type="range"
           aria-label="Moment"
           aria-valuetext=${`${text.local} ${text.zone}`}
           min="0"
-          max=${this.lengthUs}
-          step=${Math.max(SECOND_US / 10, this.lengthUs / 36_000)}
+          max=${this.length}
+          step=${Math.max(SECOND_US / 10, this.length / 36_000)}
           .value=${String(us - span.fromUs)}
           @input=${this.onScrub}
           @keydown=${this.onKey}
@@ -157,7 +168,7 @@ export class TimeBar extends LitElement {
         <t-button kind="quiet" @click=${this.stepper(-STEP_US)}>−1 s</t-button>
         <t-button kind="quiet" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
         <label>Speed <select aria-label="Speed" @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
-        <label>Bar <select aria-label="Length of the bar" @change=${this.onLength}>${renderOptions(LENGTHS, String(this.lengthUs))}</select></label>
+        <label>Bar <select aria-label="Length of the bar" @change=${this.onLength}>${renderOptions(LENGTHS, String(this.length))}</select></label>
       </div>
       <div role="status">${this.renderState()}</div>`;
   }
@@ -193,7 +204,7 @@ export class TimeBar extends LitElement {
 
   private readonly onScrub = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
-    const { fromUs, toUs } = barSpan(this.us, this.end, this.lengthUs);
+    const { fromUs, toUs } = barSpan(this.us, this.end, this.length);
     // The right end of a bar that ends now means the newest.
     this.fire("t-seek", Math.min(toUs, fromUs + Number(event.target.value)));
   };
@@ -212,7 +223,7 @@ export class TimeBar extends LitElement {
   };
 
   private readonly onLength = (event: Event): void => {
-    if (event.target instanceof HTMLSelectElement) this.lengthUs = Number(event.target.value);
+    if (event.target instanceof HTMLSelectElement) this.fire("t-length", Number(event.target.value));
   };
 }
 
