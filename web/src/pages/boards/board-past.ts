@@ -105,7 +105,7 @@ export class BoardPast implements ReactiveController {
     const seek = (): void => {
       if (first !== undefined) this.board?.seek(first.timeUs);
     };
-    return html`<button slot="marks" class=${good ? "mark" : "mark bad"} style=${`--at: ${share.toFixed(4)}`} type="button" title=${words} aria-label=${words} @click=${seek}>
+    return html`<button slot="marks" class=${good ? "mark" : "mark bad"} .style=${`--at: ${share.toFixed(4)}`} type="button" title=${words} aria-label=${words} @click=${seek}>
       <svg viewBox="0 0 16 16" width="12" height="12" aria-hidden="true">${renderMarkShape(kind)}</svg>
     </button>`;
   }
