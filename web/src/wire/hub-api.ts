@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape, ValueList } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -130,6 +130,13 @@ export class HubApi {
     search.set("width", String(Math.round(query.width)));
     const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
     return this.request("GET", path, undefined, { signal });
+  }
+
+  /** The last sample of each channel before a moment (µs); those without are left out. */
+  lastValues(site: string, channels: readonly string[], beforeUs: number, signal?: AbortSignal): Promise<ValueList> {
+    const search = new URLSearchParams({ before_us: String(Math.floor(beforeUs)) });
+    for (const channel of channels) search.append("channel", channel);
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/last?${search.toString()}`, undefined, { signal });
   }
 
   /** What a window (µs) amounts to, of every sample in it. */
