@@ -82,6 +82,7 @@ class NightExecutor:
         self._night, self._roof = night, enclosure
         self.arming = arming if arming is not None else NightArming()
         self.phase, self.why = _phase_at_rest(self.arming), ""
+        # When this phase began; unknown until the first step tells the time.
         self._since: float | None = None
         self._next_id = map(f"{id_prefix}-{{}}".format, itertools.count(1)).__next__
         # Into which phase parking leads.
@@ -90,18 +91,24 @@ class NightExecutor:
             # What an earlier run left open is closed before anything else.
             self.phase, self.why = _P.PARKING, "the gateway has just been started"
         self.why = self.arming.fault or self.why
+        # Of opening, while it goes on.
         self._steps: OpeningRun | None = None
+        # The way back to a parked telescope under a closed roof, from wherever it is.
         self._rest = ComingToRest(night, enclosure, self._next_id)
         self.chooser = RequestChooser(night, place)
         self._observing = ObservingRun(
             night=night, enclosure=enclosure, place=place, parts=parts, chooser=self.chooser
         )
+        # Darks and bias frames, while the roof is closed.
         self._indoors = ClosedTime(
             night, self.chooser, self._observing, begun=bool(self.arming.armed_by)
         )
+        # Since when the roof should be closed and is not certainly so (monotonic, s).
         self._closed_since: float | None = None
         self._make_opening = partial(OpeningRun, night, enclosure, place, self._next_id)
+        # An opening or an unparking whose end nobody heard may still be under way while all is closed.
         self._undoing = UnendedCommands({night.open.command, night.unpark.command})
+        # Of the present step; whoever steps takes them all.
         self._actions: list[NightAction] = []
         self._report = NightReport(night)
 

@@ -127,6 +127,7 @@ class NightService:
         self._site, self._night, self._place, self._clock = site, night, place, clock
         self._actuation, self._send, self._events = actuation, send, events
         self._on_disk, self._store = on_disk, NightStore(folder)
+        # What the hub handed over last; a night without a hub goes by these.
         self._requests = self._store.read_requests()
         # Each start has ids of its own: observations of one gateway are never told apart wrongly.
         self._book = self._store.read_book(f"{site.site}-{boot[:12]}")
@@ -149,9 +150,12 @@ class NightService:
         self._readings = NightReadings(
             site=site, place=place, interlocks=actuation.interlocks, clock=clock
         )
+        # Ends the wait for the next step.
         self._wake = asyncio.Event()
         self._tasks = RequestTasks(self._wake.set)
+        # The hub of this link understands nights; an older one is told nothing of them.
         self._takes_night = False
+        # What the hub was told last on this link: only what differs is sent.
         self._told: NightState | None = None
         self._plan: NightPlan | None = None
         # Ids of what was asked of it lately: each is done once.
