@@ -106,7 +106,7 @@ class NightExecutor:
         # Since when the roof should be closed and is not certainly so (monotonic, s).
         self._closed_since: float | None = None
         self._make_opening = partial(OpeningRun, night, enclosure, place, self._next_id)
-        # An opening or an unparking whose end nobody heard may still be under way while all is closed.
+        # An opening or an unparking whose end nobody heard may still be under way.
         self._undoing = UnendedCommands({night.open.command, night.unpark.command})
         # Of the present step; whoever steps takes them all.
         self._actions: list[NightAction] = []
