@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from patience import PATIENCE_S
 from tests.sim.conftest import missing
 
 import talaia
@@ -106,3 +107,23 @@ def test_without_any_renderer_the_error_names_the_package(
 
     with pytest.raises(NoRenderer, match=r"no egl here.*no osmesa here.*apt install libosmesa6"):
         Camera(world, open_way=none)
+
+
+def test_its_process_ends_with_its_input_even_where_drawing_gets_no_time() -> None:
+    pytest.importorskip("rclpy")
+    code = (
+        "import sys, threading; from talaia.sim.vehicle import images\n"
+        "images._ENDS_WITHIN_S = 0.1; poses = images._Poses(sys.stdin.buffer)\n"
+        # As one that never gets so far as to end.
+        "print('ready', flush=True); threading.Event().wait()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        env=os.environ | {"PYTHONPATH": str(Path(talaia.__file__).parents[1])},
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    ) as process:  # fmt: skip
+        assert process.stdout
+        assert process.stdin
+        assert process.stdout.readline() == b"ready\n"
+        process.stdin.close()
+        assert process.wait(PATIENCE_S) == 0

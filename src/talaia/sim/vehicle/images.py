@@ -45,6 +45,8 @@ __all__ = ["main"]
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """Only the newest picture is worth sending, also again."""
+# What draws has so long to end by itself; whoever started it ends it by force soon after (s).
+_ENDS_WITHIN_S = 4.0
 IDLE_S = 0.1
 """How often it is asked whether somebody looks now."""
 SHARE = 0.2
@@ -72,7 +74,7 @@ def main() -> int:
     images = Images(node, poses, rate=options.rate)
     _write_line({"way": camera.way})
     # Not before: beside other work it might never come so far, and everything waits for it.
-    _give_way()
+    _give_way(spared=poses.thread_id)
     try:
         images.publish_until_ended(camera)
     finally:
@@ -82,13 +84,18 @@ def main() -> int:
     return 0
 
 
-def _give_way() -> None:
-    """Draw with the time nobody else wants: any other thread that wakes goes first (sched(7))."""
+def _give_way(spared: int) -> None:
+    """Draw with the time nobody else wants: any other thread that wakes goes first (sched(7)).
+
+    Args:
+        spared: the thread that goes on as before: it ends this process.
+
+    """
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
             # Also the threads that draw, and ROS's.
-            for thread in os.listdir("/proc/self/task"):
-                os.sched_setscheduler(int(thread), os.SCHED_IDLE, os.sched_param(0))
+            for thread in set(map(int, os.listdir("/proc/self/task"))) - {spared}:
+                os.sched_setscheduler(thread, os.SCHED_IDLE, os.sched_param(0))
     else:
         os.nice(10)
 
@@ -99,7 +106,14 @@ def _write_line(line: object) -> None:
 
 
 class _Poses:
-    """The newest pose of those that come in, read by a thread that does nothing else."""
+    """The newest pose of those that come in, read by a thread that does nothing else.
+
+    Attributes:
+        newest: x, y (m) and heading (rad).
+        ended: no more will come.
+        thread_id: of the thread, as the system has it.
+
+    """
 
     def __init__(self, source: BinaryIO) -> None:
         # Replaced as a whole by the reading thread, so that no lock is needed.
@@ -107,12 +121,18 @@ class _Poses:
         self.ended = threading.Event()
         self._source = source
         # It stands in a read that nobody can end.
-        threading.Thread(target=self._read_poses, name="poses", daemon=True).start()
+        thread = threading.Thread(target=self._read_poses, name="poses", daemon=True)
+        thread.start()
+        self.thread_id = thread.native_id or 0
 
     def _read_poses(self) -> None:
         while len(raw := self._source.read(POSE.size)) == POSE.size:
             self.newest = POSE.unpack(raw)
         self.ended.set()
+        # What draws ends by itself, unless others want all of the time: then it would take minutes
+        # for its goodbyes. This thread is gone before, where it is done in time.
+        time.sleep(_ENDS_WITHIN_S)
+        os._exit(0)
 
 
 class Images:
