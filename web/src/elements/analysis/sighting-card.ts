@@ -10,6 +10,7 @@ import { onPicture } from "../camera/picture-overlay.js";
 import "../base/icon.js";
 import "../feedback/status.js";
 import "../values/time.js";
+import "./path-sketch.js";
 
 /** What is shown of a sighting; times in µs since the epoch, UTC. */
 export interface SightingFacts {
@@ -149,6 +150,7 @@ export class SightingCard extends LitElement {
           ${many === this.sighting.many ? nothing : html`<span>at most ${this.sighting.many} at once</span>`}
           ${map(storyFacts(story), (fact) => html`<span>${fact}</span>`)}
         </div>
+        ${story && (story.path?.length ?? 0) > 1 ? html`<t-path-sketch .path=${story.path}></t-path-sketch>` : nothing}
         <slot></slot>
       </div>`;
   }
