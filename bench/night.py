@@ -22,6 +22,7 @@ import night_astroplan
 import numpy as np
 from night_events import take_event
 
+from talaia.planner.between.overheads import overheads_from
 from talaia.planner.bound import bound_value
 from talaia.planner.dispatch import Choice, choose_now, rank_now, soonest_start
 from talaia.planner.drive import DrivenNight
@@ -33,7 +34,6 @@ from talaia.planner.night_file import (
     read_night,
 )
 from talaia.planner.night_problem import RAPID
-from talaia.planner.overheads import overheads_from
 from talaia.planner.progress import NightProgress
 from talaia.planner.sky import MARK_S
 

@@ -19,8 +19,8 @@ import msgspec
 import numpy as np
 from night_events import take_event
 
+from talaia.planner.between.overheads import overheads_from
 from talaia.planner.night_file import NightFile, make_problem
-from talaia.planner.overheads import overheads_from
 from talaia.planner.progress import NightProgress
 
 if TYPE_CHECKING:

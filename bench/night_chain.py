@@ -1,6 +1,6 @@
 """From a rapid request, and from a release of the roof, to the shutter: the whole chain.
 
-    PYTHONPATH=src:tests .venv/bin/python bench/night_chain.py [--nights 3]
+    PYTHONPATH=src:tests .venv/bin/python bench/night_chain.py [--nights 3] [--order parallel]
 
 What is measured is what observes: requests as a hub sends them, the gateway's interlocks, guard,
 commands and executor, the planner's answers, and the simulated dome, mount and camera of the
@@ -19,16 +19,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 from system.nights.made_nights import asked, clock_at, dawn_of, site_at
 from system.nights.night_world import NightWorld, PlannerHere, live_through
 
 from talaia.gateway.night.planning.planner_answers import PlannerAnswers
+from talaia.model.interlocks.enclosure import ClosingOrder
 from talaia.model.observing.requests import RequestGroup, Urgency
 
 REQUESTS = 300
 NIGHT_S = 3 * 3600.0
 # From the end of one measurement to the next (s).
 BETWEEN_S = 240.0
+# In the morning it does not rain any more: nothing would be dark behind it (the Sun, °).
+LATEST_RAIN_SUN = -20.0
 # By the design: a rapid request that is visible, and alone, p95.
 RAPID_LIMIT_S = 60.0
 
@@ -75,13 +79,15 @@ class TimedPlanner(PlannerHere):
 class ChainNight:
     """One night, in which it becomes urgent, and rains, again and again."""
 
-    def __init__(self, seed: int, folder: Path) -> None:
-        """Throw the dice."""
+    def __init__(self, seed: int, folder: Path, order: ClosingOrder) -> None:
+        """Throw the dice; ``order`` says whether the telescope may move while the roof opens."""
         self._dice = random.Random(seed)  # noqa: S311 - a seed gives the same night again
         site = site_at(self._dice.uniform(38.0, 50.0))
         if site.place is None:
             raise ValueError("the example has no place")
         self._place = site.place
+        roofs = {name: replace(roof, order=order) for name, roof in site.enclosures.items()}
+        site = replace(site, enclosures=roofs)
         began = dawn_of(site.place, 1, self._dice.randint(1, 28), sun=-12.0) - NIGHT_S
         self.world = NightWorld(
             site=site, clock=clock_at(began), data=folder, seed=seed, planner=TimedPlanner
@@ -116,7 +122,8 @@ class ChainNight:
         while world.sun < -14.0:
             number += 1
             await world.pass_time(BETWEEN_S * self._dice.uniform(0.5, 1.5))
-            if number % 3:
+            # A release late in the night comes when nothing may be observed any more.
+            if number % 3 or world.sun > LATEST_RAIN_SUN:
                 await world.until(lambda: exposes(world), 1800.0, "a frame")
                 await self._measure_rapid(world, f"rapid{number:02d}")
             else:
@@ -190,9 +197,11 @@ def print_waits(name: str, waits: list[Wait], limit: str) -> None:
     whole = rows[:, 0] + rows[:, 3]
     half, most = np.percentile(whole, [50, 95])
     beyond = np.percentile(rows[:, 0] + rows[:, 3] - rows[:, 1] - rows[:, 2], [50, 95])
+    unmoved = np.percentile(whole - rows[:, 1], [50, 95])
     print(
         f"{name}: {len(rows)} times: p50 {half:.1f} s, p95 {most:.1f} s, most {whole.max():.1f} s"
         f" (limit: {limit});"
+        f" without the slew p50 {unmoved[0]:.1f} s, p95 {unmoved[1]:.1f} s;"
         f" slewing {np.median(rows[:, 1]):.0f} s, roof moving {np.median(rows[:, 2]):.0f} s,"
         f" beyond both p50 {beyond[0]:.1f} s, p95 {beyond[1]:.1f} s;"
         f" planner {np.median(rows[:, 3]):.2f} s, at most {rows[:, 3].max():.2f} s"
@@ -204,12 +213,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--nights", type=int, default=3)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--order", type=ClosingOrder, choices=list(ClosingOrder), default=ClosingOrder.MOUNT_FIRST
+    )
     options = parser.parse_args()
     rapid: list[Wait] = []
     released: list[Wait] = []
     for seed in range(options.seed, options.seed + options.nights):
         with tempfile.TemporaryDirectory() as folder:
-            night = ChainNight(seed, Path(folder))
+            night = ChainNight(seed, Path(folder), options.order)
             live_through(lambda night=night: night.world, night.live)  # type: ignore[misc]
         rapid += night.rapid
         released += night.released

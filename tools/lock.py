@@ -15,6 +15,8 @@ LOCKS = {
         "--extra",
         "hub",
         "--extra",
+        "arrow",
+        "--extra",
         "sim",
         "--extra",
         "observatory",
@@ -33,7 +35,7 @@ ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 # builds http-ece (which has no wheel), and uv. In one file that travels in the wheel.
 IMAGES = ROOT / "src/talaia/deploy/images.lock"
 IMAGE_EXTRAS = (
-    "hub", "mariadb", "postgresql", "objects", "gateway", "ros2", "recording", "camera",
+    "hub", "arrow", "mariadb", "postgresql", "objects", "gateway", "ros2", "recording", "camera",
 )  # fmt: skip
 OTHER_GROUPS = {"build": "setuptools\n", "uv": "uv\n"}
 COMPILE = (

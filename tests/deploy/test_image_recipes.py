@@ -287,7 +287,7 @@ def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:
     assert "apt-get" not in recipe
 
 
-@pytest.mark.parametrize(("at", "extras"), [("hub", "hub,objects"), ("gateway", "hub")])
+@pytest.mark.parametrize(("at", "extras"), [("hub", "hub,arrow,objects"), ("gateway", "hub,arrow")])
 def test_a_hubs_image_sees_objects_where_a_camera_wants_it_to(
     at: str, extras: str, tmp_path: Path
 ) -> None:

@@ -22,6 +22,7 @@ from talaia.gateway.night.night_values import (
     StepAnswer,
 )
 from talaia.gateway.night.target_place import place_of_date
+from talaia.model.interlocks.enclosure import ClosingOrder
 from talaia.model.observing.requests import (
     Configuration,
     Guiding,
@@ -104,6 +105,7 @@ class PureObservatory:
         arming: NightArming | None = None,
         parts: BlockParts | None = None,
         flats: NightFlats | None = None,
+        order: ClosingOrder = ClosingOrder.MOUNT_FIRST,
         **night: Any,
     ) -> None:
         """Begin in the evening, closed and parked."""
@@ -114,7 +116,7 @@ class PureObservatory:
         self.night = replace(self.night, **night)
         self.executor = NightExecutor(
             night=self.night,
-            enclosure=site.enclosures["dome"],
+            enclosure=replace(site.enclosures["dome"], order=order),
             place=site.place,
             parts=parts if parts is not None else BlockParts(),
             arming=arming,

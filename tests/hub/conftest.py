@@ -147,7 +147,7 @@ class MemoryHistory:
         found = {}
         for (where, _), stored in self.samples.items():
             for row in stored.values():
-                if where == site and row is not None and row[0] in addresses:
+                if where == site and row is not None and row[0] in addresses and row[1] <= to_us:
                     found[row[0]] = row[1:]
         return found
 

@@ -11,7 +11,7 @@ from talaia.model.detection import (
     PictureZone,
 )
 from talaia.objects.detection import Detection
-from talaia.objects.floor_lines import FloorPlan, LineCounter, is_inside
+from talaia.objects.floor_lines import FloorMapping, LineCounter, is_inside
 from talaia.objects.movements import MOST_POINTS, Movements, ZoneVisit
 from talaia.objects.tracker import TrackedThing
 
@@ -119,7 +119,7 @@ def test_speed_is_in_metres_a_second_on_the_floor() -> None:
 
 
 def test_a_floor_seen_aslant_is_measured_by_its_four_points() -> None:
-    plan = FloorPlan(
+    plan = FloorMapping(
         [(0.3, 0.5), (0.7, 0.5), (1.0, 1.0), (0.0, 1.0)], [(0, 4), (2, 4), (2, 0), (0, 0)]
     )
     assert plan.to_floor((0.3, 0.5)) == pytest.approx((0, 4))
@@ -127,7 +127,7 @@ def test_a_floor_seen_aslant_is_measured_by_its_four_points() -> None:
     # Where the picture shows no floor.
     assert plan.to_floor((0.5, 0.05)) is None
     with pytest.raises(ValueError, match="one line"):
-        FloorPlan([(0, 0), (0.5, 0.5), (1, 1), (0, 1)], [(0, 0), (1, 0), (1, 1), (0, 1)])
+        FloorMapping([(0, 0), (0.5, 0.5), (1, 1), (0, 1)], [(0, 0), (1, 0), (1, 1), (0, 1)])
 
 
 def test_a_long_path_is_thinned_and_keeps_its_begin() -> None:

@@ -51,7 +51,16 @@ def test_no_price_of_a_share_grows_beyond_its_limit_or_below_nothing(planned):
     for _ in range(20):
         pulls = asked.moved(pulls, asked.excess(np.array(planned)))
     assert pulls.min() >= 0.0
-    assert pulls.max() <= 2.0
+    assert pulls.sum() <= 2.0 + 1e-9
+
+
+def test_prices_that_would_be_too_high_together_all_fall_by_the_same():
+    asked = shares((0.0, 0.0, 0.0), most=4.0)
+    moved = asked.moved(np.array([[3.0, 0.0, 0.0], [0.0, 2.5, 0.0]]), np.full((2, 3), 0.2))
+    # 0.2 are left of nothing: they are gone, and 3.2 and 2.7 share the limit.
+    assert moved[0, 0] == pytest.approx(2.25)
+    assert moved[1, 1] == pytest.approx(1.75)
+    assert moved.sum() == pytest.approx(4.0)
 
 
 def planned_shares(fairness):

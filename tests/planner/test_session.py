@@ -19,9 +19,9 @@ from talaia.model.observing.requests import (
 )
 from talaia.model.observing.states import RequestState
 from talaia.model.observing.targets import FixedTarget, IcrsTarget, SolarSystemTarget, Target
+from talaia.planner.between.overheads import overhead_matrix, overheads_from
 from talaia.planner.errors import UnknownRequest
 from talaia.planner.from_requests import make_night
-from talaia.planner.overheads import overhead_matrix, overheads_from
 from talaia.planner.progress import NightProgress
 from talaia.planner.session import PlanningSession
 from talaia.planner.sky import TelescopePlace

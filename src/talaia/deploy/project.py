@@ -85,8 +85,11 @@ def make_deployment(
     """
     domain = site.ros2.domain if site.ros2 is not None else None
     database = choice.database
-    # Each database has an extra of its name, with the driver.
-    extras = ["hub"] if database is DatabaseKind.SQLITE else ["hub", database.value]
+    # Nobody adds to an image later: it gives files of every form. Each database has an extra of
+    # its name, with the driver.
+    extras = ["hub", "arrow"]
+    if database is not DatabaseKind.SQLITE:
+        extras.append(database.value)
     gateway_extras = _gateway_extras(site, choice)
     looks = [
         stream.detect for device in site.devices.values() for stream in device.streams.values()

@@ -5,6 +5,7 @@ HubError
 ├── StoreError        the database cannot be opened or refuses
 │   └── StoreDown     it did not answer just now
 ├── HeadsRefused      signed heads of another hub that do not hold
+├── LibraryMissing    what is asked for needs an extra that is not installed
 ├── HubBusy           so many ask at once that this one must come again
 ├── NameTaken         there is a person or a role of that name already
 ├── NoPassword        the account would be left without a way to sign in
@@ -28,6 +29,7 @@ __all__ = [
     "HubBusy",
     "HubError",
     "LastAdmin",
+    "LibraryMissing",
     "NameTaken",
     "NoPassword",
     "PasskeyRefused",
@@ -71,6 +73,10 @@ class StoreDown(StoreError):
 
 class HubBusy(HubError):
     """So many ask at once that this one must come again later."""
+
+
+class LibraryMissing(HubError):
+    """What is asked for needs a library that is an extra and is not installed."""
 
 
 class NameTaken(HubError):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
+from talaia.model.yaml_text.meant_words import list_words, meant_word, near_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -36,10 +36,22 @@ class UnknownWord(DescriptionError):
     """A word that must come from a closed list does not."""
 
     def __init__(self, where: str, what: str, word: str, known: Iterable[str]) -> None:
-        """Offer the nearest known word when there is one, else the list."""
-        words = sorted(known)
-        # Looser than difflib's own 0.6, so that short words with a slip are still met.
-        near = get_close_matches(word, words, n=1, cutoff=0.5)
-        remedy = f"did you mean {near[0]!r}?" if near else f"use one of: {', '.join(words)}"
-        super().__init__(where, f"unknown {what} {word!r}", remedy)
+        """Offer the nearest known word when there is one, else the list.
+
+        Its ``meant`` is that nearest word, or empty.
+        """
+        # As they are written: a member of an enumeration would be shown as Python does.
+        words = [str(one) for one in known]
         self.word = word
+        self.meant = meant_word(word, words)
+        # An empty list would be no help, nor a word that cannot be had.
+        if not words:
+            remedy = f"no {what} is described: describe it, or leave this out"
+        elif self.meant and word:
+            remedy = f"did you mean {self.meant!r}?"
+        else:
+            key = "use" if word else f"add {where.rpartition('.')[2]}: and"
+            remedy = f"{key} one of: {list_words(near_words(word, words))}"
+        # Nothing was named: to call that unknown would lead astray.
+        problem = f"unknown {what} {word!r}" if word else f"which {what} is meant?"
+        super().__init__(where, problem, remedy)

@@ -20,7 +20,7 @@ from talaia.model.night_frames import (  # noqa: TC001 - msgspec reads them
     RotatorCommand,
     SettingCommand,
 )
-from talaia.model.observing.plan import Instrument
+from talaia.model.observing.plan import Instrument, PauseRules
 from talaia.model.observing.requests import ImageType
 
 __all__ = [
@@ -222,6 +222,19 @@ class NightSection(Shape, frozen=True, kw_only=True):
             named["track"] = self.track
         named |= {f"start[{index}]": step for index, step in enumerate(self.start)}
         return named | {f"end[{index}]": step for index, step in enumerate(self.end)}
+
+    @property
+    def pauses(self) -> PauseRules:
+        """What a plan counts with between exposures, beside `times`."""
+        times, focuser = self.times, self.focuser
+        # The field is looked for anew behind the meridian.
+        flip = times.meridian_flip + times.settle + times.acquire if times.meridian_flip else 0.0
+        return PauseRules(
+            flip=flip,
+            flip_after=self.flip_after,
+            focus=times.focus_run if focuser is not None else 0.0,
+            focus_every=focuser.every if focuser is not None else 7200.0,
+        )
 
     @property
     def rotator(self) -> RotatorCommand | None:

@@ -12,7 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["FloorPlan", "LineCounter", "is_inside"]
+__all__ = ["FloorMapping", "LineCounter", "is_inside"]
 
 Point = tuple[float, float]
 # So far beyond a line (parts of the picture's width) something must have gone to be on its other
@@ -111,7 +111,7 @@ def _ways_cut(a: Point, b: Point, c: Point, d: Point) -> bool:
     ) != (turned_side(c, d, b) > 0)
 
 
-class FloorPlan:
+class FloorMapping:
     """From the picture to the floor (m), by four points whose places are known (a homography)."""
 
     def __init__(self, picture: Sequence[Point], floor: Sequence[Point]) -> None:

@@ -9,7 +9,7 @@ from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.detection import Measured
-from talaia.objects.floor_lines import FloorPlan, LineCounter, is_inside
+from talaia.objects.floor_lines import FloorMapping, LineCounter, is_inside
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -134,7 +134,7 @@ class Movements:
         self._zones = {name: zone.points for name, zone in detect.zones.items()}
         self._lines = {name: LineCounter(line.points) for name, line in detect.lines.items()}
         floor = detect.floor
-        self._plan = None if floor is None else FloorPlan(floor.picture, floor.metres)
+        self._plan = None if floor is None else FloorMapping(floor.picture, floor.metres)
         # By track; forgotten some time after it.
         self._movers: dict[int, _Mover] = {}
         # How often in all, by line, class and side; and when, for those of the last while.

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from talaia.planner.between.overheads import overhead_matrix, overheads_from
+from talaia.planner.between.pauses import BlockPauses
 from talaia.planner.feasibility import NEVER
-from talaia.planner.overheads import overhead_matrix, overheads_from
 from talaia.planner.sky import MARK_S
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from talaia.planner.feasibility import Feasibility
     from talaia.planner.night_problem import Ints
     from talaia.planner.prices import TimePrices
     from talaia.planner.progress import NightProgress
@@ -82,6 +84,7 @@ class Field(NamedTuple):
         weights: of a value, by mark.
         prices: of time.
         after: index of the candidate that comes before in a sequence; -1: none.
+        pauses: of the candidates' blocks.
 
     """
 
@@ -95,6 +98,7 @@ class Field(NamedTuple):
     weights: Floats
     prices: TimePrices
     after: Ints
+    pauses: BlockPauses
 
 
 def make_field(
@@ -133,6 +137,7 @@ def make_field(
         weights=weights,
         prices=prices,
         after=np.array(after, np.int64),
+        pauses=BlockPauses(problem, rows),
     )
 
 
@@ -211,6 +216,9 @@ class _Search:
         # Of each kept plan: which visits it has, and what it spent of each allocation (s).
         self._used = np.zeros((most, count), np.bool_)
         self._spent = np.zeros((most, len(field.left)))
+        # Of each: through which filter it was focused last, and when.
+        self._focus = np.empty((most, 2), np.int64)
+        self._focus[0] = progress.focus
         # Of each: the plan that it extends, its visit, begin and end: the way back at the end.
         self._steps = np.zeros((most, 4), np.int64)
         self._states = 0
@@ -267,6 +275,11 @@ class _Search:
         self._spent[number, self._field.proposal[visit]] += self._field.blocks[visit]
         weight = self._field.weights.take(pool.start[bucket, chosen] // MARK_S)
         self._worth[number] = self._worth[parent] + self._field.values[visit] * weight
+        if not self._field.pauses.none:
+            start, end = pool.start[bucket, chosen], pool.end[bucket, chosen]
+            self._focus[number] = _focus_after(
+                self._field, self._focus[parent], visit, (start, end)
+            )
         self._steps[number, 0] = parent
         self._steps[number, 1] = visit
         self._steps[number, 2] = pool.start[bucket, chosen]
@@ -298,8 +311,7 @@ class _Search:
         field = self._field
         # All plans of the bucket by all candidates at once: one matrix for each quantity.
         begin = end[:, None] + field.between[last]
-        start = self._feasibility.earliest_starts(field.rows[None, :], begin)
-        finish = start + field.blocks
+        start, finish = _timed_blocks(self._feasibility, field, begin, focus=self._focus[number])
         never = start >= NEVER
         # Any mark that may be looked up; these are ruled out below.
         start[never] = 0
@@ -347,6 +359,43 @@ class _Search:
         return tuple(reversed(steps))
 
 
+def _timed_blocks(
+    feasibility: Feasibility, field: Field, begin: Ints, *, focus: Ints, only: int | None = None
+) -> tuple[Ints, Ints]:
+    """Give when blocks begin and end that could be begun at seconds (plans × candidates).
+
+    ``focus`` has the last focus run of each plan: its filter and its second. Of one candidate
+    only, where ``only`` says which.
+    """
+    pauses = field.pauses
+    index = np.arange(len(field.rows)) if only is None else np.array([only])
+    rows, blocks = field.rows[index], field.blocks[index]
+    if pauses.none:
+        start = feasibility.earliest_starts(rows[None, :], begin)
+        return start, start + blocks
+    index = index[None, :]
+    # Columns, so that each plan stands against every candidate.
+    filters, focused = focus[:, :1], focus[:, 1:]
+    due = pauses.focus_due(index, begin, filters, focused)
+    start = feasibility.earliest_starts(rows[None, :], begin + pauses.focus_s * due)
+    longer = pauses.block_seconds(index, start, np.where(due, start, focused))
+    # What would then end behind its window or its sky is not begun.
+    fits = feasibility.lasts_until(rows[None, :], start, longer)
+    start = np.where(fits, start, NEVER)
+    return start, start + blocks + longer
+
+
+def _focus_after(field: Field, focus: Ints, visit: Ints, times: tuple[Ints, Ints]) -> Ints:
+    """Give the last focus run of each plan (plans × 2) after its new last visit."""
+    pauses, (start, end) = field.pauses, times
+    filters, focused = focus[:, 0], focus[:, 1]
+    due = pauses.focus_due(visit, start - pauses.focus_s, filters, focused)
+    since = pauses.focused_after(visit, start, end, np.where(due, start, focused))
+    # A block of several filters ends in focus for its last one.
+    changes = due | (pauses.first[visit] != pauses.last[visit])
+    return np.stack([np.where(changes, pauses.last[visit], filters), since], axis=1)
+
+
 def score_order(
     progress: NightProgress, field: Field, second: int, *, order: tuple[int, ...], horizon_s: int
 ) -> tuple[tuple[OrderedVisit, ...], float]:
@@ -361,14 +410,18 @@ def score_order(
     left = field.left.copy()
     steps: list[OrderedVisit] = []
     time, last, worth, rents = second, len(field.rows), 0.0, 0.0
+    focus = np.array([progress.focus], np.int64)
     for row in order:
         index = local.get(row)
         if index is None or time > horizon or left[field.proposal[index]] < field.blocks[index]:
             continue
-        start = progress.feasibility.next_start(row, time + int(field.between[last, index]))
+        begin = np.array([[time + int(field.between[last, index])]])
+        starts, ends = _timed_blocks(progress.feasibility, field, begin, focus=focus, only=index)
+        start, end = int(starts[0, 0]), int(ends[0, 0])
         if start >= NEVER:
             continue
-        end = start + int(field.blocks[index])
+        if not field.pauses.none:
+            focus = _focus_after(field, focus, np.array([index]), (starts[0], ends[0]))
         worth += float(field.values[index] * field.weights[start // MARK_S])
         rents += float(field.rents[index])
         left[field.proposal[index]] -= field.blocks[index]

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from talaia.planner.between.pauses import leads_from
 from talaia.planner.feasibility import NEVER
-from talaia.planner.overheads import overheads_from
 
 if TYPE_CHECKING:
     from talaia.planner.night_problem import Ints
@@ -44,7 +44,7 @@ class Choice(NamedTuple):
 def rank_now(progress: NightProgress, second: int, rows: Ints) -> tuple[Ints, Floats, Ints]:
     """Give start, worth by a minute, and overhead of each visit if it were next."""
     table = progress.problem.table
-    overhead = overheads_from(progress.problem, progress.pointing, rows)
+    overhead = leads_from(progress, second, rows)
     start = progress.feasibility.earliest_starts(rows, second + overhead)
     taken = start + table.block_s[rows] - second
     rate = table.value[rows] / np.maximum(taken, 1) * 60.0

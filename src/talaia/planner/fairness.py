@@ -4,7 +4,8 @@ A search that only adds up priorities gives most of a night to whoever asks with
 "No share is further from what is due than so much" is a constraint as others are, and has prices as
 they have: each second of a proposal that would get too little earns something beside its priority,
 and each of one that would get too much pays. They are found with the prices of time, so that no
-more value is given for shares than shares need.
+more value is given for shares than shares need. Since the largest difference is what counts, all of
+them share one limit (the dual of a maximum): what nobody can mend is not paid for once for each.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ class FairnessRule(NamedTuple):
 
     Attributes:
         slack: a difference of shares up to this is no matter.
-        most: a second too much or too little costs at most so many times what one is usually
-            worth; 0: priorities alone count.
+        most: a second by which the largest difference is less is worth at most so many times what
+            one is usually worth; 0: priorities alone count.
 
     """
 
-    slack: float = 0.08
-    most: float = 1.0
+    slack: float = 0.09
+    most: float = 4.0
 
 
 EVEN_HANDED = FairnessRule()
@@ -44,7 +45,7 @@ class ShareProblem(NamedTuple):
         due: share of the shutter time that each is due (0 to 1); 0: its priority alone counts.
         got_s: shutter time that each has got (s).
         slack: see `FairnessRule`.
-        most: a second of difference costs at most so much.
+        most: a second of the largest difference costs at most so much.
 
     """
 
@@ -77,5 +78,14 @@ class ShareProblem(NamedTuple):
         return -float((pulls * excess).sum())
 
     def moved(self, pulls: Floats, step_s: Floats) -> Floats:
-        """Give the prices after a step; none is below zero or beyond the most."""
-        return np.asarray(np.clip(pulls + step_s, 0.0, self.most))
+        """Give the prices after a step; none is below zero, and together they are at most `most`.
+
+        Only the largest difference counts: what one proposal pays for it no other pays again.
+        """
+        moved = np.maximum(pulls + step_s, 0.0)
+        if moved.sum() <= self.most:
+            return np.asarray(moved)
+        # The nearest prices that hold: all of them less by the same, none below zero.
+        falling = np.sort(moved, axis=None)[::-1]
+        less = (np.cumsum(falling) - self.most) / np.arange(1, falling.size + 1)
+        return np.asarray(np.maximum(moved - less[np.flatnonzero(falling > less)[-1]], 0.0))

@@ -98,6 +98,11 @@ class Feasibility:
         mark = second // MARK_S
         return 0 <= mark < self.marks and second <= int(self._latest[row, mark])
 
+    def lasts_until(self, rows: Ints, starts: Ints, longer: Ints) -> Bools:
+        """Tell whether blocks that begin at possible starts may be so much longer (s)."""
+        mark = np.clip(starts // MARK_S, 0, self.marks - 1)
+        return np.asarray(starts + longer <= self._latest.take(rows * (self.marks + 1) + mark))
+
     def next_start(self, row: int, second: int) -> int:
         """Give a visit's first possible start at or after a second; `NEVER` if none."""
         return int(self.earliest_starts(np.array([row]), np.array([second]))[0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from talaia.model.observing.plan import PauseRules
 from talaia.model.observing.requests import (
     Configuration,
     GroupOperator,
@@ -32,17 +33,22 @@ if TYPE_CHECKING:
 
     from talaia.model.observing.plan import Instrument
 
-__all__ = ["limits_of", "make_night", "visits_of"]
+__all__ = ["NO_PAUSES", "limits_of", "make_night", "visits_of"]
 
 _URGENCIES = {
     Urgency.NORMAL: NORMAL,
     Urgency.TIME_CRITICAL: TIME_CRITICAL,
     Urgency.RAPID_RESPONSE: RAPID,
 }
+NO_PAUSES = PauseRules()
+"""Of a mount that never turns over, at a site that nobody focuses."""
+# Frames that need no sky: they are taken while the roof is closed.
 _INDOORS = frozenset({ImageType.DARK, ImageType.BIAS})
+# Of a Julian year, by which proper motions are given (s).
 _YEAR_S = 365.25 * 86_400.0
 # 2000-01-01T12:00:00 (s since the epoch).
 _J2000_UNIX = 946_728_000.0
+# Proper motions come in milliarcseconds a year.
 _MAS_IN_DEGREES = 1.0 / 3_600_000.0
 
 
@@ -51,6 +57,7 @@ def make_night(
     time: float,
     *,
     instrument: Instrument,
+    pauses: PauseRules = NO_PAUSES,
     proposals: Sequence[Proposal] = (),
     groups: Sequence[RequestGroup] = (),
 ) -> NightProblem:
@@ -64,6 +71,7 @@ def make_night(
         length_s=length_s,
         sky=compute_sky(place, start, length_s),
         instrument=instrument,
+        pauses=pauses,
         proposals=limits_of(proposals),
     )
     problem.add_visits(visits_of(problem, groups))
@@ -76,6 +84,7 @@ def limits_of(proposals: Sequence[Proposal]) -> list[ProposalLimit]:
 
 
 def _proposal_limit(proposal: Proposal) -> ProposalLimit:
+    # A proposal that was closed keeps its share, and has nothing left to spend.
     left = max(0.0, proposal.hours_allocated - proposal.hours_used) if proposal.active else 0.0
     return ProposalLimit(proposal.id, proposal.share, left * 3600.0)
 
@@ -104,6 +113,7 @@ def _proposal_row(problem: NightProblem, name: str) -> int:
     for row, proposal in enumerate(problem.proposals):
         if proposal.id == name:
             return row
+    # Nobody allows it: a row without time, so that its visits are explained and not lost.
     problem.proposals.append(ProposalLimit(name, 0.0, 0.0))
     return len(problem.proposals) - 1
 
@@ -122,11 +132,14 @@ def _visit(
         ra=ra,
         dec=dec,
         track=track,
+        # What stands still above the ground has no meridian to turn over at.
+        tracked=not isinstance(request.target, FixedTarget),
         needs_sky=not waits_for,
         waits_for=waits_for,
         priority=group.priority,
         shutter_s=sum(part.exposure * part.count for part in request.configurations),
         runs=_frame_runs(problem, request),
+        # Of the first and the last frame: what comes between two visits depends on both.
         filters=(
             problem.filter_index(request.configurations[0].filter),
             problem.filter_index(request.configurations[-1].filter),
@@ -138,6 +151,7 @@ def _visit(
         min_moon_distance=limits.min_moon_distance,
         max_moon_illumination=limits.max_moon_illumination,
         max_sun_altitude=limits.max_sun_altitude,
+        # Beyond 12 h there is no hour angle, so this is no limit.
         max_hour_angle=12.0 if limits.max_hour_angle is None else limits.max_hour_angle,
         max_seeing=math.inf if limits.max_seeing is None else limits.max_seeing,
         max_clouds=math.inf if limits.max_clouds is None else limits.max_clouds,
@@ -157,13 +171,16 @@ def _without_plan(kinds: Set[ImageType]) -> str:
 
 def _frame_runs(problem: NightProblem, request: Request) -> tuple[FrameRun, ...]:
     """Give the frames that are not done yet, with what comes between configurations."""
+    # Configurations that were never begun are not counted there.
     done = [*request.frames_done, *([0] * len(request.configurations))]
     runs: list[FrameRun] = []
     last: Configuration | None = None
     for part, kept in zip(request.configurations, done, strict=False):
         left = max(0, part.count - kept)
         changes = last is not None and part.filter not in ("", last.filter)
-        before = problem.instrument.filter_change if changes and left else 0.0
+        # Through another filter it is focused on anew.
+        change = problem.instrument.filter_change + problem.pauses.focus
+        before = change if changes and left else 0.0
         runs.append(FrameRun(left, part.exposure + problem.instrument.readout, before))
         if left:
             last = part
@@ -174,6 +191,7 @@ def _windows(problem: NightProblem, request: Request) -> tuple[tuple[int, int], 
     """Cut windows to the night."""
     cut = []
     for window in request.windows:
+        # Inwards: a frame must not begin a part of a second too early, nor end too late.
         begin = max(0, math.ceil(window.start - problem.start))
         end = min(problem.length_s, math.floor(window.end - problem.start))
         if begin < end:
@@ -195,6 +213,7 @@ def _place_target(sky: NightSky, target: Target | None) -> tuple[float, float, F
         case IcrsTarget():
             years = (float(sky.unix[0]) - _J2000_UNIX) / _YEAR_S + 2000.0 - target.epoch
             dec = target.dec + years * target.proper_motion_dec * _MAS_IN_DEGREES
+            # Degrees of right ascension are shorter near a pole; at the pole itself never zero.
             shrink = max(math.cos(math.radians(target.dec)), 1e-6)
             ra = target.ra + years * target.proper_motion_ra * _MAS_IN_DEGREES / shrink
             return ra % 360.0, min(90.0, max(-90.0, dec)), None
@@ -205,5 +224,6 @@ def _place_target(sky: NightSky, target: Target | None) -> tuple[float, float, F
 
 
 def _with_middle(track: Floats) -> tuple[float, float, Floats]:
+    # Where it is in the middle of the night stands for the way there and back.
     x, y, z = (float(part) for part in track[:, track.shape[1] // 2])
     return math.degrees(math.atan2(y, x)) % 360.0, math.degrees(math.asin(z)), track

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from talaia.model.observing.plan import PauseRules
+
 if TYPE_CHECKING:
     from talaia.model.observing.plan import Instrument
     from talaia.model.observing.requests import PhaseWindow
@@ -71,6 +73,7 @@ class Visit:
         ra: right ascension (°, ICRS); of what moves: in the middle of the night.
         dec: declination (°, ICRS).
         track: directions at the sky's marks (3 × n) of what does not stand among the stars.
+        tracked: false for what stands while the sky goes by.
         needs_sky: false for what the night takes without a plan; see ``waits_for``.
         waits_for: what that is taken in, in words (*in a twilight*); empty: it is planned.
         priority: worth of a minute of open shutter.
@@ -100,6 +103,7 @@ class Visit:
     ra: float = 0.0
     dec: float = 0.0
     track: Floats | None = None
+    tracked: bool = True
     needs_sky: bool = True
     waits_for: str = ""
     priority: float = 10.0
@@ -150,6 +154,13 @@ class VisitTable:
         self.needs_sky: NDArray[np.bool_] = np.array(
             [visit.needs_sky for visit in self.visits], np.bool_
         )
+        self.tracked: NDArray[np.bool_] = np.array(
+            [visit.tracked for visit in self.visits], np.bool_
+        )
+        # Of the longest frames of each: between them a mount turns over.
+        self.frame_s: Floats = np.array(
+            [max((run.frame_s for run in visit.runs), default=0.0) for visit in self.visits]
+        )
         self.after: Ints = np.array(
             [
                 self.index.get(visit.after, NEVER_COMPLETE) if visit.after else NO_VISIT_BEFORE
@@ -174,6 +185,7 @@ class NightProblem:
         length_s: to the Sun at -6° in the morning.
         sky: at its marks.
         instrument: what takes how long.
+        pauses: what is done between exposures beside that.
         resume: frames that were read out are kept when a block is interrupted.
         filters: names, by index.
         proposals: by index.
@@ -185,6 +197,7 @@ class NightProblem:
     length_s: int
     sky: NightSky
     instrument: Instrument
+    pauses: PauseRules = field(default_factory=PauseRules)
     resume: bool = True
     filters: list[str] = field(default_factory=list)
     proposals: list[ProposalLimit] = field(default_factory=list)

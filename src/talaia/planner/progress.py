@@ -8,10 +8,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import structs
 
+from talaia.planner.between.overheads import PARKED, TelescopePointing
+from talaia.planner.between.pauses import UNFOCUSED, FocusState
 from talaia.planner.feasibility import Feasibility
 from talaia.planner.night_problem import NO_VISIT_BEFORE, ProposalLimit
-from talaia.planner.overheads import PARKED, TelescopePointing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
     from talaia.planner.night_problem import Ints, NightProblem, Visit
 
 __all__ = ["NightProgress"]
+
+# By less the time to the next focus run is no other (s): a tube's thermometer trembles.
+_FOCUS_PLAY_S = 300.0
 
 
 class NightProgress:
@@ -39,6 +44,8 @@ class NightProgress:
         closed_why: why it is not, in words.
         seeing: as measured last (″); none: nobody knows.
         clouds: as measured last (%); none: nobody knows.
+        focus: the last focus run, as the planner was told.
+        focus_again: why the next one comes, where the filter stays, in words.
 
     """
 
@@ -57,6 +64,8 @@ class NightProgress:
         self.closed_why = ""
         self.seeing: float | None = None
         self.clouds: float | None = None
+        self.focus: FocusState = UNFOCUSED
+        self.focus_again = "some time has passed since the last one"
         self._limits = self._visit_limits()
 
     def set_limits(self, limits: Sequence[ProposalLimit]) -> bool:
@@ -165,6 +174,16 @@ class NightProgress:
         if self.clouds is not None:
             rows &= self.clouds <= clouds
         return rows
+
+    def set_focus(self, focus: FocusState, *, every: float | None, again: str) -> bool:
+        """Keep how it is focused; tells whether plans are others by it. See `PlanningSession`."""
+        rules = self.problem.pauses
+        changed = focus != self.focus
+        if every is not None and abs(every - rules.focus_every) > _FOCUS_PLAY_S:
+            self.problem.pauses = structs.replace(rules, focus_every=every)
+            changed = True
+        self.focus, self.focus_again = focus, again or self.focus_again
+        return changed
 
     def shorten_visit(self, row: int, seconds_left: int) -> None:
         """Leave a visit only the block that it still needs (s)."""

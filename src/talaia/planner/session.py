@@ -11,6 +11,8 @@ import numpy as np
 
 from talaia.model.observing.plan import Plan, PlannedBlock, WhyNot
 from talaia.planner.beam_search import OrderedVisit
+from talaia.planner.between.overheads import overheads_from
+from talaia.planner.between.pauses import UNFOCUSED, FocusState, leads_from, planned_pauses
 from talaia.planner.bound import RestBound
 from talaia.planner.dispatch import rank_now, soonest_start
 from talaia.planner.errors import UnknownRequest
@@ -20,7 +22,6 @@ from talaia.planner.from_requests import limits_of, visits_of
 from talaia.planner.idle_rounds import IdleRounds
 from talaia.planner.night_problem import RAPID
 from talaia.planner.outlook import WeatherOutlook
-from talaia.planner.overheads import overheads_from
 from talaia.planner.progress import NightProgress
 from talaia.planner.search import PROMPT, THOROUGH, Effort, NightSearch
 from talaia.planner.sky import MARK_S
@@ -163,6 +164,24 @@ class PlanningSession:
         """Keep what was measured last: FWHM (″) and clouds (%); none: nobody knows."""
         self._changed |= self._progress.set_conditions(seeing=seeing, clouds=clouds)
 
+    def set_focus(
+        self, *, filter_name: str, time: float | None, every: float | None, again: str = ""
+    ) -> None:
+        """Take when a focus run was last, through which filter, and when the next one is due.
+
+        Args:
+            filter_name: empty: one without a name.
+            time: s since the epoch (UTC); none: there was none in this night.
+            every: so long after the last one (s), as the tube cools just now; none: as ever.
+            again: why then, in words.
+
+        """
+        focus = UNFOCUSED
+        if time is not None:
+            index = self._problem.filter_index(filter_name)
+            focus = FocusState(index, self._problem.second(time))
+        self._changed |= self._progress.set_focus(focus, every=every, again=again)
+
     def set_proposals(self, proposals: Sequence[Proposal]) -> None:
         """Take what proposals are due and have left now; one that is not named has nothing."""
         self._changed |= self._progress.set_limits(limits_of(proposals))
@@ -187,7 +206,7 @@ class PlanningSession:
             until = end if start >= NEVER else self._problem.unix(max(start, second + MARK_S))
             return Decision("", time, until, "nothing may be observed now")
         first = plan[0]
-        lead = int(overheads_from(self._problem, self._progress.pointing, np.array([first.row]))[0])
+        lead = int(leads_from(self._progress, second, np.array([first.row]))[0])
         name = self._problem.table.visits[first.row].id
         # Set out only when it may begin: meanwhile something better may come.
         if first.start - lead > second + _LONGEST_IDLE_S:
@@ -268,19 +287,22 @@ class PlanningSession:
         if self._changed or not self._search.plan:
             self.improve(time)
         blocks, before, pointing = [], second, self._progress.pointing
+        focus = self._progress.focus
         for step in self._search.plan:
             # What was done since the search, or is over: the rest of its plan still holds.
             if self._progress.done[step.row] or step.end <= second:
                 continue
             lead = overheads_from(problem, pointing, np.array([step.row]))[0]
+            pauses, focus, run_s = planned_pauses(self._progress, step.row, step.start, focus)
             reason = self._reason(step, min(before, step.start))
             blocks.append(
                 PlannedBlock(
                     request=table.visits[step.row].id,
                     start=problem.unix(step.start),
                     end=problem.unix(step.end),
-                    overhead=float(lead),
+                    overhead=float(lead) + run_s,
                     reason=reason,
+                    pauses=pauses,
                 )
             )
             before, pointing = step.end, self._progress.pointing_at(step.row)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.model.observing.plan import Plan, WhyNot
-from talaia.planner.from_requests import make_night, visits_of
+from talaia.planner.from_requests import NO_PAUSES, make_night, visits_of
 from talaia.planner.outlook import CERTAIN
 from talaia.planner.prices import CELL_S
 from talaia.planner.session import PlanningSession
@@ -23,7 +23,7 @@ from talaia.planner.sky import MARK_S
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from talaia.model.observing.plan import Instrument
+    from talaia.model.observing.plan import Instrument, PauseRules
     from talaia.model.observing.requests import Proposal, RequestGroup
     from talaia.planner.night_problem import NightProblem
     from talaia.planner.sky import TelescopePlace
@@ -79,6 +79,7 @@ def forecast_nights(
     now: float,
     *,
     instrument: Instrument,
+    pauses: PauseRules = NO_PAUSES,
     proposals: Sequence[Proposal] = (),
     groups: Sequence[RequestGroup] = (),
     nights: int = 7,
@@ -90,6 +91,7 @@ def forecast_nights(
         place: of the telescope.
         now: (s since the epoch, UTC); a night that has begun counts from then on.
         instrument: what takes how long.
+        pauses: what is done between exposures beside that.
         proposals: with what they have left.
         groups: what waits.
         nights: how many.
@@ -102,7 +104,9 @@ def forecast_nights(
     reasons: tuple[WhyNot, ...] = ()
     time = now
     for _ in range(nights):
-        problem = make_night(place, time, instrument=instrument, proposals=list(limits.values()))
+        problem = make_night(
+            place, time, instrument=instrument, pauses=pauses, proposals=list(limits.values())
+        )
         problem.add_visits(
             tuple(
                 replace(visit, priority=visit.priority * waiting.get(visit.id, 1.0))

@@ -44,7 +44,7 @@ MISTAKES = {
         f"{NAMED}      Speed: {{name: S, minimum: low, {SOURCE}}}\n",
         [(10, "cannot be a name in an address"), (10, "expected a number, found the text 'low'")],
     ),
-    "no YAML": ("    name: [Base\n", [(9, "expected")]),
+    "no YAML": ("    name: [Base\n", [(8, "the [ that begins here is not closed")]),
 }  # fmt: skip
 
 

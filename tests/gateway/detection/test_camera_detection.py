@@ -298,7 +298,7 @@ async def test_change_of_what_is_seen_takes_effect_at_once_and_no_sample_is_lost
         blind = "\n".join(
             line for line in site.split("interlocks:")[0].splitlines() if "detect: " not in line
         )
-        for name in ("in_path", "aside"):
+        for name in ("in_path", "aside", "mat_dwell"):
             at = blind.index(f"      {name}:")
             blind = blind[:at] + blind[blind.index("}\n", at) + 2 :]
         file.write_text(blind)

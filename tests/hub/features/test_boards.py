@@ -120,7 +120,7 @@ async def test_a_board_goes_out_as_a_file_and_comes_back_the_same(hub) -> None:
         ("board: 1\nname: A\ntiles: [{type: value, settings: {signal: {a: 1}}}]",
          "$.tiles[0].settings[...]"),
         ("board: 1\nname: ''", "$.name"),
-        ("board: [", "line 2, column 1"),
+        ("board: [", "line 1, column 8"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_board_is_refused_with_the_place(text: str, where: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -114,3 +115,95 @@ async def test_who_may_see_little_is_told_so_tile_by_tile(chromium, hub, gateway
     report = await guest.evaluate("axe.run(document, {resultTypes: ['violations']})")
     assert [(each["id"], len(each["nodes"])) for each in report["violations"]] == []
     assert guest.errors == []
+
+
+PAST_TILES = {
+    "value": {"signal": "base/turn_rate"},
+    "gauge": {"signal": "base/turn_rate"},
+    "chart": {"signals": ["base/turn_rate"], "seconds": 60},
+    "timeline": {"signals": ["base/wandering"], "seconds": 60},
+    "table": {"signals": ["base/pose", "power/charge"]},
+    "trail": {"signal": "base/pose"},
+    "camera": {"stream": "camera/front"},
+    "command": {"command": "base/wander"},
+    "topic": {"topic": "/odom"},
+    "drive": {"device": "base"},
+    "logbook": {},
+}
+
+
+async def test_a_board_in_the_past_shows_it_and_sends_nothing(chromium, hub, gateway) -> None:
+    operator = await hub.client("operator")
+    # Without a place each goes where there is room.
+    nowhere = {"desktop": None, "phone": None}
+    tiles = [
+        {"id": f"t{at}", "type": kind, "title": "", "settings": settings, **nowhere}
+        for at, (kind, settings) in enumerate(PAST_TILES.items())
+    ]
+    board = {"name": "Then", "note": "", "site": "agv", "kind": "", "device": "", "tiles": tiles}
+    key = (await operator.post("/api/boards", json={"board": board})).json()["key"]
+    rows = [
+        row
+        for second in range(90)
+        for row in (
+            ("base/turn_rate", NOW + second * 1_000_000, second / 100),
+            ("base/pose.x", NOW + second * 1_000_000, second / 10),
+            ("base/pose.y", NOW + second * 1_000_000, 0.0),
+            ("base/wandering", NOW + second * 1_000_000, second // 30 % 2),
+        )
+    ]
+    await gateway.samples(*rows, live=False)
+    # What comes now is seen now, and never in the past.
+    await gateway.samples(("base/turn_rate", time.time_ns() // 1000, 2.5))
+    page = await sign_in(chromium, hub, "operator")
+    await page.goto(f"{hub.origin}/boards/{key}?at=2023-11-14T22:14:20Z")
+    bar = page.locator("t-time-bar")
+    await expect(bar.locator("time")).to_have_text("14 Nov 2023, 23:14:20 CET")
+    await expect(bar.get_by_text("22:14:20 UTC")).to_be_visible()
+    value = page.locator("t-tile-gauge t-value")
+    await expect(value).to_contain_text("0.6")
+    await expect(page.locator("t-signal-value").first).to_contain_text("0.600")
+    assert await page.get_by_text("2.500").count() == 0
+    for words in ("Nothing was recorded at this moment", "nothing recorded", "x 6.00 m"):
+        await expect(page.get_by_text(words).first).to_be_visible()
+    # Nothing is sent from here, which is said; STOP is there as ever.
+    await expect(page.get_by_text("commands go out only from now").first).to_be_visible()
+    await expect(page.get_by_text("nothing is driven from it")).to_be_visible()
+    assert await page.locator("t-tile-drive").get_by_role("button", name="STOP").is_enabled()
+    assert await page.locator("t-drive-pad").count() == 0
+
+    # A step, a scrub by keys, and playing move everything; the address follows.
+    await bar.get_by_role("button", name="−1 s").click()
+    await expect(value).to_contain_text("0.59")
+    await page.wait_for_url("**at=2023-11-14T22%3A14%3A19.000Z")
+    await bar.get_by_role("slider", name="Moment").press("PageDown")
+    await expect(value).to_contain_text("0.49")
+    await bar.get_by_label("Speed").select_option("10")
+    await bar.get_by_role("button", name="Play").click()
+    await expect(value).to_contain_text("0.8")
+    await bar.get_by_role("button", name="Pause").click()
+    # Long after the last sample nothing is shown as if it were of then.
+    await page.goto(f"{hub.origin}/boards/{key}?at=2023-11-15T22:14:20Z")
+    await expect(bar.get_by_text("No value was recorded in the minute before")).to_be_visible()
+    await expect(value).to_have_attribute("state", "stale")
+
+    await page.set_viewport_size({"width": 390, "height": 844})
+    assert await page.evaluate("document.documentElement.scrollWidth") <= 390
+    await page.evaluate(AXE.read_text(encoding="utf-8"))
+    report = await page.evaluate("axe.run(document, {resultTypes: ['violations']})")
+    assert [(each["id"], len(each["nodes"])) for each in report["violations"]] == []
+    await bar.get_by_role("button", name="Back to now").click()
+    await expect(bar).to_have_count(0)
+    await page.set_viewport_size({"width": 1440, "height": 900})
+    await expect(page.locator("t-signal-value").first).to_contain_text("2.500")
+    # A line of the logbook leads to the board of its moment.
+    await page.goto(f"{hub.origin}/sites/agv/logbook")
+    await page.get_by_role("link", name="Board then").first.click()
+    await page.wait_for_url("**/boards/template%3Aagv?at=20*Z")
+    await expect(bar.locator("time")).to_be_visible()
+    # What happened stands on the bar.
+    mark = page.locator("t-time-bar .mark").last
+    await expect(mark).to_be_visible()
+    # At its place: a moment ago is at the right end.
+    assert (await mark.bounding_box())["x"] > 720
+    assert page.errors == []

@@ -10,7 +10,14 @@ from pathlib import Path
 import pytest
 from playwright.async_api import expect
 
-from talaia.model.observing.plan import Plan, PlannedBlock, VetoCause, WhyNot
+from talaia.model.observing.plan import (
+    PauseKind,
+    Plan,
+    PlannedBlock,
+    PlannedPause,
+    VetoCause,
+    WhyNot,
+)
 from talaia.wire.frames import NightArmRequest, NightPlan, NightState, RequestRevision, RequestSync
 from talaia.wire.gateway_messages.relayed_fields import NightPhase
 
@@ -142,7 +149,18 @@ async def test_a_night_is_asked_for_armed_and_watched_by_its_pages(observatory, 
 
     now = time.time()
     await dome.say(NightState(phase=NightPhase.DISARMED, since=now))
-    block = PlannedBlock(request=request, start=now + HOUR, end=now + 2 * HOUR, reason="highest")
+    pauses = (
+        PlannedPause(
+            kind=PauseKind.FOCUS, start=now + HOUR - 120, end=now + HOUR, reason="another filter: R"
+        ),
+        PlannedPause(
+            kind=PauseKind.FLIP, start=now + 1.5 * HOUR, end=now + 1.5 * HOUR + 98,
+            reason="its target passes the meridian",
+        ),
+    )  # fmt: skip
+    block = PlannedBlock(
+        request=request, start=now + HOUR, end=now + 2 * HOUR, reason="highest", pauses=pauses
+    )
     plan = Plan(
         made_at=now, night_start=now - HOUR, night_end=now + 9 * HOUR, blocks=(block,), value=9.0,
         bound=10.0,
@@ -177,7 +195,14 @@ async def test_a_night_is_asked_for_armed_and_watched_by_its_pages(observatory, 
     # By keyboard to the block, whose reason then stands in words.
     await page.get_by_role("button", name=re.compile("M 42, proposal A")).focus()
     await page.keyboard.press("End")
-    await expect(page.locator("t-plan-timeline .chosen")).to_contain_text("highest")
+    chosen = page.locator("t-plan-timeline .chosen")
+    await expect(chosen).to_contain_text("highest")
+    # What comes between its frames stands on the line, in those words, and in the table.
+    await expect(chosen).to_contain_text(re.compile("focus run .* another filter: R"))
+    await expect(page.locator("t-plan-timeline .pause")).to_have_count(2)
+    await page.get_by_text("As a table").click()
+    table = page.get_by_role("table", name="Blocks of the night")
+    await expect(table).to_contain_text("its target passes the meridian")
     await keep(page, "night")
     await dome.close()
     await expect(page.get_by_text("what is shown is old")).to_be_visible()

@@ -45,7 +45,7 @@ def test_condition_is_judged(text, values, holds) -> None:
     [
         ("{a/x} > 1", "at letter 1: there is no signal 'a/x'"),
         ("1 < 2 < 3", "at letter 7: write two comparisons with `and` between them"),
-        ("a > 1", "at letter 1: a signal stands in braces: {device/signal}"),
+        ("a > 1", "at letter 1: 'a' is no signal: those stand in braces"),
         ("1 >", "at letter 4: it ends too soon"),
         ("{a/b}", "at letter 1: expected a yes or no, found a number"),
         ('{a/s} < "x"', "at letter 7: texts can only be == or !="),
@@ -53,7 +53,7 @@ def test_condition_is_judged(text, values, holds) -> None:
         ("{a/s} == 1", "at letter 7: a text cannot be compared with a number"),
         ("abs(1, 2) > 1", "at letter 1: abs takes one number"),
         ("1 > 2)", "at letter 6: ')' is not expected here"),
-        ("__import__(1)", "at letter 1: a signal stands in braces"),
+        ("__import__(1)", "at letter 1: there is no function '__import__'"),
         ("__import__('os')", 'at letter 12: "\'" is not expected here'),
         ("1 > 2; 1", "at letter 6: ';' is not expected here"),
         ("(" * 30 + "1 > 2", "nested deeper than 24 levels"),

@@ -46,7 +46,7 @@ def test_a_word_that_is_no_role_is_told_with_the_nearest() -> None:
     with pytest.raises(DescriptionError) as told:
         findings("unit: °, role: dome.azimut")
     assert str(told.value) == (
-        "$.devices.dome.signals.first.role: unknown word 'dome.azimut'; "
+        "$.devices.dome.signals.first.role: unknown role 'dome.azimut'; "
         "did you mean 'dome.azimuth'?"
     )
 

@@ -59,9 +59,9 @@ MISTAKES = [
     ("picture: camera/frnt", "picture: camera/front", "drive.picture", "frnt", "camera/front"),
     ("position: base/speed", "position: base/pose", "drive.position", "base/speed", "base/pose"),
     ("[base/spee, base/turn_rate]", "[base/speed, base/turn_rate]", "confirmed_by[0]", "spee", ""),
-    ("topic: odom,", "topic: /odom,", "speed.source.topic", "absolute", "/like/this"),
+    ("topic: odom,", "topic: /odom,", "speed.source.topic", "absolute", "/odom"),
     ("type: nav_msgs/Odometry", "type: nav_msgs/msg/Odometry", "source.type", "ROS type", "msg"),
-    ("type: std_srvs/msg/SetBool", "type: std_srvs/srv/SetBool", "wander.type", "ROS type", "srv"),
+    ("type: std_srvs/msg/SetBool", "type: std_srvs/srv/SetBool", "wander.type", "a message", "srv"),
     (
         'states: "off"',
         'states: ["off", "on"]',
@@ -71,7 +71,7 @@ MISTAKES = [
     ),
     ("unit: m", 'states: ["off", "on"]', "wandering", "states", "states"),
     ("type: bolean", "type: boolean", "arguments.active.type", "bolean", "boolean"),
-    ("default: 3", "default: true", "arguments.active.default", "expected boolean", ""),
+    ("default: 3", "default: true", "arguments.active.default", "expected true or false", ""),
     ("quality: 0", "quality: 70", "streams.front.quality", "1 to 95", ""),
     ("max_rate: 0", "max_rate: 30", "streams.front.max_rate", "above 0", ""),
     ("Power:", "power:", "$.devices.Power", "cannot be a name", "small letter"),
@@ -99,10 +99,10 @@ MISTAKES = [
     ),
     ("site: A B", "site: agv", "$.site", "cannot be a name", "small letter"),
     ("max_acceleration: 0", "max_acceleration: 1.0", "drive.max_acceleration", "above 0", ""),
-    ("topic: stop it", "topic: /stop", "drive.stop.topic", "absolute", "/like/this"),
+    ("topic: stop it", "topic: /stop", "drive.stop.topic", "absolute", "/stop_it"),
     ("below: -1", "below: 0.02", "drive.stop.below", "above 0", ""),
     ("maximum: .inf", "maximum: 13", "voltage.maximum", "finite", ""),
-    ('name: "Bat\\u202Etery"', "name: Battery", "$.devices.power.name", "1 to 100", "seen"),
+    ('name: "Bat\\u202Etery"', "name: Battery", "$.devices.power.name", "all be seen", "anew"),
 ]
 
 

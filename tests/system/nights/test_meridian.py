@@ -10,6 +10,7 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.gateway.night.target_place import hour_angle_of
+from talaia.model.observing.plan import PauseKind
 from talaia.model.observing.requests import Guiding
 from talaia.model.observing.states import ObservationState
 
@@ -31,12 +32,14 @@ class Exposing(NamedTuple):
         past: so far past the meridian the target stood (s).
         looks_east: the mount is on the side of its first half.
         telescope: its state.
+        unix: when (s since the epoch).
 
     """
 
     past: float
     looks_east: bool
     telescope: str
+    unix: float
 
 
 EXPOSING: list[Exposing] = []
@@ -89,6 +92,13 @@ def test_a_mount_that_turns_over_does_so_between_two_frames_and_the_block_goes_o
     assert last_east <= flip_after + 5.0
     assert last_east > flip_after - EXPOSURE_S - 60.0
     assert first_west >= 0.0
+    # The plan of the evening knew of it: when frames would stop for it, and go on behind it.
+    (flip,) = next(told.plan.blocks[0].pauses for told in world.hub.plans if told.plan.blocks)
+    assert flip.kind is PauseKind.FLIP
+    assert flip.start == pytest.approx(max(one.unix for one in EXPOSING if one.looks_east), abs=60)
+    assert flip.end == pytest.approx(
+        min(one.unix for one in EXPOSING if not one.looks_east), abs=60
+    )
 
 
 async def live_flip(world: NightWorld) -> None:
@@ -112,7 +122,7 @@ async def live_flip(world: NightWorld) -> None:
         if world.truths and exposes_sky(world.truths[-1]):
             where = telescope.target
             past = hour_angle_of(where, place, world.unix) * 3600.0 if where else math.nan
-            EXPOSING.append(Exposing(past, telescope.looks_east, telescope.state))
+            EXPOSING.append(Exposing(past, telescope.looks_east, telescope.state, world.unix))
         return any(one.state is S.COMPLETED for one in world.hub.updates.values())
 
     await world.until(is_done, 3600.0, "six frames")

@@ -3,8 +3,8 @@
 import { ContextConsumer } from "@lit/context";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { liveContext, reachContext } from "../state/contexts.js";
-import type { LiveValues, Reading } from "../state/live-values.js";
-import type { DeviceReachability } from "../state/device-reachability.js";
+import type { Reading, ReadingSource } from "../state/live-values.js";
+import type { Reachability } from "../state/device-reachability.js";
 import { ContextStoreController } from "./context-store.js";
 
 /** How a value stands: nothing has come, it is fresh, older than its limit, or its device is not reached. */
@@ -15,8 +15,8 @@ export type Freshness = "unknown" | "live" | "stale" | "unreached";
  * second besides, so that a value that has stopped coming turns stale by itself.
  */
 export class LiveValuesController implements ReactiveController {
-  private live: LiveValues | undefined;
-  private readonly reach: ContextStoreController<DeviceReachability>;
+  private live: ReadingSource | undefined;
+  private readonly reach: ContextStoreController<Reachability>;
   private site = "";
   private channels: readonly string[] = [];
   private stops: (() => void)[] = [];
@@ -49,6 +49,11 @@ export class LiveValuesController implements ReactiveController {
 
   readingOf(channel: string): Reading | undefined {
     return this.live?.latestReading(this.site, channel);
+  }
+
+  /** What is read is of a past moment. */
+  get isPast(): boolean {
+    return this.live?.isPast === true;
   }
 
   /** Age of the newest reading (s); NaN when there is none. */

@@ -1474,6 +1474,15 @@ export interface PlanBlockShape {
   readonly end_us: number;
   readonly overhead_s: number;
   readonly reason: string;
+  readonly pauses: readonly PlanPauseShape[];
+}
+
+/** What a plan counts with between exposures: ``kind`` is ``flip`` or ``focus``. */
+export interface PlanPauseShape {
+  readonly kind: string;
+  readonly start_us: number;
+  readonly end_us: number;
+  readonly reason: string;
 }
 
 /** A night from now on; ``bound``: no plan is worth more (none: not worked out). */

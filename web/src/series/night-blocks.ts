@@ -65,6 +65,9 @@ export function plannedBlocks(plan: PlanShape | null, state: NightStateShape | n
         endMs,
         state: isCurrent ? "current" : "planned",
         reason: block.reason,
+        pauses: block.pauses.map(({ kind, start_us: from, end_us: to, reason }) => ({
+          kind: kind === "flip" ? "flip" : "focus", startMs: from / 1000, endMs: to / 1000, reason,
+        })),
       },
     ];
   });

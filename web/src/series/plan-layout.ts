@@ -15,6 +15,22 @@ export interface NightBlock {
   readonly state: BlockState;
   /** Why it stands here, or what became of it. */
   readonly reason: string;
+  /** What comes between its frames, or just before them; nothing of what was done is known. */
+  readonly pauses?: readonly BlockPause[];
+}
+
+/** The mount's turn at the meridian, or a focus run (ms since 1970). */
+export interface BlockPause {
+  readonly kind: "flip" | "focus";
+  readonly startMs: number;
+  readonly endMs: number;
+  readonly reason: string;
+}
+
+/** A pause's place on the line, as parts of it. */
+export interface PlacedPause extends BlockPause {
+  readonly left: number;
+  readonly width: number;
 }
 
 interface NightWindow {
@@ -37,6 +53,18 @@ export function placeBlocks(blocks: readonly NightBlock[], { from, to }: NightWi
     .map((block) => {
       const left = (Math.max(from, block.startMs) - from) / span;
       return { ...block, left, width: (Math.min(to, block.endMs) - from) / span - left };
+    });
+}
+
+/** Pauses of blocks that lie at least partly in the window, cut to it. */
+export function placePauses(blocks: readonly NightBlock[], { from, to }: NightWindow): readonly PlacedPause[] {
+  const span = Math.max(1, to - from);
+  return blocks
+    .flatMap(({ pauses }) => pauses ?? [])
+    .filter(({ startMs, endMs }) => endMs > from && startMs < to)
+    .map((pause) => {
+      const left = (Math.max(from, pause.startMs) - from) / span;
+      return { ...pause, left, width: (Math.min(to, pause.endMs) - from) / span - left };
     });
 }
 

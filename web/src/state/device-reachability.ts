@@ -6,7 +6,13 @@ import { Store } from "./store.js";
 
 type ReachabilityLine = Pick<Connection, "onMessage" | "onState">;
 
-export class DeviceReachability extends Store {
+/** What elements ask about the devices that are not reached. */
+export interface Reachability {
+  subscribe(watcher: () => void): () => void;
+  unreachableSince(site: string, device: string): DeviceUpdate | undefined;
+}
+
+export class DeviceReachability extends Store implements Reachability {
   private readonly away = new Map<string, DeviceUpdate>();
 
   /** Listens for as long as the connection lives. */

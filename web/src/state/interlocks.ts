@@ -12,6 +12,9 @@ export interface Interlock {
   readonly heardAt: number;
 }
 
+/** What elements ask about the interlocks. */
+export type Locks = Pick<Interlocks, "subscribe" | "list" | "listAt" | "hasAny" | "interlockOf" | "lockOf" | "slowOf" | "remainingMs">;
+
 export class Interlocks extends Store {
   private readonly known = new Map<string, Interlock>();
 

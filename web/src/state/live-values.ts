@@ -12,6 +12,17 @@ export interface Reading {
   readonly freshAtMs: number;
 }
 
+/** Where elements read values: what comes now, or what was at a past moment. */
+export interface ReadingSource {
+  /** Its readings are of a past moment, and their age is that of then. */
+  readonly isPast?: boolean;
+  latestReading(site: string, channel: string): Reading | undefined;
+  /** Age of a reading (s). */
+  ageS(reading: Reading): number;
+  /** Calls `watcher` after each new reading of a channel. Returns the way to end it. */
+  watchChannel(site: string, channel: string, watcher: () => void): () => void;
+}
+
 /** What the store needs of a connection. */
 export interface LiveFeed {
   subscribe(
@@ -33,7 +44,7 @@ interface ChannelGroup {
  * Collects what the elements of a page want into one subscription for each site. Values come five
  * times a second: more than an eye reads. Charts subscribe by themselves.
  */
-export class LiveValues {
+export class LiveValues implements ReadingSource {
   private readonly groups = new Map<string, ChannelGroup>();
   private readonly readings = new Map<string, Reading>();
   private readonly watchers = new Map<string, Set<() => void>>();

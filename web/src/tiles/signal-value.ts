@@ -65,6 +65,7 @@ export class SignalValue extends LitElement {
         .decimals=${shownUnit(signal).decimals}
         .age=${this.live.ageS(channel)}
         .level=${this.level(signal)}
+        .missing=${this.live.isPast ? "nothing recorded" : "no data yet"}
       ></t-value>
     `;
   }

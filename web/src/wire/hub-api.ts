@@ -1,6 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape, ValueList } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -132,6 +132,13 @@ export class HubApi {
     return this.request("GET", path, undefined, { signal });
   }
 
+  /** The last sample of each channel before a moment (µs); those without are left out. */
+  lastValues(site: string, channels: readonly string[], beforeUs: number, signal?: AbortSignal): Promise<ValueList> {
+    const search = new URLSearchParams({ before_us: String(Math.floor(beforeUs)) });
+    for (const channel of channels) search.append("channel", channel);
+    return this.request("GET", `/api/sites/${encodeURIComponent(site)}/last?${search.toString()}`, undefined, { signal });
+  }
+
   /** What a window (µs) amounts to, of every sample in it. */
   statistics(site: string, channels: readonly string[], span: TimeWindow, signal?: AbortSignal): Promise<StatisticsList> {
     const search = windowQuery(span, channels);
@@ -161,6 +168,19 @@ export class HubApi {
   async formerChannels(site: string): Promise<readonly StoredShape[]> {
     const path = `/api/sites/${encodeURIComponent(site)}/stored?former=true`;
     return (await this.request<StoredList>("GET", path)).channels;
+  }
+
+  /** Why no such file would be given, by asking for a microsecond of it; empty where nothing stands against it. */
+  async exportRefusal(site: string, query: ExportQuery): Promise<string> {
+    const least = { ...query, toUs: query.fromUs + 1, width: 0 };
+    try {
+      const response = await this.fetcher(exportPath(site, least), { credentials: "same-origin" });
+      if (!response.ok) return (await refusalOf(response)).message;
+      await response.body?.cancel();
+      return "";
+    } catch {
+      return "The hub does not answer.";
+    }
   }
 
   /** The anomaly detectors of a site, and what each says now. */

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import type { FrameShape, NightStateShape, PlanShape } from "../../src/generated/api.js";
+import { placePauses } from "../../src/series/plan-layout.js";
 import { nightBlocks, plannedBlocks, shareRows, takenBlocks } from "../../src/series/night-blocks.js";
 
 const MINUTE_US = 60e6;
@@ -14,8 +15,8 @@ function frame(minute: number, target: string, filter = "R"): FrameShape {
 const PLAN: PlanShape = {
   made_us: 0, night_start_us: 0, night_end_us: 600 * MINUTE_US, method: "dispatch", value: 1, bound: null,
   blocks: [
-    { request: "7", proposal: "P1", target: "M 42", start_us: 100 * MINUTE_US, end_us: 130 * MINUTE_US, overhead_s: 20, reason: "highest" },
-    { request: "", proposal: "", target: "", start_us: 130 * MINUTE_US, end_us: 160 * MINUTE_US, overhead_s: 20, reason: "" },
+    { request: "7", proposal: "P1", target: "M 42", start_us: 100 * MINUTE_US, end_us: 130 * MINUTE_US, overhead_s: 20, reason: "highest", pauses: [{ kind: "flip", start_us: 110 * MINUTE_US, end_us: 112 * MINUTE_US, reason: "its target passes the meridian" }] },
+    { request: "", proposal: "", target: "", start_us: 130 * MINUTE_US, end_us: 160 * MINUTE_US, overhead_s: 20, reason: "", pauses: [] },
   ],
 };
 const STATE: NightStateShape = {
@@ -41,6 +42,14 @@ test("of a plan what is over is left away, what is observed is current, and anot
   expect(plannedBlocks(PLAN, STATE, 110 * 60_000).map(({ name, state }) => [name, state])).toEqual([["M 42", "current"], ["another's request", "planned"]]);
   expect(plannedBlocks(PLAN, null, 131 * 60_000).map(({ name }) => name)).toEqual(["another's request"]);
   expect(plannedBlocks(null, STATE, 0)).toEqual([]);
+});
+
+test("a turn at the meridian stands on the line where the plan has it, and is cut to the window", () => {
+  const planned = plannedBlocks(PLAN, null, 0);
+  expect(planned[0]?.pauses).toEqual([{ kind: "flip", startMs: 110 * 60_000, endMs: 112 * 60_000, reason: "its target passes the meridian" }]);
+  const [pause] = placePauses(planned, { from: 111 * 60_000, to: 121 * 60_000 });
+  expect([pause?.left, pause?.width]).toEqual([0, 0.1]);
+  expect(placePauses(planned, { from: 113 * 60_000, to: 121 * 60_000 })).toEqual([]);
 });
 
 test("frames of the block that is observed are not shown a second time", () => {

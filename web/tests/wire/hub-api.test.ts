@@ -10,6 +10,25 @@ describe("the address of an export", () => {
   });
 });
 
+describe("a file that the hub cannot give", () => {
+  const query = { channels: ["base/speed"], fromUs: 5, toUs: 9_000_000, format: "parquet", width: 300 } as const;
+
+  it("is told in the hub's words, after asking for as little as there is", async () => {
+    const asked: string[] = [];
+    const api = new HubApi((path) => {
+      if (typeof path === "string") asked.push(path);
+      return Promise.resolve(Response.json({ code: "not_installed", message: "run: pip install" }, { status: 501 }));
+    });
+    expect(await api.exportRefusal("agv", query)).toBe("run: pip install");
+    expect(asked).toEqual(["/api/sites/agv/export?channel=base%2Fspeed&from_us=5&to_us=6&format=parquet"]);
+  });
+
+  it("is nothing where the hub gives it, and a sentence where there is no hub", async () => {
+    expect(await new HubApi(() => Promise.resolve(new Response("PAR1"))).exportRefusal("agv", query)).toBe("");
+    expect(await new HubApi(() => Promise.reject(new TypeError("offline"))).exportRefusal("agv", query)).toBe("The hub does not answer.");
+  });
+});
+
 describe("a session that is over", () => {
   const refusedApi = (code: string): { api: HubApi; told: string[] } => {
     const answer = (): Promise<Response> => Promise.resolve(Response.json({ code, message: "no" }, { status: 401 }));

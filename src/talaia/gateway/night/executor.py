@@ -10,6 +10,7 @@ Long, because every phase of a night and what leads from one to another stands i
 from __future__ import annotations
 
 import itertools
+from functools import partial
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
@@ -21,22 +22,21 @@ from talaia.gateway.night.night_values import NightAction, NightEvent
 from talaia.gateway.night.observing_run import ObservingRun
 from talaia.gateway.night.request_chooser import RequestChooser
 from talaia.gateway.night.roof.coming_to_rest import NOT_PARKED, ComingToRest
+from talaia.gateway.night.roof.opening_run import OpeningRun
 from talaia.gateway.night.roof.roof_steps import (
     abort_commands,
     leave_reason,
-    opening_steps,
 )
 from talaia.gateway.night.roof.unended_commands import GUARD_S, UnendedCommands
-from talaia.gateway.night.step_runner import StepRunner, StepsState
+from talaia.gateway.night.step_runner import StepsState
 from talaia.model.observing.states import SuspensionCause
 from talaia.wire.frames import NightPhase, NightState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from talaia.gateway.night.block_run import BlockParts
     from talaia.gateway.night.frames.stepwise_block import StepwiseBlock
     from talaia.gateway.night.night_values import NightView, StepAnswer
+    from talaia.gateway.night.simple_dispatch import AskedRequest
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
 
@@ -82,26 +82,33 @@ class NightExecutor:
         self._night, self._roof = night, enclosure
         self.arming = arming if arming is not None else NightArming()
         self.phase, self.why = _phase_at_rest(self.arming), ""
+        # When this phase began; unknown until the first step tells the time.
         self._since: float | None = None
-        counter = itertools.count(1)
-        self._next_id: Callable[[], str] = lambda: f"{id_prefix}-{next(counter)}"
+        self._next_id = map(f"{id_prefix}-{{}}".format, itertools.count(1)).__next__
         # Into which phase parking leads.
         self._after_parking = _phase_at_rest(self.arming)
         if self.arming.armed_by or self.arming.opened:
             # What an earlier run left open is closed before anything else.
             self.phase, self.why = _P.PARKING, "the gateway has just been started"
         self.why = self.arming.fault or self.why
-        self._steps: StepRunner | None = None
+        # Of opening, while it goes on.
+        self._steps: OpeningRun | None = None
+        # The way back to a parked telescope under a closed roof, from wherever it is.
         self._rest = ComingToRest(night, enclosure, self._next_id)
         self.chooser = RequestChooser(night, place)
         self._observing = ObservingRun(
             night=night, enclosure=enclosure, place=place, parts=parts, chooser=self.chooser
         )
+        # Darks and bias frames, while the roof is closed.
         self._indoors = ClosedTime(
             night, self.chooser, self._observing, begun=bool(self.arming.armed_by)
         )
+        # Since when the roof should be closed and is not certainly so (monotonic, s).
         self._closed_since: float | None = None
+        self._make_opening = partial(OpeningRun, night, enclosure, place, self._next_id)
+        # An opening or an unparking whose end nobody heard may still be under way.
         self._undoing = UnendedCommands({night.open.command, night.unpark.command})
+        # Of the present step; whoever steps takes them all.
         self._actions: list[NightAction] = []
         self._report = NightReport(night)
 
@@ -182,7 +189,7 @@ class NightExecutor:
 
     def _must_close(self, view: NightView) -> bool:
         """Leave an open roof where anything forbids it; tell whether that is so."""
-        leave = leave_reason(view, self._night.sun.closing, observing=self.phase is _P.OBSERVING)
+        leave = leave_reason(view, self._night.sun.closing, opening=self._steps)
         if leave is None:
             return False
         self._suspend(view, leave.cause, leave.why)
@@ -210,7 +217,7 @@ class NightExecutor:
         elif view.person:
             self._leave_calibrations(view, f"{view.person} is at work")
             self._move(view, _P.WAITING, f"{view.person} is at work")
-        elif not self._may_observe(view):
+        elif (first := self._next_request(view)) is None:
             self._calibrate(view, _P.WAITING, "nothing may be observed now")
         else:
             # Re-planned first: there is something to open for.
@@ -221,7 +228,7 @@ class NightExecutor:
             self._indoors.begun = True
             self.arming = replace(self.arming, opened=True)
             self._move(view, _P.OPENING, "")
-            self._steps = StepRunner(opening_steps(self._night), self._next_id)
+            self._steps = self._make_opening(target=first.request.target)
 
     def _pass_twilight(self, view: NightView, why: str) -> None:
         """Let the day pass; while it is not quite day, requests that need no sky are served."""
@@ -265,13 +272,13 @@ class NightExecutor:
         else:
             self._move(view, _P.CALIBRATING if self._indoors.is_busy else phase, why)
 
-    def _may_observe(self, view: NightView) -> bool:
-        """Tell whether there is something to open for: a target, or a sky for flats."""
+    def _next_request(self, view: NightView) -> AskedRequest | None:
+        """Give what there is to open for: a target, or a sky for flats."""
         if view.sun > self._night.sun.observing:
-            return self.chooser.flats_now(view) is not None
+            return self.chooser.flats_now(view)
         asked, actions = self.chooser.choose_request(view)
         self._actions += actions
-        return asked is not None
+        return asked
 
     # ── open ──
 
@@ -289,7 +296,7 @@ class NightExecutor:
         elif self._observing.idle_s(view) > IDLE_CLOSE_S:
             self._park(view, _P.WAITING, "nothing may be observed for a while")
 
-    def _go_on_opening(self, view: NightView, steps: StepRunner) -> None:
+    def _go_on_opening(self, view: NightView, steps: OpeningRun) -> None:
         if view.person:
             self._park(view, _P.WAITING, f"{view.person} is at work")
             return
@@ -299,6 +306,7 @@ class NightExecutor:
             # What is best now is asked at once: what it opened for was chosen a while ago.
             self.chooser.look_again()
             self._move(view, _P.OBSERVING, "")
+            self._go_on_open(view)
         elif steps.state is StepsState.REFUSED:
             # An interlock or somebody: no fault. It is tried again when it may be.
             self._park(view, _P.CLOSED, steps.why)

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from talaia.gateway.night.night_values import NightAction, StepAnswer
     from talaia.gateway.night.planning.planner_process import NightPlanner
     from talaia.gateway.night.planning.planner_question import PlannerAnswer
+    from talaia.gateway.night.request_intake import RequestSet
     from talaia.gateway.ports import EventSink
     from talaia.model.interlocks.enclosure import Place
     from talaia.model.night_section import NightSection
@@ -126,6 +127,7 @@ class NightService:
         self._site, self._night, self._place, self._clock = site, night, place, clock
         self._actuation, self._send, self._events = actuation, send, events
         self._on_disk, self._store = on_disk, NightStore(folder)
+        # What the hub handed over last; a night without a hub goes by these.
         self._requests = self._store.read_requests()
         # Each start has ids of its own: observations of one gateway are never told apart wrongly.
         self._book = self._store.read_book(f"{site.site}-{boot[:12]}")
@@ -148,9 +150,12 @@ class NightService:
         self._readings = NightReadings(
             site=site, place=place, interlocks=actuation.interlocks, clock=clock
         )
+        # Ends the wait for the next step.
         self._wake = asyncio.Event()
         self._tasks = RequestTasks(self._wake.set)
+        # The hub of this link understands nights; an older one is told nothing of them.
         self._takes_night = False
+        # What the hub was told last on this link: only what differs is sent.
         self._told: NightState | None = None
         self._plan: NightPlan | None = None
         # Ids of what was asked of it lately: each is done once.
@@ -237,16 +242,7 @@ class NightService:
         self._executor.chooser.replace_requests(
             groups, self._book.frames_done(groups), self._book.ended
         )
-        self.planner.take_setup(
-            PlannerSetup(
-                latitude=self._place.latitude,
-                longitude=self._place.longitude,
-                elevation=self._place.elevation,
-                instrument=self._night.times,
-                proposals=self._requests.proposals,
-                groups=groups,
-            )
-        )
+        self.planner.take_setup(_planner_setup(self._place, self._night, self._requests))
 
     def _hand_over_hours(self) -> None:
         charged = self._book.charged_seconds()
@@ -312,6 +308,7 @@ class NightService:
                 seeing=view.seeing,
                 clouds=view.clouds,
                 parked=view.parked is True,
+                focus=self._parts.focus_news(question.time),
             )
         )
 
@@ -387,3 +384,16 @@ class NightService:
         await self._parts.close()
         await self._commands.close()
         await self._tasks.close()
+
+
+def _planner_setup(place: Place, night: NightSection, requests: RequestSet) -> PlannerSetup:
+    """Tell the planner what is asked, and of which telescope."""
+    return PlannerSetup(
+        latitude=place.latitude,
+        longitude=place.longitude,
+        elevation=place.elevation,
+        instrument=night.times,
+        pauses=night.pauses,
+        proposals=requests.proposals,
+        groups=requests.groups,
+    )

@@ -314,7 +314,7 @@ class ChangeRequests:
 def _all_mistakes(text: str) -> ChangeRefused | None:
     """Give all that a text of the wrong shape has wrong; None where its shape is right."""
     try:
-        wrong, _ = list_shape_errors(plain_of_text(text))
+        wrong = list_shape_errors(plain_of_text(text)).errors
     except DescriptionError:
         # No YAML at all: that is all there is to say.
         return None

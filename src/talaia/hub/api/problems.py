@@ -11,7 +11,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from talaia.errors import TalaiaError
-from talaia.hub.errors import StoreDown
+from talaia.hub.errors import LibraryMissing, StoreDown
 
 if TYPE_CHECKING:
     from fastapi import FastAPI, Request, Response
@@ -61,6 +61,7 @@ def answer_problems(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _handle_http)
     app.add_exception_handler(RequestValidationError, _handle_invalid)
     app.add_exception_handler(StoreDown, _handle_store)
+    app.add_exception_handler(LibraryMissing, _handle_library)
     app.add_exception_handler(Exception, _handle_failure)
 
 
@@ -68,6 +69,10 @@ async def _handle_problem(_request: Request, error: Exception) -> Response:
     if not isinstance(error, ApiProblem):
         raise error
     return problem_response(error.status, error.code, error.message, error.retry_s)
+
+
+async def _handle_library(_request: Request, error: Exception) -> Response:
+    return problem_response(501, "not_installed", str(error))
 
 
 async def _handle_http(_request: Request, error: Exception) -> Response:

@@ -11,7 +11,7 @@ import sys
 
 import msgspec
 
-from talaia.model.observing.plan import Instrument  # noqa: TC001 - msgspec reads them
+from talaia.model.observing.plan import Instrument, PauseRules
 from talaia.model.observing.requests import Proposal, RequestGroup  # noqa: TC001 - as above
 from talaia.planner.sky import TelescopePlace
 from talaia.planner.week import WeekForecast, forecast_nights
@@ -27,6 +27,7 @@ class ForecastQuestion(msgspec.Struct, frozen=True, kw_only=True):
     elevation: float
     now: float
     instrument: Instrument
+    pauses: PauseRules = PauseRules()
     proposals: tuple[Proposal, ...]
     groups: tuple[RequestGroup, ...]
 
@@ -37,6 +38,7 @@ def make_forecast(asked: ForecastQuestion) -> WeekForecast:
         TelescopePlace(asked.latitude, asked.longitude, asked.elevation),
         asked.now,
         instrument=asked.instrument,
+        pauses=asked.pauses,
         proposals=asked.proposals,
         groups=asked.groups,
     )

@@ -26,6 +26,8 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from talaia.errors import TalaiaError
+from talaia.model.alarms.sign_remedies import sign_remedy
+from talaia.model.errors import UnknownWord
 
 __all__ = [
     "MAX_LENGTH",
@@ -60,9 +62,10 @@ class ValueKind(StrEnum):
 class ExpressionError(TalaiaError):
     """The text is no condition."""
 
-    def __init__(self, at: int, problem: str) -> None:
-        """Say where: the place of the letter it stumbled on, counted from 0."""
-        super().__init__(at, problem)
+    def __init__(self, at: int, problem: str, remedy: str = "") -> None:
+        """Say where: the place of the letter it stumbled on, counted from 0; and what to do."""
+        super().__init__(at, problem, remedy)
+        self.remedy = remedy
         self.at = at
         self.problem = problem
 
@@ -139,7 +142,8 @@ def parse_condition(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
         # Where it begins: blanks before it are no part of it.
         start = len(text) - len(text.lstrip())
         problem = f"expected a {ValueKind.TRUTH}, found a {found.tree.kind}"
-        raise ExpressionError(start, problem)
+        remedy = "compare it, as in {device/signal} > 1"
+        raise ExpressionError(start, problem, remedy)
     return found
 
 
@@ -152,6 +156,8 @@ def parse_expression(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
     """
     if len(text) > MAX_LENGTH:
         raise ExpressionError(MAX_LENGTH, f"longer than {MAX_LENGTH} letters")
+    if not text.strip():
+        raise ExpressionError(0, "there is no expression", "write one, as {device/signal} > 1")
     reader = _Reader(text, kinds)
     tree = reader.read_expression()
     # Each once, in the order of the text.
@@ -184,7 +190,7 @@ def _split_tokens(text: str) -> list[_Token]:
     while at < len(text):
         match = _TOKEN.match(text, at)
         if match is None or match.lastgroup is None:
-            raise ExpressionError(at, f"{text[at]!r} is not expected here")
+            raise ExpressionError(at, f"{text[at]!r} is not expected here", sign_remedy(text[at]))
         if match.lastgroup != "space":
             found.append(_Token(match.lastgroup, match[match.lastgroup], at))
         at = match.end()
@@ -212,9 +218,8 @@ class _Reader:
         tree = self._parse_or()
         # Something is left over: an operator is missing, or a parenthesis too many.
         if self._word.sort != "end":
-            raise ExpressionError(
-                self._word.at, f"{self._quote_token(self._word)} is not expected here"
-            )
+            problem = f"{self._quote_token(self._word)} is not expected here"
+            raise ExpressionError(self._word.at, problem, sign_remedy(self._word.text))
         return tree
 
     @property
@@ -230,9 +235,8 @@ class _Reader:
 
     def _expect_token(self, text: str) -> None:
         if self._take_token(text) is None:
-            raise ExpressionError(
-                self._word.at, f"expected {text!r}, found {self._quote_token(self._word)}"
-            )
+            problem = f"expected {text!r}, found {self._quote_token(self._word)}"
+            raise ExpressionError(self._word.at, problem, f"write the missing {text}")
 
     @staticmethod
     def _quote_token(word: _Token) -> str:
@@ -356,16 +360,24 @@ class _Reader:
             inner = self._parse_or()
             self._expect_token(")")
             return inner
-        what = {"word": "a signal stands in braces: {device/signal}", "end": "it ends too soon"}
-        raise ExpressionError(
-            word.at, what.get(word.sort, f"{self._quote_token(word)} is not expected here")
-        )
+        if word.sort == "end":
+            raise ExpressionError(word.at, "it ends too soon", "write what is missing at its end")
+        if word.sort != "word":
+            problem = f"{self._quote_token(word)} is not expected here"
+            raise ExpressionError(word.at, problem, sign_remedy(word.text))
+        # A name before a parenthesis is one of a function.
+        if self._word.text == "(":
+            problem = f"there is no function {word.text!r}"
+            raise ExpressionError(word.at, problem, f"use one of: {', '.join(sorted(_CALLS))}")
+        remedy = 'write {device/signal}, and a text or a state as "on"'
+        raise ExpressionError(word.at, f"{word.text!r} is no signal: those stand in braces", remedy)
 
     def _parse_signal(self, word: _Token) -> ExpressionNode:
         address = word.text.strip()
         kind = self._kinds.get(address)
         if kind is None:
-            raise ExpressionError(word.at, f"there is no signal {address!r}")
+            unknown = UnknownWord("", "signal", address, self._kinds)
+            raise ExpressionError(word.at, f"there is no signal {address!r}", unknown.remedy)
         self.signals.append(address)
         return ExpressionNode(
             kind,
@@ -412,7 +424,11 @@ def _arithmetic_node(sign: _Token, left: ExpressionNode, right: ExpressionNode) 
 
 def _want_kind(node: ExpressionNode, kind: ValueKind, word: _Token) -> None:
     if node.kind is not kind:
-        raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
+        remedy = {
+            ValueKind.TEXT: 'compare a state or a text with another: {device/mode} == "on"',
+            ValueKind.NUMBER: "compare numbers: {device/signal} > 1",
+        }.get(node.kind, "join conditions with and, or, not")
+        raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}", remedy)
 
 
 def _negate_value(values: tuple[Value, ...]) -> Value:

@@ -15,6 +15,7 @@ from talaia.model.checks.identifiers import (
     finding_of,
     id_fits,
     name_fits,
+    number_text,
 )
 from talaia.model.derivation.plan import channel_kinds
 from talaia.model.errors import UnknownWord
@@ -97,10 +98,10 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
         found = getattr(alarm, key)
         # Written so that NaN is found as well.
         if not 0 <= found <= _DAY:
-            yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
+            yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {number_text(found)}")
     if alarm.unknown_after is not None and not 0 <= alarm.unknown_after <= _DAY:
         at = f"{where}.unknown_after"
-        yield Finding(at, f"expected 0 to {_DAY:g} s, found {alarm.unknown_after}")
+        yield Finding(at, f"expected 0 to {_DAY:g} s, found {number_text(alarm.unknown_after)}")
     if alarm.max_age is not None:
         yield from check_above(f"{where}.max_age", alarm.max_age, 0)
     if len(alarm.advice) > _MOST_ADVICE:
@@ -143,18 +144,26 @@ def _told_again(where: str, alarm: Alarm) -> Iterator[Finding]:
     for key in ("repeat", "remind"):
         every = getattr(alarm, key)
         if every is not None and not _SHORTEST <= every <= _DAY:
-            yield Finding(f"{where}.{key}", f"expected {_SHORTEST:g} to {_DAY:g} s, found {every}")
+            problem = f"expected {_SHORTEST:g} to {_DAY:g} s, found " + number_text(every)
+            yield Finding(
+                f"{where}.{key}",
+                f"expected {_SHORTEST:g} to {_DAY:g} s, found " + number_text(every),
+            )
     before = 0.0
     for index, stage in enumerate(alarm.escalate):
         at = f"{where}.escalate[{index}]"
         yield from name_fits(f"{at}.who", stage.who)
         if not before <= stage.after <= _DAY:
-            problem = f"expected {before:g} to {_DAY:g} s, found {stage.after}"
+            problem = f"expected {before:g} to {_DAY:g} s, found {number_text(stage.after)}"
             yield Finding(f"{at}.after", problem, "list people in the order in which they are told")
             return
         before = stage.after
     if alarm.escalate and alarm.repeat is None:
-        yield Finding(f"{where}.repeat", "with escalate it is told again", "write repeat: 300")
+        yield Finding(
+            f"{where}.repeat",
+            "how often escalate tells again is not said",
+            "write: repeat: 300",
+        )
 
 
 def _check_foreign_keys(where: str, alarm: Alarm) -> Iterator[Finding]:
@@ -165,21 +174,26 @@ def _check_foreign_keys(where: str, alarm: Alarm) -> Iterator[Finding]:
         if getattr(alarm, key) != getattr(plain, key):
             written = _WRITTEN.get(key, key)
             yield Finding(
-                f"{where}.{written}", f"an alarm of kind {alarm.kind} has none", "leave it out"
+                f"{where}.{written}",
+                f"an alarm of kind {alarm.kind} has no {written}",
+                "leave it out",
             )
 
 
 def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     described = addresses.signals
     # What stands here for no kind fits them all: ``stale`` asks only how old a value is.
-    fitting = {
-        AlarmKind.LIMIT: {SignalType.NUMBER, SignalType.POSITION},
-        AlarmKind.ANOMALY: {SignalType.NUMBER, SignalType.POSITION},
-        AlarmKind.STATE: {SignalType.STATE, SignalType.TEXT},
-    }.get(alarm.kind, set(SignalType))
+    fitting = _fitting_types(alarm.kind)
     known = [address for address, signal in described.items() if signal.type in fitting]
     if alarm.kind is AlarmKind.ANOMALY:
         known += addresses.groups
+    other = described.get(alarm.signal)
+    # It is there, so no likeness of names would help.
+    if other is not None and alarm.signal not in known:
+        problem = f"{alarm.signal!r} is of type {other.type}, of which there is no {alarm.kind}"
+        kind = "state" if other.type in _fitting_types(AlarmKind.STATE) else "limit"
+        yield Finding(f"{where}.signal", problem, f"write kind: {kind}, or another signal")
+        return
     if alarm.signal not in known:
         yield finding_of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
         return
@@ -191,13 +205,21 @@ def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
         yield from at_least(f"{where}.score", alarm.score, 0)
 
 
+def _fitting_types(kind: AlarmKind) -> set[SignalType]:
+    return {
+        AlarmKind.LIMIT: {SignalType.NUMBER, SignalType.POSITION},
+        AlarmKind.ANOMALY: {SignalType.NUMBER, SignalType.POSITION},
+        AlarmKind.STATE: {SignalType.STATE, SignalType.TEXT},
+    }.get(kind, set(SignalType))
+
+
 def _check_limits(where: str, alarm: Alarm) -> Iterator[Finding]:
     if alarm.above is None and alarm.below is None:
-        yield Finding(where, "there is no limit", "write above or below")
+        yield Finding(where, "there is no limit", "write: above: or below:, and a number")
     for key in ("above", "below"):
         value = getattr(alarm, key)
         if value is not None and not math.isfinite(value):
-            yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+            yield Finding(f"{where}.{key}", f"expected a finite number, found {number_text(value)}")
     yield from at_least(f"{where}.hysteresis", alarm.hysteresis, 0)
     if alarm.above is not None and alarm.below is not None and alarm.below >= alarm.above:
         yield Finding(
@@ -209,7 +231,7 @@ def _check_limits(where: str, alarm: Alarm) -> Iterator[Finding]:
 
 def _check_states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]:
     if not alarm.is_one_of and not alarm.is_not:
-        yield Finding(where, "there is no state", "write is or is_not")
+        yield Finding(where, "there is no state", "write: is: or is_not:, and a list of states")
     if signal.type is not SignalType.STATE:
         return
     for key, words in (("is", alarm.is_one_of), ("is_not", alarm.is_not)):
@@ -227,14 +249,16 @@ def _check_detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator
     if not 1 <= alarm.count <= _MOST:
         yield Finding(f"{where}.count", f"expected 1 to {_MOST}, found {alarm.count}")
     if not 0 <= alarm.confidence <= 1:
-        yield Finding(f"{where}.confidence", f"expected 0 to 1, found {alarm.confidence}")
+        yield Finding(
+            f"{where}.confidence", f"expected 0 to 1, found {number_text(alarm.confidence)}"
+        )
 
 
 def _check_expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     try:
         found = parse_condition(alarm.expression, addresses.kinds)
     except ExpressionError as error:
-        yield Finding(f"{where}.expression", str(error))
+        yield Finding(f"{where}.expression", str(error), error.remedy)
         return
     if not found.signals:
         yield Finding(f"{where}.expression", "there is no signal in it", "write {device/signal}")

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Device, Site
 
-__all__ = ["connection_findings", "frames_findings", "link_of"]
+__all__ = ["NO_CONNECTION", "connection_findings", "frames_findings", "link_of"]
+
+NO_CONNECTION = "its signals need a connection, and the site has none"
 
 
 def connection_findings(site: Site) -> Iterator[Finding]:
@@ -52,15 +54,15 @@ def link_of(site: Site, where: str, device: Device) -> tuple[Connection | None, 
     if not links:
         if not needs:
             return None, []
-        problem = "its signals need a connection, and the site has none"
-        return None, [Finding(where, problem, "add: ros2: {}")]
+        remedy = "add ros2: {} above devices, or connections: with the protocol of your robot"
+        return None, [Finding(where, NO_CONNECTION, remedy)]
     if len(links) == 1:
         link = next(iter(links.values()))
         return link, _device_findings(where, device, link)
     if not needs and device.drive is None:
         return None, []
     problem = "the site has several connections, and which one is meant is not said"
-    remedy = f"write one of: {', '.join(sorted(links))}"
+    remedy = f"write connection: and one of: {', '.join(sorted(links))}"
     return None, [Finding(f"{where}.connection", problem, remedy)]
 
 

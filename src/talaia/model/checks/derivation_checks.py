@@ -48,9 +48,7 @@ def derivation_findings(site: Site) -> Iterator[Finding]:
         try:
             found = parse_expression(signal.source.expression, kinds)
         except ExpressionError as error:
-            # Most often braces are missing, or a signal has another name.
-            remedy = "write: expression: '{device/signal} - {device/other}'"
-            yield Finding(f"{where}.source.expression", str(error), remedy)
+            yield Finding(f"{where}.source.expression", str(error), error.remedy)
             continue
         expressions[address] = found
         yield from _check_result(where, signal, found, units)

@@ -22,6 +22,7 @@ __all__ = [
     "id_fits",
     "is_unseen",
     "name_fits",
+    "number_text",
     "range_fits",
     "topic_fits",
     "type_fits",
@@ -35,6 +36,7 @@ FIELD = re.compile(
     r"([A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)(\.[A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)*\Z"
 )
 _MAX_NAME = 100
+_MIDDLES = {"msg": "message", "srv": "service", "action": "action"}
 
 
 class Finding(NamedTuple):
@@ -56,20 +58,34 @@ def finding_of(error: DescriptionError) -> Finding:
 def id_fits(where: str, word: str) -> Iterator[Finding]:
     """An address is made of such words, so they are narrow."""
     if not _WORD.match(word):
-        yield Finding(
-            where,
-            f"{word!r} cannot be a name in an address",
-            "use a small letter, then small letters, digits and _ (at most 63)",
-        )
+        remedy = "use a small letter, then small letters, digits and _ (at most 63)"
+        if near := _near_word(word):
+            remedy += f": {near}"
+        yield Finding(where, f"{word!r} cannot be a name in an address", remedy)
+
+
+def _near_word(word: str) -> str:
+    """Give a name that can stand in an address and is like ``word``; empty for none."""
+    # Letters without their accents; what has no Latin letters is left to who wrote it.
+    plain = unicodedata.normalize("NFKD", word).encode("ascii", "ignore").decode().lower()
+    near = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
+    if near[:1].isdigit():
+        near = f"n{near}"
+    return near if _WORD.match(near) else ""
 
 
 def name_fits(where: str, name: str) -> Iterator[Finding]:
     """What people read: anything that can be seen."""
+    expected = f"expected a name of 1 to {_MAX_NAME} characters"
     # What cannot be seen could make two names look like one.
-    if not name.strip() or len(name) > _MAX_NAME or any(map(is_unseen, name)):
-        yield Finding(
-            where, f"expected a name of 1 to {_MAX_NAME} characters", "that can all be seen"
-        )
+    unseen = next((letter for letter in name if is_unseen(letter)), "")
+    if not name.strip():
+        yield Finding(where, f"{expected}, found none", "write what people call it")
+    elif len(name) > _MAX_NAME:
+        yield Finding(where, f"{expected}, found {len(name)}", "shorten it")
+    elif unseen:
+        problem = f"{expected} that can all be seen, found U+{ord(unseen):04X}"
+        yield Finding(where, problem, "type it anew")
 
 
 def is_unseen(letter: str) -> bool:
@@ -80,41 +96,70 @@ def is_unseen(letter: str) -> bool:
 
 def topic_fits(where: str, topic: str) -> Iterator[Finding]:
     """An absolute ROS name."""
-    if not _TOPIC.match(topic):
-        yield Finding(where, f"{topic!r} is not an absolute ROS name", "write it as /like/this")
+    if not topic:
+        yield Finding(where, "which topic is meant?", "write it with its slash: topic: /like/this")
+    elif not _TOPIC.match(topic):
+        # The slash in front is what is missing nearly always.
+        near = "/" + re.sub(r"[^A-Za-z0-9_/]+", "_", topic.strip().strip("/"))
+        written = near if _TOPIC.match(near) else "/like/this"
+        yield Finding(where, f"{topic!r} is not an absolute ROS name", f"write it as {written}")
 
 
 def type_fits(where: str, name: str, middle: str) -> Iterator[Finding]:
     """``package/msg/Name`` or ``package/srv/Name``."""
     match = _TYPE.match(name)
-    if not match or match[1] != middle:
-        yield Finding(
-            where, f"{name!r} is not a ROS type", f"write it as package_name/{middle}/TypeName"
-        )
+    example = f"package_name/{middle}/TypeName"
+    if not name:
+        yield Finding(where, "which ROS type has it?", f"write: type: {example}")
+    elif match and match[1] != middle:
+        problem = f"expected the type of a {_MIDDLES[middle]}, found that of a {_MIDDLES[match[1]]}"
+        yield Finding(where, f"{problem}, {name!r}", f"write it as {example}")
+    elif not match:
+        # As ROS 1, Python or C++ writes it: std_msgs/Bool, std_msgs.msg.Bool, std_msgs::msg::Bool.
+        parts = re.split(r"[./:]+", name)
+        near = f"{parts[0]}/{middle}/{parts[-1]}"
+        written = near if len(parts) in (2, 3) and _TYPE.match(near) else example
+        yield Finding(where, f"{name!r} is not a ROS type", f"write it as {written}")
 
 
 def field_fits(where: str, field: str) -> Iterator[Finding]:
     """A path into a message."""
     if not FIELD.match(field):
-        yield Finding(where, f"{field!r} is not the path of a field", "write it as pose.x or a[0]")
+        # As a path of files is written.
+        near = field.strip("/ .").replace("/", ".").replace(" ", "")
+        written = near if FIELD.match(near) else "pose.x or a[0]"
+        yield Finding(where, f"{field!r} is not the path of a field", f"write it as {written}")
+
+
+def number_text(value: float) -> str:
+    """Write a number as people do: 1 for 1.0, and what is none in words."""
+    if math.isnan(value):
+        return "what is no number (.nan)"
+    if math.isinf(value):
+        return "infinity (.inf)"
+    return f"{value:.15g}"
 
 
 def range_fits(where: str, low: float | None, high: float | None) -> Iterator[Finding]:
     """Finite, and the right way round."""
     for key, value in (("minimum", low), ("maximum", high)):
         if value is not None and not math.isfinite(value):
-            yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+            yield Finding(f"{where}.{key}", f"expected a finite number, found {number_text(value)}")
     if low is not None and high is not None and low >= high:
-        yield Finding(f"{where}.minimum", f"the minimum {low} is not below the maximum {high}")
+        yield Finding(
+            f"{where}.minimum",
+            f"the minimum {low:g} is not below the maximum {high:g}",
+            "swap them, or mend one",
+        )
 
 
 def check_above(where: str, value: float, low: float) -> Iterator[Finding]:
     """A finite number greater than ``low``."""
     if not (math.isfinite(value) and value > low):
-        yield Finding(where, f"expected a number above {low}, found {value}")
+        yield Finding(where, f"expected a number above {low:g}, found {number_text(value)}")
 
 
 def at_least(where: str, value: float, low: float) -> Iterator[Finding]:
     """A finite number, ``low`` or more."""
     if not (math.isfinite(value) and value >= low):
-        yield Finding(where, f"expected {low} or more, found {value}")
+        yield Finding(where, f"expected {low:g} or more, found {number_text(value)}")

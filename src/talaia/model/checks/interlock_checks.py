@@ -13,6 +13,7 @@ from talaia.model.checks.identifiers import (
     finding_of,
     id_fits,
     name_fits,
+    number_text,
 )
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
@@ -49,14 +50,18 @@ def interlock_findings(site: Site) -> Iterator[Finding]:
 def _check_interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", interlock.name)
     if not interlock.when:
-        yield Finding(f"{where}.when", "there is no condition", "write at least one")
+        yield Finding(
+            f"{where}.when",
+            "there is no condition",
+            "write at least one: - {signal: device/name, above: 1}",
+        )
     if not interlock.refuse and not interlock.run and not interlock.slow:
         yield Finding(where, "it neither refuses nor does anything", "add refuse, slow or run")
     for key in ("dwell", "longest_override"):
         found = getattr(interlock, key)
         # Written so that NaN is found as well.
         if not 0 <= found <= _DAY:
-            yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
+            yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {number_text(found)}")
     for index, condition in enumerate(interlock.when):
         yield from _check_condition(site, f"{where}.when[{index}]", condition)
     known = [*_refusable_commands(site)]
@@ -69,8 +74,12 @@ def _check_interlock(site: Site, where: str, interlock: Interlock) -> Iterator[F
         if target not in driven:
             yield finding_of(UnknownWord(f"{where}.slow.{target}", "driven device", target, driven))
         elif not 0 < share < 1:
-            problem = f"expected a share above 0 and below 1, found {share}"
-            yield Finding(f"{where}.slow.{target}", problem, "refuse it to let nobody drive")
+            problem = f"expected a share above 0 and below 1, found {number_text(share)}"
+            yield Finding(
+                f"{where}.slow.{target}",
+                problem,
+                "write 0.5 for half its limits, or refuse it to let nobody drive",
+            )
     for index, step in enumerate(interlock.run):
         yield from step_findings(site, f"{where}.run[{index}]", step)
 
@@ -106,7 +115,9 @@ def _check_condition(site: Site, where: str, condition: Condition) -> Iterator[F
         yield Finding(f"{where}.max_age", problem, "say here how old it may be (s)")
     yield from at_least(f"{where}.lasting", condition.lasting, 0)
     if condition.dwell is not None and not 0 <= condition.dwell <= _DAY:
-        yield Finding(f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {condition.dwell}")
+        yield Finding(
+            f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {number_text(condition.dwell)}"
+        )
     if signal.type is SignalType.STATE:
         yield from _check_states(where, condition, signal)
     else:
@@ -182,7 +193,7 @@ def _check_limits(where: str, condition: Condition) -> Iterator[Finding]:
     for key in ("above", "below", "until_below", "until_above"):
         value = getattr(condition, key)
         if value is not None and not math.isfinite(value):
-            yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+            yield Finding(f"{where}.{key}", f"expected a finite number, found {number_text(value)}")
     # One rule for both: the limit above lets go below itself, the limit below above itself.
     for key, limit, until, sign in (
         ("until_below", condition.above, condition.until_below, 1),
@@ -192,7 +203,11 @@ def _check_limits(where: str, condition: Condition) -> Iterator[Finding]:
             continue
         if limit is None:
             missing = "above" if sign > 0 else "below"
-            yield Finding(f"{where}.{key}", f"there is no {missing} that it could let go of")
+            yield Finding(
+                f"{where}.{key}",
+                f"there is no {missing} that it could let go of",
+                f"write {missing}, too, or leave it out",
+            )
         elif (limit - until) * sign < 0:
             yield Finding(
                 f"{where}.{key}",
@@ -217,7 +232,9 @@ def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
         return
     fields = fields_of(command, step.args)
     if isinstance(fields, str):
-        yield Finding(f"{where}.args", fields)
+        # All of them, for the next one may be missing, too.
+        needs = ", ".join(f"{name}: …" for name in command.arguments) or "none"
+        yield Finding(f"{where}.args", fields, f"its arguments are: {needs}")
     if step.within is not None:
         yield from check_above(f"{where}.within", step.within, 0)
 

@@ -6,12 +6,14 @@ Long, because what must fit together is listed in one place.
 from __future__ import annotations
 
 import math
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from talaia.model.boards.board_checks import boards_findings
 from talaia.model.checks.alarm_checks import alarms_findings
 from talaia.model.checks.anomaly_checks import anomaly_findings, group_findings
 from talaia.model.checks.connection_checks import (
+    NO_CONNECTION,
     connection_findings,
     frames_findings,
     link_of,
@@ -36,6 +38,7 @@ from talaia.model.checks.identifiers import (
     finding_of,
     id_fits,
     name_fits,
+    number_text,
     range_fits,
     topic_fits,
 )
@@ -59,10 +62,11 @@ from talaia.model.maps.map_checks import map_findings, tag_findings
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
 from talaia.model.units.time_zones import known_zones
+from talaia.model.yaml_text.value_remedies import remedy_of_value, words_of_value
 from talaia.model.yaml_text.version import FORMAT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.recording import Recording
@@ -83,7 +87,10 @@ def check_site(site: Site, rules: ExtensionRules = NO_RULES) -> list[Finding]:
 
     """
     # Counts are put in first: alarms and interlocks may name them.
-    return [*_check_whole_site(site, with_counts(site)), *extension_findings(site, rules)]
+    found = [*_check_whole_site(site, with_counts(site)), *extension_findings(site, rules)]
+    # What the whole site lacks is told once, not at each of its devices.
+    first = next((one for one in found if one.problem == NO_CONNECTION), None)
+    return [one for one in found if one.problem != NO_CONNECTION or one is first]
 
 
 def raise_first(site: Site, rules: ExtensionRules = NO_RULES) -> Site:
@@ -109,7 +116,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from id_fits("$.site", site.site)
     yield from name_fits("$.name", site.name)
     if site.zone not in known_zones():
-        yield finding_of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
+        yield _unknown_zone(site.zone)
     yield from shown_units_findings("$.shown_units", site.shown_units)
     yield from connection_findings(site)
     # A connection that discovers makes its devices itself.
@@ -174,11 +181,15 @@ def _check_recording(site: Site, recording: Recording) -> Iterator[Finding]:
         )
 
 
-def _near_zones(zone: str) -> Iterable[str]:
-    """Zones of the same region, so that the message does not list six hundred."""
-    region = zone.split("/", 1)[0].lower()
-    near = [zone for zone in known_zones() if zone.lower().startswith(region)]
-    return near or ["UTC", "Europe/Madrid", "America/New_York"]
+def _unknown_zone(zone: str) -> Finding:
+    """Offer the zone that was misspelt, or say how zones are called: six hundred are no help."""
+    # Nearer than for other words: Barcelona is not in Europe/Berlin.
+    # Nor is CEST near to EST.
+    near = get_close_matches(zone, known_zones(), n=1, cutoff=0.85) if "/" in zone else []
+    remedy = "write the region and a large city of the zone, as Europe/Madrid or America/New_York"
+    if near:
+        remedy = f"did you mean {near[0]!r}?"
+    return Finding("$.zone", f"unknown time zone {zone!r}", remedy)
 
 
 def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
@@ -227,7 +238,7 @@ def _check_signal(where: str, signal: Signal) -> Iterator[Finding]:
     for key in ("max_rate", "deadband", "keep", "max_age"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
     if not math.isfinite(signal.scale) or signal.scale == 0:
-        yield Finding(f"{where}.scale", f"expected a number other than 0, found {signal.scale}")
+        yield Finding(f"{where}.scale", "expected a number other than 0", "leave it out for 1")
     # -1 takes the unit's own.
     if not -1 <= signal.decimals <= 9:
         yield Finding(f"{where}.decimals", f"expected 0 to 9, found {signal.decimals}")
@@ -300,13 +311,19 @@ def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
     if isinstance(argument.default, bool) and argument.type is not ArgumentType.BOOLEAN:
         fits = False
     if not fits:
-        yield Finding(f"{where}.default", f"expected {argument.type}, found {argument.default!r}")
+        value = argument.default
+        # In the words of the other checks of values.
+        word = {str: "str", bool: "bool", int: "int"}.get(type(value), "float")
+        kind = {"number": "float", "integer": "int", "boolean": "bool"}.get(argument.type, "str")
+        problem = f"expected {words_of_value(None, kind)}, found {words_of_value(value, word)}"
+        yield Finding(f"{where}.default", problem, remedy_of_value([kind], value, None))
 
 
 def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     yield from topic_fits(f"{where}.topic", drive.topic)
     for key in ("max_speed", "max_turn", "max_acceleration", "max_turn_acceleration"):
-        yield from check_above(f"{where}.{key}", getattr(drive, key), 0)
+        for finding in check_above(f"{where}.{key}", getattr(drive, key), 0):
+            yield finding._replace(remedy="limits have no sign; backward has its own, max_reverse")
     if drive.max_reverse is not None:
         yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
     # The limits of the safety rules: a description may be stricter, and looser only within these.
@@ -320,7 +337,7 @@ def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         if not low <= found <= high:
             yield Finding(
                 f"{where}.{key}",
-                f"expected {low} to {high} {unit}, found {found}",
+                f"expected {low} to {high} {unit}, found {number_text(found)}",
                 "the safety rules allow no more",
             )
     if drive.stop.topic:
@@ -339,7 +356,11 @@ def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     yield from check_above(f"{where}.stop.below", drive.stop.below, 0)
     for index, address in enumerate(drive.stop.confirmed_by):
         at = f"{where}.stop.confirmed_by[{index}]"
-        if numbers.get(address) is not SignalType.NUMBER:
+        # There, but no number: another name would lead astray.
+        if address in numbers and numbers[address] is not SignalType.NUMBER:
+            problem = f"{address!r} is of type {numbers[address]}, and a number belongs here"
+            yield Finding(at, problem, "name a number that is 0 while it stands, as its speed")
+        elif address not in numbers:
             known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
             yield finding_of(UnknownWord(at, "number signal", address, known))
     if drive.picture and drive.picture not in streams:

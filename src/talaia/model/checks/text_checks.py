@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.model.checks.connection_checks import NO_CONNECTION
 from talaia.model.checks.extension_rules import NO_RULES
 from talaia.model.checks.identifiers import finding_of
 from talaia.model.checks.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.unit_checks import unit_notes
 from talaia.model.errors import DescriptionError
-from talaia.model.yaml_text.load import plain_of_text
+from talaia.model.yaml_text.load import mapping_of_text
 from talaia.model.yaml_text.shape_errors import list_shape_errors
 from talaia.model.yaml_text.source_lines import SourcePositions
+from talaia.model.yaml_text.version import FORMAT, require_current
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding
@@ -72,10 +75,21 @@ def check_text(
         known: what knows types of ROS; none: they are not looked for.
 
     """
+    errors: list[DescriptionError] = []
     try:
-        errors, site = list_shape_errors(plain_of_text(text))
+        document = mapping_of_text(text)
+        try:
+            require_current(document.get("talaia"))
+        except DescriptionError as error:
+            # Of another format nothing can be said; one that is not named is most likely this one.
+            if type(document.get("talaia")) is int:
+                raise
+            errors.append(error)
+            document["talaia"] = FORMAT
     except DescriptionError as error:
         return TextReport(place_findings([finding_of(error)], text), None, [])
+    of_shape, site, renamed, follows = list_shape_errors(document)
+    errors += of_shape
     notes: list[Finding] = []
     findings = [finding_of(error) for error in errors]
     if site is not None:
@@ -91,10 +105,31 @@ def check_text(
             of_types = ros_type_findings(site, known)
             found += of_types.mistakes
             notes += of_types.notes
-        findings += [finding for finding in found if not _follows(finding, wrong)]
+        findings += [finding for finding in found if not _follows(finding, wrong, follows)]
+    findings = [_as_written(finding, renamed) for finding in _without_offers(findings)]
     return TextReport(
         place_findings(findings, text), None if findings else site, place_findings(notes, text)
     )
+
+
+def _without_offers(findings: list[Finding]) -> Iterator[Finding]:
+    """Leave out what offers a device whose own name is told as wrong."""
+    wrong = [
+        f"did you mean '{finding.where.rpartition('.')[2]}/"
+        for finding in findings
+        if finding.where.count(".") == 2 and finding.where.startswith("$.devices.")
+    ]
+    return (one for one in findings if not one.remedy.startswith(tuple(wrong)))
+
+
+def _as_written(finding: Finding, renamed: dict[str, str]) -> Finding:
+    """Give a finding with its path as it stands in the text, where keys were misspelt."""
+    where = finding.where
+    # The last first: the ones before it may be a part of its path.
+    for meant, written in reversed(renamed.items()):
+        if where == meant or where.startswith((f"{meant}.", f"{meant}[")):
+            where = written + where[len(meant) :]
+    return finding._replace(where=where)
 
 
 def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:
@@ -107,11 +142,33 @@ def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:
     return sorted(placed, key=lambda mistake: (mistake.line, mistake.column))
 
 
-def _follows(finding: Finding, wrong: list[str]) -> bool:
+# What a device, or a part of one, is called by others.
+_ADDRESSED = re.compile(
+    r"\$\.devices(?:\.(?P<device>[^.]+)(?:\.(?:signals|streams|commands)(?:\.(?P<part>[^.]+))?)?)?\Z"
+)
+
+
+def _follows(finding: Finding, wrong: list[str], follows: list[str]) -> bool:
     """Tell whether a finding is only of what was taken out, or put there, for an earlier one."""
+    # Beside a kind that was put there for one that nobody knows.
+    if finding.where.startswith(tuple(follows)):
+        return True
     return any(
         finding.where.startswith(where)
         # It asks for something that is there, but is wrong.
         or repr(where.rpartition(".")[2]) in finding.problem
+        or (where.startswith(("$.connections", "$.ros2")) and NO_CONNECTION in finding.problem)
+        or _is_about(finding.problem, where)
         for where in wrong
+    )
+
+
+def _is_about(problem: str, where: str) -> bool:
+    """Tell whether a problem names what stood at ``where``, or a part of it, by its address."""
+    # Of ``$.devices`` alone every address is a part.
+    found = _ADDRESSED.match(where)
+    if found is None:
+        return False
+    return (
+        f"'{found['device'] or ''}{'/' if found['device'] else ''}{found['part'] or ''}" in problem
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape, SourceShape
@@ -23,6 +24,8 @@ __all__ = ["IndiConnection", "IndiRules", "IndiSource", "indi_word_fits"]
 _MAX_WORD = 64
 # The attribute that INDI gives each update of a property.
 _STAMP = "timestamp"
+# A name, an IPv4 or an IPv6 address, which may name its network card.
+_HOST = re.compile(r"[A-Za-z0-9_.-]+\Z|[0-9A-Fa-f:]+(%[A-Za-z0-9_.-]+)?\Z")
 
 
 class IndiConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="indi"):
@@ -90,6 +93,11 @@ class IndiRules(KindRules[IndiConnection, IndiSource]):
         connection = self.connection
         if not connection.host or not connection.host.isprintable():
             yield Finding(f"{where}.host", "there is no host", "write: host: 127.0.0.1")
+        # As it is copied from a browser.
+        elif not _HOST.match(connection.host):
+            problem = f"{connection.host[:80]!r} is not the name or the number of a computer"
+            remedy = "leave out http://, the port and all behind it: host: 192.168.1.20"
+            yield Finding(f"{where}.host", problem, remedy)
         if not 1 <= connection.port <= 65_535:
             yield Finding(f"{where}.port", f"expected 1 to 65535, found {connection.port}")
 

@@ -8,7 +8,16 @@ import msgspec
 
 from talaia.model.base import Shape
 
-__all__ = ["Instrument", "Plan", "PlannedBlock", "VetoCause", "WhyNot"]
+__all__ = [
+    "Instrument",
+    "PauseKind",
+    "PauseRules",
+    "Plan",
+    "PlannedBlock",
+    "PlannedPause",
+    "VetoCause",
+    "WhyNot",
+]
 
 
 class Instrument(Shape, frozen=True, kw_only=True):
@@ -42,6 +51,49 @@ class Instrument(Shape, frozen=True, kw_only=True):
     horizon_mask: tuple[tuple[float, float], ...] = ()
     dome_rate: float = 0.0
     rotator_rate: float = 0.0
+
+
+class PauseRules(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What a night does between exposures beside getting to the next field.
+
+    Attributes:
+        flip: a turn over at the meridian takes so long, field and guide star found again with it
+            (s); 0: the mount needs none.
+        flip_after: so long past the meridian it still tracks (s).
+        focus: a focus run takes so long (s); 0: nobody focuses. One comes before the first frame
+            through another filter.
+        focus_every: and again after so long (s).
+
+    """
+
+    flip: float = 0.0
+    flip_after: float = 0.0
+    focus: float = 0.0
+    focus_every: float = 7200.0
+
+
+class PauseKind(StrEnum):
+    """What the telescope does while it takes no frame of a request."""
+
+    FLIP = "flip"
+    FOCUS = "focus"
+
+
+class PlannedPause(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A pause that a plan counts with (times: s since the epoch, UTC).
+
+    Attributes:
+        kind: see `PauseKind`.
+        start: from when.
+        end: until when.
+        reason: why, in words.
+
+    """
+
+    kind: PauseKind
+    start: float
+    end: float
+    reason: str = ""
 
 
 class VetoCause(StrEnum):
@@ -98,6 +150,7 @@ class PlannedBlock(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True
         end: of the last readout.
         overhead: before it (s).
         reason: why it stands here, in words.
+        pauses: in it, and a focus run before it, in order; their time is counted.
 
     """
 
@@ -106,6 +159,7 @@ class PlannedBlock(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True
     end: float
     overhead: float = 0.0
     reason: str = ""
+    pauses: tuple[PlannedPause, ...] = ()
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, TypeVar, cast
 import yaml
 
 from talaia.model.errors import NotReadable
+from talaia.model.yaml_text.yaml_mistakes import explain_yaml_error
 
 if TYPE_CHECKING:
     from datetime import date
@@ -34,6 +35,8 @@ MAX_VALUES = 4_000_000
 LEAST_INT, GREATEST_INT = -(2**63), 2**64 - 1
 # More than any way to write 64 bits (in twos: 64 digits, underscores between them, and a prefix).
 MAX_DIGITS = 200
+_NO_TAG = "leave it out; a text that begins with ! stands in quotes"
+_IN_QUOTES = "put it in quotes if it is a text"
 _TOO_LARGE = "the whole number is larger than 64 bits hold"
 _Loader = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
 _TAG = "tag:yaml.org,2002:"
@@ -89,10 +92,23 @@ def read_document(text: str) -> object:
     """
     try:
         return document_of(text)
+    except _Refused as error:
+        # Marks count from 0.
+        where = f"line {error.problem_mark.line + 1}, column {error.problem_mark.column + 1}"
+        problem = error.problem or ""
+        if "written twice" in problem:
+            problem += _first_of(text, error.problem_mark)
+        raise NotReadable(where, problem, error.note or "") from error
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else "$"
-        raise NotReadable(where, error.problem or "is not YAML") from error
+        told = explain_yaml_error(error, text)
+        where = f"line {told.line}, column {told.column}"
+        raise NotReadable(where, told.problem, told.remedy) from error
+    except yaml.reader.ReaderError as error:
+        # libyaml counts bytes.
+        before = text.encode(errors="replace")[: error.position].decode(errors="ignore")
+        where = f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
+        problem = f"a character that no text has (U+{_code_of(error.character):04X})"
+        raise NotReadable(where, problem, "delete it; it may not be seen") from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise NotReadable("$", f"is not YAML: {error}") from error
 
@@ -102,6 +118,23 @@ def dump_document(plain: object) -> str:
     # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
     text: str = yaml.dump(plain, Dumper=_Dumper, sort_keys=False, width=1_000_000)
     return text
+
+
+def _code_of(letter: str | bytes | int) -> int:
+    # libyaml gives a number, PyYAML in Python a letter.
+    return letter if isinstance(letter, int) else ord(letter)
+
+
+def _first_of(text: str, mark: yaml.Mark) -> str:
+    """Say in which line a key that is written twice stands first; nothing if it cannot be told."""
+    # By the same column, which a key of the same mapping in lines of its own has.
+    lines = text.split("\n")
+    said = lines[mark.line][mark.column :].partition(":")[0]
+    for at in range(mark.line - 1, -1, -1):
+        line = lines[at]
+        if line[mark.column :].partition(":")[0] == said and not line[: mark.column].strip("- "):
+            return f", first in line {at + 1}"
+    return ""
 
 
 class _Document:
@@ -126,7 +159,11 @@ class _Document:
         self._next()  # the document's end
         event = self._next()
         if not isinstance(event, yaml.StreamEndEvent):
-            raise _yaml_error("expected one document, found another after ---", event)
+            raise _yaml_error(
+                "a second description begins here, after ---",
+                event,
+                "give each description a file of its own",
+            )
         return value
 
     def _read_value(self, event: object, depth: int) -> Value:
@@ -155,32 +192,43 @@ class _Document:
         assert isinstance(event, yaml.AliasEvent)  # noqa: S101 - no other event begins a value
         known = self._anchors.get(event.anchor or "")
         if known is None:
-            raise _yaml_error(f"there is no &{event.anchor} before this", event)
+            raise _yaml_error(
+                f"there is no &{event.anchor} before this",
+                event,
+                f"write &{event.anchor} before what is meant, above; a text that begins with * "
+                "stands in quotes",
+            )
         self._size += known.size
         # A few lines of aliases to aliases can mean more values than any memory holds.
         if self._size > MAX_VALUES:
-            raise _yaml_error("the aliases make it too large", event)
+            raise _yaml_error("the aliases make it too large", event, "write out what is meant")
         return known.value
 
     def _read_mapping(self, event: yaml.MappingStartEvent, depth: int) -> Value:
         if event.tag not in _MAPPING:
-            raise _yaml_error(f"the tag {event.tag} has no meaning here", event)
+            raise _yaml_error(f"the tag {event.tag} has no meaning here", event, _NO_TAG)
         made: dict[Key, Value] = {}
         while not isinstance(at := self._next(), yaml.MappingEndEvent):
             # In quotes it is a key as any other.
             if isinstance(at, yaml.ScalarEvent) and at.value == "<<" and at.implicit[0]:
-                raise _yaml_error("merge keys (<<) are not read: write out what is merged", at)
+                raise _yaml_error("merge keys (<<) are not read", at, "write out what is merged")
             key = self._read_value(at, depth + 1)
             if not isinstance(key, str | int | float | bool):
-                raise _yaml_error("a key must be a plain word", at)
+                raise _yaml_error(
+                    "a list or a mapping stands where a name belongs", at, "write a word, then :"
+                )
             if key in made:
-                raise _yaml_error(f"the key {key!r} is written twice", at)
+                raise _yaml_error(
+                    f"the key {key!r} is written twice",
+                    at,
+                    "leave one of them out, or give it another name",
+                )
             made[key] = self._read_value(self._next(), depth + 1)
         return made
 
     def _read_sequence(self, event: yaml.SequenceStartEvent, depth: int) -> Value:
         if event.tag not in _SEQUENCE:
-            raise _yaml_error(f"the tag {event.tag} has no meaning here", event)
+            raise _yaml_error(f"the tag {event.tag} has no meaning here", event, _NO_TAG)
         made: list[Value] = []
         while not isinstance(at := self._next(), yaml.SequenceEndEvent):
             made.append(self._read_value(at, depth + 1))
@@ -206,18 +254,18 @@ class _Document:
 
     def _value_of_tag(self, tag: str, event: yaml.ScalarEvent) -> Value:
         if tag not in _PLAIN:
-            raise _yaml_error(f"the tag {tag} has no meaning here", event)
+            raise _yaml_error(f"the tag {tag} has no meaning here", event, _NO_TAG)
         if tag == _INT and len(event.value) > MAX_DIGITS:
             # Before it is worked out: PyYAML reads numbers to the base of 60, each digit slower.
-            raise _yaml_error(_TOO_LARGE, event)
+            raise _yaml_error(_TOO_LARGE, event, _IN_QUOTES)
         node = yaml.ScalarNode(tag, event.value)
         try:
             value = self._parser.construct_object(node)
         except (ValueError, LookupError, AttributeError, OverflowError) as error:
             # PyYAML trusts that whoever writes a tag also writes what it means.
-            raise _yaml_error(f"{event.value[:80]!r} is not of {tag}", event) from error
+            raise _yaml_error(f"{event.value[:80]!r} is not of {tag}", event, _IN_QUOTES) from error
         if isinstance(value, int) and not LEAST_INT <= value <= GREATEST_INT:
-            raise _yaml_error(_TOO_LARGE, event)
+            raise _yaml_error(_TOO_LARGE, event, _IN_QUOTES)
         return value
 
 
@@ -236,6 +284,12 @@ class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[mi
     """With the words of our own reader."""
 
 
-def _yaml_error(problem: str, event: object) -> yaml.MarkedYAMLError:
-    mark = cast("yaml.Mark | None", getattr(event, "start_mark", None))
-    return yaml.constructor.ConstructorError(None, None, problem, mark)
+class _Refused(yaml.constructor.ConstructorError):
+    """YAML that no description holds; ``note`` says what to do."""
+
+    problem_mark: yaml.Mark
+
+
+def _yaml_error(problem: str, event: object, remedy: str = "") -> yaml.MarkedYAMLError:
+    mark = cast("yaml.Mark", getattr(event, "start_mark", None))
+    return _Refused(None, None, problem, mark, remedy)

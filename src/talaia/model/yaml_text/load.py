@@ -14,7 +14,7 @@ from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Site
 from talaia.model.yaml_text.document import dump_document, read_document
-from talaia.model.yaml_text.shape_errors import shape_error
+from talaia.model.yaml_text.shape_sentences import shape_error
 from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
 
@@ -25,6 +25,7 @@ __all__ = [
     "beside_of",
     "dump_site",
     "load_site",
+    "mapping_of_text",
     "plain_of_text",
     "read_site",
     "site_in",
@@ -33,6 +34,7 @@ __all__ = [
     "with_files",
 ]
 
+_BEGIN = "begin with: talaia: 1; a first description comes from: talaia init"
 MAX_BYTES = 4 * 1024 * 1024
 
 
@@ -159,15 +161,29 @@ def plain_of_text(text: str) -> dict[str, object]:
         DescriptionError: it is not YAML, no mapping, or of another format.
 
     """
+    document = mapping_of_text(text)
+    require_current(document.get("talaia"))
+    return document
+
+
+def mapping_of_text(text: str) -> dict[str, object]:
+    """Read the plain values of a description, whatever its format.
+
+    Raises:
+        DescriptionError: it is not YAML, or no mapping.
+
+    """
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
     document = read_document(text)
-    if not isinstance(document, dict):
-        raise DescriptionError(
-            "$", "expected a mapping with the keys talaia, site, name and devices"
-        )
-    require_current(document.get("talaia"))
-    return document
+    if isinstance(document, dict):
+        return document
+    # An empty file, or one of comments.
+    if document is None:
+        raise DescriptionError("$", "there is no description in it", _BEGIN)
+    said = "a list" if isinstance(document, list) else "one word or sentence"
+    problem = f"expected a mapping with the keys talaia, site, name and devices, found {said}"
+    raise DescriptionError("$", problem, _BEGIN)
 
 
 def site_of_plain(document: dict[str, object]) -> Site:

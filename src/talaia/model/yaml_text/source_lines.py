@@ -39,8 +39,11 @@ class SourcePositions:
         if said is not None and "$" not in where:
             return SourcePosition(int(said[1]), int(said[2] or 1))
         node, mark = self._root, None
-        if node is None or "$" not in where:
+        if "$" not in where:
             return SourcePosition()
+        if node is None:
+            # The whole of it begins in its first line, be it empty.
+            return SourcePosition(1, 1) if where == "$" else SourcePosition()
         for key, index in _STEP.findall(where[where.index("$") + 1 :]):
             found = _step_into(node, key, index)
             if found is None:
@@ -56,9 +59,17 @@ def _step_into(node: yaml.Node, key: str, index: str) -> tuple[yaml.Node, yaml.N
     """Give what names a part, and the part."""
     if isinstance(node, yaml.MappingNode):
         for name, value in node.value:
-            if isinstance(name, yaml.ScalarNode) and name.value == key:
+            if isinstance(name, yaml.ScalarNode) and key in (name.value, _truth_of(name)):
                 return name, value
     elif isinstance(node, yaml.SequenceNode) and index and int(index) < len(node.value):
         part = node.value[int(index)]
         return part, part
     return None
+
+
+def _truth_of(name: yaml.ScalarNode) -> str:
+    """Give what a key such as ``on`` is read as; empty for any other."""
+    if name.tag != "tag:yaml.org,2002:bool":
+        return ""
+    # As it is told: ``on`` stands in the text, and true in the path.
+    return "true" if name.value.lower() in {"true", "yes", "on"} else "false"

@@ -128,6 +128,9 @@ def _map_values(mapping: object, change: Callable[[object], object]) -> object:
 def _tag_source(source: dict[str, object], kind: ConnectionKind | None) -> dict[str, object]:
     # A key of another protocol that says nothing was never an error.
     said = {key for key in source.keys() & SOURCE_KEYS if source[key] not in _EMPTY}
+    if not said and _OF_DERIVATION in source:
+        # An empty expression says what was meant.
+        said = {_OF_DERIVATION}
     shape = _shape_for(said, kind)
     own = own_keys(shape)
     foreign = {key: value for key, value in source.items() if key in said and key not in own}

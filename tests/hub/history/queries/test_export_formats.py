@@ -3,6 +3,9 @@
 import asyncio
 import csv
 import io
+import os
+import subprocess
+import sys
 import tempfile
 import tracemalloc
 from pathlib import Path
@@ -14,8 +17,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from many_examples import examples
 
+from talaia.hub.history.blocks.block import BlockSamples
 from talaia.hub.history.errors import HistoryBusy
+from talaia.hub.history.queries.csv_file import write_csv
 from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+from talaia.hub.history.queries.files import write_file
+from talaia.hub.history.queries.wide_table import Rows
 from talaia.wire.columns import Columns
 
 from ..conftest import SMALL, opened
@@ -23,6 +30,8 @@ from ..samples import ALL, batch
 from ..test_store import START, moment, number
 
 SECOND = 1_000_000
+TESTS = Path(__file__).parents[3]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{TESTS.parent / 'src'}{os.pathsep}{TESTS}"}
 SPEED, MODE, STATE = (
     ExportColumn("a/speed", "m/s"),
     ExportColumn("a/mode", text=True),
@@ -90,6 +99,71 @@ async def test_no_cell_of_a_csv_is_a_formula(url) -> None:
     assert [row[1] for row in table[1:]] == [*("'" + text for text in texts[:6]), *texts[6:]]
     assert {row[2] for row in table[1:]} == {"-1.5"}
     assert table[1][0] == "2023-11-14 22:13:20.000000Z"
+
+
+def test_a_csv_has_the_same_cells_with_arrow_and_without() -> None:
+    numbers = [0.0, -0.0, 1 / 3, 5e-324, 1.7e308, 123_456_789.0, 2.0**53, float("nan"), -1.5]
+    texts = ["=1", "a,b", 'say "hi"', "é\nü", "fine"]
+    gears = [0.0, 1.0, 7.0]
+    time_us = START + np.arange(9) * SECOND // 7
+    places = [np.arange(9), np.array([0, 2, 3, 5, 8]), np.array([1, 2, 8])]
+    parts = [
+        BlockSamples(time_us, np.array(numbers), {}),
+        BlockSamples(time_us[places[1]], np.zeros(5), dict(enumerate(texts))),
+        BlockSamples(time_us[places[2]], np.array(gears), {}),
+    ]
+    rows = Rows(time_us, places, parts)
+    columns = [SPEED, MODE, STATE]
+    by_arrow, own = (
+        list(csv.reader(io.StringIO(b"".join(pieces).decode(), newline="")))
+        for pieces in (
+            write_file(FileForm.CSV, columns, iter([rows])),
+            write_csv(columns, iter([rows])),
+        )
+    )
+    # Numbers may be written otherwise, if they are the same.
+    assert [(row[0], *row[2:]) for row in own] == [(row[0], *row[2:]) for row in by_arrow]
+    read = [[str(float(row[1])) for row in table[1:]] for table in (by_arrow, own)]
+    assert read[0] == read[1] == [str(number) for number in numbers]
+
+
+# In a process of its own, where Python finds no pyarrow.
+WITHOUT = """
+import asyncio, sys
+sys.modules["pyarrow"] = None
+from hub.history.conftest import opened
+from hub.history.samples import ALL, batch
+from talaia.hub.errors import LibraryMissing
+from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+
+async def main():
+    async with opened(sys.argv[1]) as store:
+        rows = batch([(0, at, at / 2) for at in range(3)])
+        await store.append_samples("agv", "b1", 0, addresses=["a/x"], columns=rows)
+        for form in FileForm:
+            try:
+                found = store.export_samples("agv", [ExportColumn("a/x")], *ALL, form=form)
+                async for piece in found:
+                    print(piece.decode().split())
+            except LibraryMissing as error:
+                print(error)
+
+asyncio.run(main())
+"""
+
+
+def test_a_hub_without_arrow_gives_csv_and_says_what_brings_the_rest(tmp_path) -> None:
+    words = [sys.executable, "-c", WITHOUT, f"sqlite:///{tmp_path}/h.db"]
+    done = subprocess.run(words, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    *csv_pieces, parquet, arrow = done.stdout.splitlines()
+    assert csv_pieces[0] == "['time', '(UTC),a/x']"
+    assert "00:00:00.000002Z,1" in csv_pieces[-1]
+    assert parquet == arrow
+    assert parquet == (
+        "Parquet and Arrow files need the Python package 'pyarrow', which is not installed at the "
+        "hub; run there: pip install 'talaia[arrow]'"
+    )
 
 
 row = st.tuples(st.integers(0, 1), moment, number)

@@ -9,7 +9,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatClock, zoneName } from "../../format/time.js";
-import { placeBlocks, placeMoment, stepBlock, type BlockState, type PlacedBlock, type NightBlock, type ProposalMark } from "../../series/plan-layout.js";
+import { placeBlocks, placeMoment, placePauses, stepBlock, type BlockPause, type BlockState, type PlacedBlock, type NightBlock, type ProposalMark } from "../../series/plan-layout.js";
 import { DARKNESS } from "../../sky/night-visibility.js";
 import type { NightSky, SkySpan } from "../../sky/night-sky.js";
 import { base, plainList, quietText } from "../base/base-style.js";
@@ -27,6 +27,13 @@ export const BLOCK_WORDS: Readonly<Record<BlockState, string>> = {
   suspended: "interrupted, goes on later",
   failed: "failed",
 };
+const PAUSE_WORDS: Readonly<Record<BlockPause["kind"], string>> = { flip: "meridian flip", focus: "focus run" };
+
+/** A pause as a sentence without its end: “focus run 21:30 (2 min): another filter”. */
+export function pauseText({ kind, startMs, endMs, reason }: BlockPause, zone: string): string {
+  const lasts = formatDuration((endMs - startMs) / 1000);
+  return `${PAUSE_WORDS[kind]} ${formatClock(startMs * 1000, zone).slice(0, 5)} (${lasts})${reason === "" ? "" : `: ${reason}`}`;
+}
 
 /** @fires t-block detail is the id of the block that was chosen */
 @customElement("t-plan-timeline")
@@ -104,6 +111,19 @@ export class PlanTimeline extends LitElement {
         border-inline-start: 2px solid var(--t-bad);
         pointer-events: none;
       }
+      .pause {
+        position: absolute;
+        inset-block-end: 2.5rem;
+        inset-inline-start: calc(var(--left) * 100%);
+        inline-size: max(6px, calc(var(--width) * 100%));
+        block-size: 0.7rem;
+        border: 1px solid var(--t-text);
+        background: var(--t-surface);
+        pointer-events: none;
+      }
+      .flip {
+        background: repeating-linear-gradient(45deg, var(--t-text) 0 2px, var(--t-surface) 2px 4px);
+      }
       ol {
         ${plainList}
       }
@@ -171,6 +191,12 @@ export class PlanTimeline extends LitElement {
         border: 1px solid var(--t-edge);
         background: var(--colour);
       }
+      .key .focus {
+        background: var(--t-surface);
+      }
+      .key .flip {
+        background: repeating-linear-gradient(45deg, var(--t-text) 0 2px, var(--t-surface) 2px 4px);
+      }
       .chosen {
         min-block-size: 1.45em;
       }
@@ -215,6 +241,7 @@ export class PlanTimeline extends LitElement {
           <ol aria-label="Blocks of the night" @keydown=${this.onKey}>
             ${repeat(placed, ({ id }) => id, (block, i) => this.renderBlock(block, block.id === chosen?.id || (chosen === undefined && i === 0)))}
           </ol>
+          ${map(placePauses(this.blocks, span), ({ kind, left, width }) => html`<div class="pause ${kind}" aria-hidden="true" ${styled({ "--left": String(left), "--width": String(width) })}></div>`)}
           ${now === null ? nothing : html`<div class="now" aria-hidden="true" ${styled({ "--left": String(now) })}></div>`}
         </div>
       </div>
@@ -263,22 +290,25 @@ export class PlanTimeline extends LitElement {
     const sky = this.sky;
     const present = new Set(sky?.bands.map(({ id }) => id));
     const local = zoneName(this.span.from * 1000, this.zone);
+    const kinds = [...new Set(this.blocks.flatMap(({ pauses }) => (pauses ?? []).map(({ kind }) => kind)))].sort();
     return html`<div class="key" aria-hidden="true">
       ${map(this.marks, ([proposal, { letter, colour }]) => html`<span><i ${styled({ "--colour": `var(--t-series-${String(colour)})` })}></i>${letter} ${proposal}</span>`)}
       ${map(DARKNESS.filter(({ id }) => present.has(id)), ({ id, name }) => html`<span><i ${styled({ "--colour": `var(--t-hour-${id})` })}></i>${name}</span>`)}
       ${sky === null || sky.moonUp.length === 0 ? nothing : html`<span><i ${styled({ "--colour": "var(--t-moon)" })}></i>Moon up, ${(sky.moonLit * 100).toFixed(0)} % lit</span>`}
+      ${map(kinds, (kind) => html`<span><i class=${kind}></i>${PAUSE_WORDS[kind]}</span>`)}
       <span><i ${styled({ "--colour": "var(--t-bad)", "inline-size": "3px", border: "0" })}></i>now</span>
       <span>${local === "UTC" ? "hours in UTC" : `hours in ${local}, below them in UTC`}</span>
     </div>`;
   }
 
   /** The block in words, as it is heard and as it stands below. */
-  private blockText({ name, proposal, startMs, endMs, state, reason }: NightBlock): string {
+  private blockText({ name, proposal, startMs, endMs, state, reason, pauses }: NightBlock): string {
     const from = `${this.clockText(startMs)} to ${this.clockText(endMs)} ${zoneName(startMs * 1000, this.zone)}`;
     const utc = this.zone === "UTC" ? "" : ` (${formatClock(startMs * 1000, "UTC").slice(0, 5)} UTC)`;
     const mark = this.marks.get(proposal);
     const who = proposal === "" ? "" : `, proposal ${mark === undefined ? "" : `${mark.letter} `}${proposal}`;
-    return `${name}${who}: ${from}${utc}, ${formatDuration((endMs - startMs) / 1000)}, ${BLOCK_WORDS[state]}${reason === "" ? "" : `. ${reason}`}`;
+    const inner = (pauses ?? []).map((pause) => `. With a ${pauseText(pause, this.zone)}`).join("");
+    return `${name}${who}: ${from}${utc}, ${formatDuration((endMs - startMs) / 1000)}, ${BLOCK_WORDS[state]}${reason === "" ? "" : `. ${reason}`}${inner}`;
   }
 
   private clockText(ms: number): string {

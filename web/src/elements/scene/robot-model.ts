@@ -3,11 +3,9 @@
 import { LoadingManager, type Object3D } from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 import type { JointState } from "../../scene/messages.js";
+import { whyNoModel } from "../../scene/robot-description.js";
 import type { SceneModel } from "../../scene/scene-model.js";
 import { assetUrl, type MeshStore } from "./meshes.js";
-
-/** Letters of a description; it is parsed at once. */
-const MOST_LETTERS = 4 * 1024 * 1024;
 
 export class RobotModel {
   readonly root: URDFRobot;
@@ -20,8 +18,8 @@ export class RobotModel {
    * @throws Error when the text is no robot description
    */
   constructor(urdf: string, site: string, meshes: MeshStore, listener: { readonly onChange: () => void; readonly onTrouble: (why: string) => void }) {
-    if (urdf.length > MOST_LETTERS) throw new Error("the robot's description is too long");
-    if (!/<robot[\s>]/.test(urdf)) throw new Error("the robot's description is no URDF");
+    const why = whyNoModel(urdf);
+    if (why !== null) throw new Error(why);
     const manager = new LoadingManager();
     // Pictures that meshes are painted with come from where meshes come from.
     manager.setURLModifier((url) => (url.startsWith("package://") ? assetUrl(site, url) : url));

@@ -84,6 +84,8 @@ export class Gauge extends LitElement {
   @property({ type: Number }) least = 0;
   @property({ type: Number }) most = 100;
   @property() look = "gauge";
+  /** What is said where there is no value. */
+  @property() missing = "no data yet";
   @property({ reflect: true }) state: ValueState = "unknown";
   @property({ type: Number }) age = Number.NaN;
   /** "warn" when it is beyond a limit that somebody set. */
@@ -94,7 +96,7 @@ export class Gauge extends LitElement {
     const part = known ? Math.min(1, Math.max(0, (this.value - this.least) / (this.most - this.least))) : 0;
     return html`${this.look === "level" ? this.renderLevel(part) : this.renderArc(known ? part : 0)}
       <div>
-        <t-value size="l" .state=${this.state} .value=${this.value} .unit=${this.unit} .decimals=${this.decimals} .age=${this.age}></t-value>
+        <t-value size="l" .state=${this.state} .value=${this.value} .unit=${this.unit} .decimals=${this.decimals} .age=${this.age} .missing=${this.missing}></t-value>
         ${this.level === "warn" && this.state === "live" ? html`<p>beyond its limit</p>` : nothing}
       </div>`;
   }

@@ -84,6 +84,8 @@ export class Value extends LitElement {
   @property({ type: Number }) age = Number.NaN;
   /** How grave the robot's own word is. */
   @property({ reflect: true }) level: SeverityLevel = "";
+  /** What is said where there is none. */
+  @property() missing = "no data yet";
   /** No words beside a stale or missing value, where the place is too small. */
   @property({ type: Boolean }) bare = false;
 
@@ -112,7 +114,7 @@ export class Value extends LitElement {
       case "outside":
         return html`<span class="note">out of range</span>`;
       case "unknown":
-        return html`<span class="note">no data yet</span>`;
+        return html`<span class="note">${this.missing}</span>`;
       case "unreached":
         return html`<span class="note">not reached</span>`;
       case "forbidden":

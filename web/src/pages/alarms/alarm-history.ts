@@ -4,6 +4,7 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { boardAtPath } from "../../boards/board-query.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext } from "../../state/contexts.js";
@@ -57,6 +58,7 @@ export class AlarmHistoryView extends LitElement {
           (event) => html`<li>
             <t-time .us=${event.time_us} .zone=${this.zone}></t-time>
             <strong>${event.what}</strong>${event.who === "" ? "" : ` by ${event.who}`}${event.message === "" ? "" : `: ${event.message}`}
+            <a href=${boardAtPath(this.site, event.time_us)} title="See the board at that moment">Board then</a>
           </li>`,
         )}
       </ol>

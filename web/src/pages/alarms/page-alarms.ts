@@ -8,6 +8,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { OpenSubject } from "../../controllers/open-subject.js";
+import { boardAtPath } from "../../boards/board-query.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
@@ -223,6 +224,7 @@ export class PageAlarms extends LitElement {
             ? html`<span>shelved by ${alarm.shelved_by} until <t-time .us=${alarm.shelved_until_us} .zone=${zone}></t-time>${alarm.shelved_why === "" ? "" : `: ${alarm.shelved_why}`}</span>`
             : nothing}
           ${alarm.raised_us === 0 || alarm.signals.length === 0 ? nothing : html`<a href=${historyAt(alarm)}>Chart</a>`}
+          ${alarm.raised_us === 0 ? nothing : html`<a href=${boardAtPath(alarm.site, alarm.raised_us)} title="See the board at that moment">Board then</a>`}
         </div>
       </div>
       ${this.renderButtons(alarm)}

@@ -29,6 +29,20 @@ export const boardStyle = css`
     gap: var(--t-space-2);
     font-size: var(--t-size-s);
   }
+  .mark {
+    display: grid;
+    place-items: center;
+    inline-size: 1.5rem;
+    block-size: 1.5rem;
+    padding: 0;
+    border: 0;
+    background: none;
+    color: var(--t-muted);
+    cursor: pointer;
+  }
+  .mark.bad {
+    color: var(--t-bad);
+  }
   .arrange {
     position: sticky;
     inset-block-start: 3.75rem;

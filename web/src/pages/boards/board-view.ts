@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { keyed } from "lit/directives/keyed.js";
 import { repeat } from "lit/directives/repeat.js";
 import { itemsOf, type GridName } from "../../boards/grid.js";
 import { CommandClient } from "../../controllers/drive/command-client.js";
@@ -13,6 +14,7 @@ import type { NamedItem } from "../../elements/board/board-grid.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import type { BoardShape, BoardTileShape, DeviceShape, SignalShape, SiteShape, TileShape } from "../../generated/api.js";
 import { SECOND_US } from "../../series/zone-clock.js";
+import type { PastBoard } from "../../state/past/past-board.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { boardTileEntry } from "../../tiles/board/board-catalog.js";
 import type { BoardTileContext } from "../../tiles/board/board-tile-entry.js";
@@ -22,6 +24,7 @@ import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/board/board-grid.js";
 import "../../elements/feedback/empty.js";
 import "../../tiles/board/board-tile.js";
+import "../../tiles/board/past-scope.js";
 
 const UNKNOWN_SIZE: readonly [number, number] = [3, 3];
 
@@ -49,6 +52,8 @@ export class BoardView extends LitElement {
   @property({ attribute: false }) extensions: readonly TileShape[] = [];
   @property() grid: GridName = "desktop";
   @property({ type: Boolean }) editing = false;
+  /** The past moment that is shown; null for now. */
+  @property({ attribute: false }) past: PastBoard | null = null;
 
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   private readonly sites = new ContextStoreController(this, sitesContext);
@@ -88,7 +93,7 @@ export class BoardView extends LitElement {
   }
 
   override render(): TemplateResult | typeof nothing {
-    const { board, context, grid } = this;
+    const { board, context, grid, past } = this;
     if (board === null || context === null) return nothing;
     if (board.tiles.length === 0) {
       return html`<t-empty heading="No tile yet" icon="devices"><p>${this.editing ? "Add the first one: it goes where there is room." : "Nothing stands on this board yet."}</p></t-empty>`;
@@ -102,23 +107,27 @@ export class BoardView extends LitElement {
       const name = tile?.title || (entry?.titleOf?.(tile?.settings ?? {}, context) ?? entry?.title ?? "Tile");
       return { ...item, name, least: entry?.least ?? [1, 1] };
     });
-    return html`<t-board-grid .items=${named} .grid=${grid} ?editing=${this.editing} @t-arrange=${this.passOn} @t-settings=${this.passOn} @t-remove=${this.passOn}>
+    const tileGrid = html`<t-board-grid .items=${named} .grid=${grid} ?editing=${this.editing} @t-arrange=${this.passOn} @t-settings=${this.passOn} @t-remove=${this.passOn}>
       ${repeat(
         items,
         ({ id }) => id,
-        ({ id }) => html`<t-board-tile slot=${id} .tile=${tiles.get(id) ?? null} .context=${context} ?arranged=${this.editing} ?inert=${this.editing}></t-board-tile>`,
+        ({ id }) => html`<t-board-tile slot=${id} .tile=${tiles.get(id) ?? null} .context=${context} ?past=${past !== null} ?arranged=${this.editing} ?inert=${this.editing}></t-board-tile>`,
       )}
     </t-board-grid>`;
+    // Made anew for another past: nothing that a tile holds of now is seen in it, nor the other way round.
+    return html`${keyed(past, past === null ? tileGrid : html`<t-past-scope .past=${past}>${tileGrid}</t-past-scope>`)}`;
   }
 
   /** The same object while nothing of it has changed: every tile would be drawn again. */
   private makeContext(detail: SiteShape, changed: PropertyValues<this>): void {
-    const online = (this.sites.store?.siteRow(detail.site)?.online ?? detail.online) && this.link.state === "open";
+    const { past } = this;
+    const linked = (this.sites.store?.siteRow(detail.site)?.online ?? detail.online) && this.link.state === "open";
     const before = this.context;
-    const same = before !== null && before.online === online && before.feed === this.feed && before.line === this.line;
+    const same = before !== null && before.linked === linked && before.feed === (past?.feed ?? this.feed) && before.line === (past === null ? this.line : null) && before.past === past;
     if (same && !changed.has("detail") && !changed.has("device") && !changed.has("extensions")) return;
     this.context = {
-      site: detail.site, zone: detail.zone, detail, device: this.device, online, feed: this.feed, painter: this.painter, pictures: this.pictures, line: this.line, extensions: this.extensions,
+      site: detail.site, zone: detail.zone, detail, device: this.device, online: linked || past !== null, linked, past, feed: past?.feed ?? this.feed,
+      painter: this.painter, pictures: this.pictures, line: past === null ? this.line : null, extensions: this.extensions,
     };
   }
 
@@ -127,8 +136,12 @@ export class BoardView extends LitElement {
     if (context === null || feed === null) return;
     const feeds = tiles.flatMap(({ type, settings }) => boardTileEntry(type)?.feeds?.(settings, context) ?? []);
     const signals = [...new Set(feeds.flatMap((wanted): readonly SignalShape[] => wanted.signals))];
-    feed.setLength(Math.max(60, ...feeds.map(({ seconds }) => seconds)) * SECOND_US);
-    feed.subscribeSignals(signals);
+    const lengthUs = Math.max(60, ...feeds.map(({ seconds }) => seconds)) * SECOND_US;
+    this.past?.feed.setLength(lengthUs);
+    this.past?.feed.subscribeSignals(signals);
+    feed.setLength(lengthUs);
+    // What comes now is seen by nobody while the board looks back.
+    feed.subscribeSignals(this.past === null ? signals : []);
   }
 
   private closeClients(): void {

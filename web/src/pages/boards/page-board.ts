@@ -26,6 +26,7 @@ import { boardKeyOf, boardPath, withQuery } from "../../state/router.js";
 import { boardTileEntry } from "../../tiles/board/board-catalog.js";
 import { BoardsApi } from "../../boards/boards-api.js";
 import { Refused, type HubApi } from "../../wire/hub-api.js";
+import { BoardPast } from "./board-past.js";
 import { BoardDraft } from "./board-draft.js";
 import { boardStyle } from "./board-style.js";
 import "../../elements/feedback/banner.js";
@@ -69,6 +70,9 @@ export class PageBoard extends LitElement {
   private readonly tiles = new LoadController<TileList>(this);
   private readonly action = new ActionController(this);
   private readonly removing = new QuestionController<BoardRow>(this, (row, action) => this.removeBoard(row, action));
+  private readonly past = new BoardPast(this, () => this.api, (at) => {
+    this.replaceQuery({ at });
+  });
   private readonly width = matchMedia(PHONE);
   private shownKey = "";
   private cycling: ReturnType<typeof setTimeout> | undefined;
@@ -104,6 +108,7 @@ export class PageBoard extends LitElement {
     const site = this.shownSite;
     this.announceSite(site);
     if (sites !== undefined && site !== "") this.detail.load(`${site} ${sites.catalogueOf(site)}`, () => sites.loadDetail(site));
+    this.past.follow(this.draft === null ? site : "", query);
     this.tiles.load("tiles", () => this.api.request<TileList>("GET", "/api/tiles"));
     if (query.arrange && this.draft === null && this.kept.value?.row.key === key && this.row?.may_change === true) this.beginArranging();
   }
@@ -115,9 +120,9 @@ export class PageBoard extends LitElement {
     const detail = this.detail.value;
     if (board === null || detail === undefined) return html`<t-loading what="Loading the board"></t-loading>`;
     const view = this.renderView(board, detail);
-    if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${view}`;
+    if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail.zone, this.query)}${view}`;
     return html`${this.renderHead(board, detail)} ${renderAdvice(this.action.problem)}<p class="said" role="status">${this.action.doneText}</p>
-      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${view} ${this.renderDialogs(board, detail)}`;
+      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${this.past.renderBar(detail.zone, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
@@ -191,6 +196,7 @@ export class PageBoard extends LitElement {
       .device=${this.device(board, detail)}
       .extensions=${this.tiles.value?.tiles ?? []}
       .grid=${grid}
+      .past=${this.past.board}
       ?editing=${arranging}
       @t-arrange=${this.onArrange}
       @t-settings=${this.onSettings}
@@ -217,6 +223,7 @@ export class PageBoard extends LitElement {
             ${row?.may_change === true
               ? html`<t-button @click=${this.beginArranging}>Arrange</t-button>`
               : html`<t-button ?busy=${this.action.busy} @click=${this.saveCopy}>Save a copy to arrange</t-button>`}
+            ${this.past.board === null ? html`<t-button @click=${this.past.lookBack}>Look back</t-button>` : nothing}
             <t-button @click=${this.fillScreen}>Fill the screen</t-button>
             <t-menu label="More of this board"><span slot="label">More</span>
               ${row === null || row.described ? nothing : html`<t-button @click=${this.onVersions}>Versions…</t-button>`}

@@ -18,7 +18,7 @@ const DETAIL: SiteShape = {
   site: "yard", name: "Yard", zone: "Europe/Madrid", online: true, since_us: 0, last_seen_us: 0, catalogue: "c1", place: null, rules: [], enclosures: [], shown_units: {}, map: null, devices: [],
 };
 const CONTEXT: BoardTileContext = {
-  site: "yard", zone: "Europe/Madrid", detail: DETAIL, device: null, online: false, feed: null, painter: new PaintScheduler(), pictures: new PictureTimes(), line: null, extensions: [],
+  site: "yard", zone: "Europe/Madrid", detail: DETAIL, device: null, online: false, linked: false, past: null, feed: null, painter: new PaintScheduler(), pictures: new PictureTimes(), line: null, extensions: [],
 };
 
 function renderTile(type: string, settings: BoardTileShape["settings"], title = "", context = CONTEXT): TemplateResult {

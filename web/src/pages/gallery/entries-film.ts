@@ -2,10 +2,10 @@
 
 import { html, type TemplateResult } from "lit";
 import type { FilmShape } from "../../generated/api.js";
-import type { CameraFilms } from "../history/film/film-search.js";
+import type { CameraFilms } from "../../tiles/camera/film-search.js";
 import type { GalleryEntry } from "./entry.js";
 import "../../tiles/camera/blur-button.js";
-import "../history/film/film-view.js";
+import "../../tiles/camera/film-view.js";
 
 const NOON_US = 1_780_000_000_000_000;
 

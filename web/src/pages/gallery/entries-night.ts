@@ -1,7 +1,7 @@
 /** What a night by itself is drawn with. */
 
 import { html } from "lit";
-import { proposalMarks, type NightBlock } from "../../series/plan-layout.js";
+import { proposalMarks, type BlockPause, type NightBlock } from "../../series/plan-layout.js";
 import { nightSky } from "../../sky/night-sky.js";
 import type { SkyFieldShape } from "../../generated/api.js";
 import { mosaicOf } from "../../sky/mosaic.js";
@@ -17,6 +17,12 @@ const SPAN = { from: EVENING, to: EVENING + 15 * HOUR };
 const NOW = EVENING + 5.2 * HOUR;
 const SKY = nightSky(MONTSEC, SPAN);
 
+function pausesFrom(startMs: number, turns: boolean): readonly BlockPause[] {
+  const focus: BlockPause = { kind: "focus", startMs: startMs - 120_000, endMs: startMs, reason: "another filter: R" };
+  const flip: BlockPause = { kind: "flip", startMs: startMs + HOUR / 2, endMs: startMs + HOUR / 2 + 98_000, reason: "its target passes the meridian" };
+  return turns ? [focus, flip] : [focus];
+}
+
 const BLOCKS: readonly NightBlock[] = (
   [
     ["NGC 7000", "school-1", 1.6, 2.5, "done", "highest of those allowed"],
@@ -30,6 +36,7 @@ const BLOCKS: readonly NightBlock[] = (
   ] as const
 ).map(([name, proposal, start, end, state, reason], i) => ({
   id: String(i), request: String(i), name, proposal, state, reason, startMs: EVENING + start * HOUR, endMs: EVENING + end * HOUR,
+  pauses: state === "planned" ? pausesFrom(EVENING + start * HOUR, name === "M 42") : [],
 }));
 const MARKS = proposalMarks(BLOCKS.map(({ proposal }) => proposal));
 

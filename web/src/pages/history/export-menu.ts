@@ -1,6 +1,6 @@
 /** Samples as files to take away. */
 
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base, quietText } from "../../elements/base/base-style.js";
@@ -73,7 +73,11 @@ export class ExportMenu extends LitElement {
   /** CSS pixels of the charts. */
   @property({ type: Number }) width = 1000;
 
+  /** Why the hub would give no such file; it is asked before one is fetched that needs more than every hub has. */
+  @property({ attribute: false }) refusal: (query: ExportQuery) => Promise<string> = () => Promise.resolve("");
+
   @state() private extent = "window";
+  @state() private problem = "";
 
   override render(): TemplateResult {
     return html`<t-menu>
@@ -89,9 +93,16 @@ export class ExportMenu extends LitElement {
       <div class="files">
         ${map(
           FORMATS,
-          ({ format, name, for: use }) => html`<a href=${exportPath(this.site, this.query(format))} download>${name} <span>${use}</span></a>`,
+          ({ format, name, for: use }) => html`<a
+            href=${exportPath(this.site, this.query(format))}
+            download
+            @click=${format === "csv" ? nothing : this.onFile}
+            data-format=${format}
+            >${name} <span>${use}</span></a
+          >`,
         )}
       </div>
+      ${this.problem === "" ? nothing : html`<p role="alert">${this.problem}</p>`}
     `;
   }
 
@@ -100,6 +111,19 @@ export class ExportMenu extends LitElement {
     if (this.extent === "all") return { channels, fromUs: 0, toUs: Date.now() * 1000, width: 0, format };
     return { channels, ...this.span, width: this.extent === "drawn" ? this.width : 0, format };
   }
+
+  /** A download that is refused shows a browser's words alone, so the hub's are fetched before. */
+  private readonly onFile = async (event: MouseEvent): Promise<void> => {
+    const link = event.currentTarget as HTMLAnchorElement;
+    // The second time it is this very function that presses it.
+    if (link.dataset["asked"] === "yes") return;
+    event.preventDefault();
+    this.problem = await this.refusal(this.query(link.dataset["format"] as ExportQuery["format"]));
+    if (this.problem !== "") return;
+    link.dataset["asked"] = "yes";
+    link.click();
+    delete link.dataset["asked"];
+  };
 
   private readonly onChoose = (event: CustomEvent<string>): void => {
     this.extent = event.detail;

@@ -24,7 +24,7 @@ import { apiContext, routerContext, sitesContext } from "../../state/contexts.js
 import { sitePath } from "../../state/router.js";
 import type { EventList, SiteShape, StoredShape } from "../../generated/api.js";
 import { FilmsApi } from "../../wire/films-api.js";
-import type { HubApi } from "../../wire/hub-api.js";
+import type { ExportQuery, HubApi } from "../../wire/hub-api.js";
 import { axesFor } from "./chart/axes-for.js";
 import { FilmController } from "./film/film-controller.js";
 import type { FilmPanel } from "./film/film-panel.js";
@@ -189,6 +189,9 @@ export class PageHistory extends LitElement {
     return html`<p class="utc">${localSpan(span, zone, nowUs)}${utc === "" ? nothing : html` <span>(${utc})</span>`}</p>`;
   }
 
+  private readonly exportRefusal = (query: ExportQuery): Promise<string> =>
+    this.api?.exportRefusal(this.site, query) ?? Promise.resolve("");
+
   private renderMenus(): TemplateResult {
     const { view, span } = this.window;
     const channels = this.chosenChannels();
@@ -197,7 +200,7 @@ export class PageHistory extends LitElement {
     return html`<div class="menus">
       <a class="way" href=${sitePath(this.site, "recordings")}>Recordings</a>
       <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
-      <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width}></t-export-menu>
+      <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width} .refusal=${this.exportRefusal}></t-export-menu>
     </div>`;
   }
 

@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { boardAtPath } from "../../boards/board-query.js";
 import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
@@ -175,6 +176,7 @@ export class PageLogbook extends LitElement {
       </div>
       <div class="ways">
         <a href=${`${sitePath(this.site, "history")}?${seen === null ? momentQuery(row.time_us, channels) : historyQuery(seen, undefined)}`}>Chart</a>
+        <a href=${boardAtPath(this.site, row.time_us)} title="See the board at that moment">Board then</a>
         ${recording === undefined ? nothing : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.time_us)}`}>Recording</a>`}
         ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>Sightings</a>` : nothing}
         ${added === null || this.session.store?.person?.admin !== true ? nothing : html`<a href=${newSensorPath(added)}>Add it</a>`}

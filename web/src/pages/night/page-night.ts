@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -14,7 +15,7 @@ import { renderTable, tables } from "../../elements/layout/data-table.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
-import { BLOCK_WORDS } from "../../elements/observatory/plan-timeline.js";
+import { BLOCK_WORDS, pauseText } from "../../elements/observatory/plan-timeline.js";
 import type { PlannedAim } from "../../elements/observatory/sky-chart.js";
 import { formatDuration } from "../../format/duration.js";
 import type { EventList, FrameList, FrameShape, SiteNightShape, ProposalList, RequestDetail, RequestList, SiteShape } from "../../generated/api.js";
@@ -259,7 +260,7 @@ export class PageNight extends LitElement {
         { title: "Proposal", cell: ({ proposal }) => `${marks.get(proposal)?.letter ?? ""} ${proposal}` },
         { title: "Lasts", cell: ({ startMs, endMs }) => formatDuration((endMs - startMs) / 1000) },
         { title: "State", cell: ({ state }) => BLOCK_WORDS[state] },
-        { title: "Why", cell: ({ reason }) => reason },
+        { title: "Why", cell: ({ reason, pauses }) => html`${reason}${map(pauses ?? [], (pause) => html`<div class="muted">${pauseText(pause, this.zone)}</div>`)}` },
       ],
     });
   }

@@ -27,6 +27,10 @@ export class BoardTile extends LitElement {
         ${raisedBox}
         overflow: hidden;
       }
+      :host([past]) {
+        border-style: dashed;
+        border-color: var(--t-accent);
+      }
       header {
         display: flex;
         align-items: baseline;
@@ -78,6 +82,8 @@ export class BoardTile extends LitElement {
 
   @property({ attribute: false }) tile: BoardTileShape | null = null;
   @property({ attribute: false }) context: BoardTileContext | null = null;
+  /** It shows a past moment, and looks like it. */
+  @property({ type: Boolean, reflect: true }) past = false;
   /** The board is being arranged. */
   @property({ type: Boolean }) arranged = false;
   @query(".inside") private readonly inside!: HTMLElement | null;
@@ -130,7 +136,8 @@ export class BoardTile extends LitElement {
     if (this.arranged && entry.rests === true) {
       return html`<div class="trouble"><t-icon name=${entry.icon}></t-icon><span>${entry.title}: at rest while the board is arranged.</span></div>`;
     }
-    return entry.render(tile.settings, context);
+    if (context.past === null || entry.past === "moves") return entry.render(tile.settings, context);
+    return entry.past === undefined ? renderNotKept(entry) : entry.past(tile.settings, context);
   }
 
   /** What is larger than the tile scrolls inside it, also by keyboard. */
@@ -140,6 +147,12 @@ export class BoardTile extends LitElement {
     if (inside.scrollHeight > inside.clientHeight + 1 || inside.scrollWidth > inside.clientWidth + 1) inside.tabIndex = 0;
     else inside.removeAttribute("tabindex");
   }
+}
+
+function renderNotKept({ notKept }: BoardTileEntry): TemplateResult {
+  return html`<div class="trouble" data-state="past">
+    <t-icon name="history"></t-icon><strong>Nothing was recorded at this moment</strong>${notKept === undefined ? nothing : html`<span>${notKept}</span>`}
+  </div>`;
 }
 
 function renderTrouble({ kind, what }: TileTrouble): TemplateResult {

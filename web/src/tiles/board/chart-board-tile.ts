@@ -3,6 +3,7 @@
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChartAxis, ChartSeries, FollowWindow } from "../../elements/chart/chart-model.js";
@@ -48,6 +49,7 @@ abstract class FeedTile extends LitElement {
 
   protected series: readonly ChartSeries[] = [];
   protected follow: FollowWindow | null = null;
+  private readonly watched = new StoreController(this);
   private made = "";
   private followed: unknown = null;
 
@@ -57,6 +59,7 @@ abstract class FeedTile extends LitElement {
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
+    this.watched.setStore(this.context?.past ?? null);
     const feed = this.context?.feed ?? null;
     if (feed !== this.followed || changed.has("seconds")) {
       this.followed = feed;
@@ -85,6 +88,10 @@ abstract class FeedTile extends LitElement {
     });
   }
 
+  protected get isPast(): boolean {
+    return (this.context?.past ?? null) !== null;
+  }
+
   protected ageOf(signal: SignalShape): number {
     return this.context?.feed?.ageS(signal.channels[0] ?? signal.address) ?? Number.NaN;
   }
@@ -106,7 +113,8 @@ abstract class FeedTile extends LitElement {
   protected staleText(signal: SignalShape): string {
     if (!this.isStale(signal)) return "";
     const age = this.ageOf(signal);
-    return Number.isNaN(age) ? "no data yet" : `stale, ${formatAge(age)}`;
+    if (Number.isNaN(age)) return this.isPast ? "nothing recorded" : "no data yet";
+    return `stale, ${formatAge(age)}`;
   }
 }
 
@@ -173,7 +181,7 @@ export class ChartBoardTile extends FeedTile {
         .painter=${this.context?.painter ?? null}
         ?many-axes=${this.manyAxes && units.size > 1}
         zone=${this.context?.zone ?? "UTC"}
-        label=${`${this.signals.map(({ name }) => name).join(", ")}, live`}
+        label=${`${this.signals.map(({ name }) => name).join(", ")}, ${this.isPast ? "up to the moment" : "live"}`}
       ></t-chart>`;
   }
 }
@@ -221,7 +229,7 @@ export class TimelineBoardTile extends FeedTile {
       ({ address }) => address,
       (signal) => html`<div class="line">
         <div class="name"><span>${signal.name}</span><b class=${this.isStale(signal) ? "stale" : ""}>${this.newestText(signal)}</b>${this.staleText(signal)}</div>
-        <t-chart class="state" .series=${this.listOf(signal)} .follow=${this.follow} .painter=${this.context?.painter ?? null} zone=${this.context?.zone ?? "UTC"} label=${`${signal.name}, live`}></t-chart>
+        <t-chart class="state" .series=${this.listOf(signal)} .follow=${this.follow} .painter=${this.context?.painter ?? null} zone=${this.context?.zone ?? "UTC"} label=${`${signal.name}, ${this.isPast ? "up to the moment" : "live"}`}></t-chart>
       </div>`,
     )}`;
   }

@@ -71,7 +71,9 @@ export class DriveBoardTile extends LitElement {
     this.closeController();
     this.built = wanted;
     if (wanted === "" || device === null || context === null || connection === undefined) return;
-    this.controller = new DriveController(connection, context.site, device, context.online);
+    // In the past there are no hands: Escape and STOP alone are heard.
+    const held = context.past === null ? device : { ...device, rights: device.rights.filter((right) => right !== "use") };
+    this.controller = new DriveController(connection, context.site, held, context.linked);
     const news = this.news.value;
     this.controller.openAll({ lease: news?.leaseOf(context.site, device.id), stop: news?.stopOf(context.site, device.id), heldStop: news?.heldStopOf(context.site, device.id) });
     const { seat } = this.controller;
@@ -98,7 +100,9 @@ export class DriveBoardTile extends LitElement {
     // First of all: who goes by Tab comes to STOP before the hands.
     return html`<t-stop-bar .line=${stop}></t-stop-bar>
       <t-stop .line=${stop} .zone=${context.zone} .epoch=${seat?.lease.epoch ?? 0} .mayUse=${device.rights.includes("use")}></t-stop>
-      ${seat === null
+      ${context.past !== null
+        ? html`<p>This board shows a past moment: nothing is driven from it. Go back to now to drive. STOP works as ever.</p>`
+        : seat === null
         ? html`<p>Driving ${device.name} needs the right <strong>use</strong>. STOP works for everyone who sees it.</p>`
         : html`<t-drive-pad .site=${context.site} .device=${device} .seat=${seat} .stopped=${stop.desk.blocksDriving} .pictureAge=${this.pictureAge}></t-drive-pad>`}`;
   }

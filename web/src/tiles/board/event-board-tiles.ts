@@ -7,6 +7,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { alarmStatus } from "../../elements/feedback/alarm-labels.js";
@@ -19,7 +20,7 @@ import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
-import type { BoardTileContext } from "./board-tile-entry.js";
+import { pastTurn, type BoardTileContext } from "./board-tile-entry.js";
 
 const REFRESH_MS = 1500;
 
@@ -70,6 +71,9 @@ export class AlarmsBoardTile extends LitElement {
   }
 
   override render(): TemplateResult {
+    if ((this.context?.past ?? null) !== null) {
+      return html`<p>What alarms did up to this moment:</p><t-tile-logbook .context=${this.context} kind="alarm"></t-tile-logbook>`;
+    }
     const { store } = this.alarms;
     const mine = (store?.list ?? []).filter(({ site }) => site === this.context?.site);
     const shown = mine.filter((alarm) => this.all || alarm.phase !== "normal" || !alarm.known);
@@ -112,6 +116,7 @@ export class LogbookBoardTile extends LitElement {
 
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   private readonly events = new LoadController<EventList>(this);
+  private readonly watched = new StoreController(this);
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor() {
@@ -137,7 +142,9 @@ export class LogbookBoardTile extends LitElement {
   override willUpdate(): void {
     const { api, context } = this;
     if (api === undefined || context === null) return;
+    this.watched.setStore(context.past);
     const query = new URLSearchParams({ limit: String(this.lines) });
+    if (context.past !== null) query.set("to_us", String(pastTurn(context.past)));
     if (this.device !== "") query.set("device", this.device);
     if (this.kind !== "") query.set("kind", this.kind);
     const asked = query.toString();
@@ -148,7 +155,7 @@ export class LogbookBoardTile extends LitElement {
     const zone = this.context?.zone ?? "UTC";
     return renderLoaded(this.events, "the logbook", ({ events }) =>
       events.length === 0
-        ? html`<p>Nothing of this kind has happened yet.</p>`
+        ? html`<p>Nothing of this kind has happened ${this.context?.past ? "up to this moment" : "yet"}.</p>`
         : html`<ul aria-label="Logbook">
               ${repeat(
                 events,

@@ -50,6 +50,7 @@ export class GaugeBoardTile extends LitElement {
       .most=${toShown(signal.shown, high > low ? high : low + 1)}
       .state=${this.state(signal, channel, value)}
       .age=${this.live.ageS(channel)}
+      .missing=${this.live.isPast ? "nothing recorded" : "no data yet"}
       .level=${value < this.warnBelow || value > this.warnAbove ? "warn" : ""}
     ></t-gauge>`;
   }

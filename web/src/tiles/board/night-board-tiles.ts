@@ -7,6 +7,7 @@ import { map } from "lit/directives/map.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
@@ -25,7 +26,7 @@ import "../../elements/values/time.js";
 import { DevicePart } from "../observatory/device-part.js";
 import "../observatory/night-sky-view.js";
 import { judgeStation, VERDICT_KINDS, VERDICT_WORDS } from "../observatory/weather-verdict.js";
-import type { BoardTileContext } from "./board-tile-entry.js";
+import { pastTurn, type BoardTileContext } from "./board-tile-entry.js";
 
 const EVERY_MS = 15_000;
 const AGAIN_MS = 60_000;
@@ -95,6 +96,7 @@ export class VerdictBoardTile extends DevicePart {
 abstract class NightTile extends LitElement {
   @property({ attribute: false }) context: BoardTileContext | null = null;
   @consume({ context: apiContext }) protected readonly api: HubApi | undefined;
+  protected readonly watched = new StoreController(this);
   protected readonly night = new LoadController<SiteNightShape>(this);
 
   constructor() {
@@ -115,6 +117,8 @@ abstract class NightTile extends LitElement {
 
   /** What time it is at the site: of a simulated one that lives faster, as it said last. */
   protected siteMs(): number {
+    const { past } = this.context ?? { past: null };
+    if (past !== null) return past.us / 1000;
     const us = this.night.value?.state?.site_time_us ?? 0;
     return us > 0 ? us / 1000 : Date.now();
   }
@@ -131,6 +135,7 @@ export class SkyBoardTile extends NightTile {
   @property({ attribute: false }) device: DeviceShape | null = null;
 
   override willUpdate(): void {
+    this.watched.setStore(this.context?.past ?? null);
     this.loadNight();
   }
 
@@ -212,6 +217,7 @@ export class PictureBoardTile extends LitElement {
   /** Of one camera; empty for all. */
   @property() device = "";
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
+  private readonly watched = new StoreController(this);
   private readonly frames = new LoadController<FrameList>(this);
 
   constructor() {
@@ -222,8 +228,10 @@ export class PictureBoardTile extends LitElement {
   override willUpdate(): void {
     const { api, context, device } = this;
     if (api === undefined || context === null) return;
-    const turn = Math.floor(Date.now() / AGAIN_MS);
-    const query = new URLSearchParams({ limit: "1", ...(device === "" ? {} : { device }) }).toString();
+    this.watched.setStore(context.past);
+    const turn = context.past === null ? Math.floor(Date.now() / AGAIN_MS) : 0;
+    const until = context.past === null ? {} : { to_us: String(pastTurn(context.past)) };
+    const query = new URLSearchParams({ limit: "1", ...(device === "" ? {} : { device }), ...until }).toString();
     this.frames.load(`${context.site} ${query} ${String(turn)}`, () => new ArchiveApi(api, context.site).findFrames(query));
   }
 

@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
@@ -61,9 +62,15 @@ export class XyBoardTile extends LitElement {
   @property({ attribute: false }) upwards: SignalShape | null = null;
   @property({ type: Number }) seconds = 300;
 
+  private readonly watched = new StoreController(this);
+
   constructor() {
     super();
     new TickerController(this, REFRESH_MS);
+  }
+
+  override willUpdate(): void {
+    this.watched.setStore(this.context?.past ?? null);
   }
 
   override render(): TemplateResult | typeof nothing {

@@ -8,7 +8,7 @@ import { toShown } from "../../format/unit.js";
 import type { GapShape, HistoryAnswer, ShownUnitShape, SignalShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
-import { samplesOf } from "./history-samples.js";
+import { samplesOf } from "../../state/past/history-samples.js";
 
 /** What the feed needs of a connection. */
 export interface SampleSource {

@@ -14,7 +14,7 @@ import "../../elements/map/track-map.js";
 import { mergeTracks, courseOf, extendTrack, joinTrack, type TrackPoint } from "../../elements/map/track.js";
 import { formatAge } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
-import { alarmsContext, apiContext, interlocksContext, sitesContext } from "../../state/contexts.js";
+import { alarmsContext, apiContext, interlocksContext, pastContext, sitesContext } from "../../state/contexts.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
 import type { SeriesShape, SignalShape, SiteShape } from "../../generated/api.js";
@@ -71,6 +71,8 @@ export class PositionMap extends LitElement {
   private readonly detail = new LoadController<SiteShape>(this);
   private readonly overlays = new SiteOverlays(this);
   private readonly link = new ConnectionStateController(this);
+  /** Undefined where all is of now. */
+  private readonly past = new ContextStoreController(this, pastContext);
 
   constructor() {
     super();
@@ -99,21 +101,26 @@ export class PositionMap extends LitElement {
     const sites = this.sites.store;
     if (sites !== undefined && this.site !== "") this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     this.overlays.show(this.site, this.detail.value?.map ?? null);
-    const wanted = this.signal && connection && this.api ? `${this.site} ${this.signal.address} ${this.colour?.address ?? ""}` : "";
+    const past = this.past.store;
+    // While somebody moves the moment about there is no place of it; then the trail is of what was before it.
+    const moment = past === undefined ? "" : past.isSettled ? String(past.jumps) : null;
+    const wanted = this.signal && connection && this.api && moment !== null ? `${this.site} ${this.signal.address} ${this.colour?.address ?? ""} ${moment}` : "";
     if (wanted === this.opened) return;
     this.closeFeed();
     this.opened = wanted;
     if (wanted === "" || !connection || !this.signal) return;
-    this.cancel = connection.subscribe(this.site, [...this.signal.channels, ...this.tintChannels()], EVERY_MS, (batch) => {
+    const receive = (batch: Batch): void => {
       this.receiveBatch(batch);
-    });
+    };
+    const channels = [...this.signal.channels, ...this.tintChannels()];
+    this.cancel = past === undefined ? connection.subscribe(this.site, channels, EVERY_MS, receive) : past.replayChannels(this.site, channels, receive);
     void this.loadTrail(this.signal);
   }
 
   override render(): TemplateResult | typeof nothing {
     const note = this.signal
       ? this.online
-        ? "Waiting for the first position"
+        ? (this.past.store === undefined ? "Waiting for the first position" : "No position was recorded at this moment")
         : "The site is offline: no position"
       : "The description names no position for this device";
     // Which of the two maps it is waits for the site's description: neither flashes up for the other.
@@ -135,10 +142,12 @@ export class PositionMap extends LitElement {
     const shares = sharesAt(this.trail.map(({ timeUs }) => timeUs), this.tints, scale);
     const legend = this.colour === null || scale === null ? null : { name: this.colour.name, least: formatNumber(scale.least, 1), most: `${formatNumber(scale.most, 1)} ${this.colour.unit}` };
     const place = this.detail.value?.place ?? null;
+    // The alarms and interlocks of now say nothing of a moment that is past.
+    const [alarms, interlocks] = this.past.store === undefined ? [this.alarms.store, this.interlocks.store] : [undefined, undefined];
     return html`<t-geo-map
       .robots=${this.robotsOnEarth(frame)}
       .trails=${frame === null ? [] : [trailOnEarth(this.trail, frame, shares)]}
-      .zones=${drawnZones(this.site, map?.zones ?? [], this.alarms.store, this.interlocks.store)}
+      .zones=${drawnZones(this.site, map?.zones ?? [], alarms, interlocks)}
       .pictures=${this.overlays.pictures}
       .legend=${legend}
       .home=${frameOf(map) ?? (place === null ? null : { lat: place.latitude, lon: place.longitude })}
@@ -166,6 +175,12 @@ export class PositionMap extends LitElement {
   private tintChannels(): readonly string[] {
     const channel = this.colour?.channels[0];
     return channel === undefined || this.signal?.channels.includes(channel) === true ? [] : [channel];
+  }
+
+  /** A clock (ms): this page's own, or that of the moment that is shown. */
+  private nowMs(): number {
+    const past = this.past.store;
+    return past === undefined ? performance.now() : past.us / 1000;
   }
 
   private get degrees(): boolean {
@@ -201,7 +216,7 @@ export class PositionMap extends LitElement {
     const numbers = channels.map((address) => this.latest.get(address) ?? Number.NaN);
     const place = this.placeOf(numbers[0] ?? Number.NaN, numbers[1] ?? Number.NaN);
     if (newest === 0 || !place) return;
-    this.freshAt = performance.now() - age;
+    this.freshAt = this.nowMs() - age;
     this.sample = { numbers, timeUs: newest };
     this.trail = extendTrack(this.trail, { ...place, timeUs: newest }, TRAIL_US);
     const yaw = this.degrees ? courseOf(this.trail) : (numbers[2] ?? Number.NaN);
@@ -219,7 +234,7 @@ export class PositionMap extends LitElement {
   private async loadTrail(signal: SignalShape): Promise<void> {
     const [first, second] = signal.channels;
     if (!this.api || first === undefined || second === undefined) return;
-    const toUs = Date.now() * 1000;
+    const toUs = this.past.store?.us ?? Date.now() * 1000;
     const tint = this.colour?.channels[0];
     const query = { channels: [first, second, ...(tint === undefined ? [] : this.tintChannels())], fromUs: toUs - TRAIL_US, toUs, width: HISTORY_WIDTH };
     const opened = this.opened;
@@ -251,7 +266,7 @@ export class PositionMap extends LitElement {
 
   private readonly updateAge = (): void => {
     if (!this.sample || !this.signal) return;
-    const seconds = (performance.now() - this.freshAt) / 1000;
+    const seconds = (this.nowMs() - this.freshAt) / 1000;
     this.stale = seconds > this.signal.max_age ? `Stale: from ${formatAge(seconds)}` : "";
   };
 

@@ -5,7 +5,7 @@ import { chanceRows, expectedShares, skyFacts } from "../../../src/pages/forecas
 const HOUR_US = 3600e6;
 
 function block(request: string, proposal: string, startUs: number, hours: number): PlanBlockShape {
-  return { request, proposal, target: request, start_us: startUs, end_us: startUs + hours * HOUR_US, overhead_s: 0, reason: "" };
+  return { request, proposal, target: request, start_us: startUs, end_us: startUs + hours * HOUR_US, overhead_s: 0, reason: "", pauses: [] };
 }
 
 function night(blocks: readonly PlanBlockShape[], chances: Readonly<Record<string, number>>): WeekNightShape {

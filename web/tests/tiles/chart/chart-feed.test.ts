@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { ChartFeed } from "../../../src/tiles/chart/chart-feed.js";
-import { samplesOf } from "../../../src/tiles/chart/history-samples.js";
+import { samplesOf } from "../../../src/state/past/history-samples.js";
 import type { HistoryAnswer, SignalShape } from "../../../src/generated/api.js";
 import type { HistoryQuery } from "../../../src/wire/hub-api.js";
 import type { Batch, BatchListener } from "../../../src/wire/subscriptions.js";

@@ -10,6 +10,7 @@ from talaia.clock import SECOND
 from talaia.gateway.night.block_run import BlockParts
 from talaia.gateway.night.imaging.star_parts import AbsentPart, FieldCentre, PartOutcome
 from talaia.gateway.night.night_values import StepAnswer
+from talaia.gateway.night.planning.planner_question import FocusNews
 from talaia.model.observing.states import ObservationState
 from talaia.wire.frames import CommandPhase
 
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.night.imaging.frame_reckoner import FrameReckoner
-    from talaia.gateway.night.imaging.star_parts import AutoFocuser, AutoGuider, PlateSolver
+    from talaia.gateway.night.imaging.star_parts import (
+        AutoFocuser,
+        AutoGuider,
+        PlateSolver,
+    )
     from talaia.gateway.night.night_values import ObservationChange, PartRun
     from talaia.gateway.ports import EventSink
 
@@ -99,6 +104,18 @@ class PartRuns:
             focus_due=focus_due if self._focuser.present else None,
             guide_lost=self._guider.lost_reason,
         )
+
+    def focus_news(self, now: float) -> FocusNews | None:
+        """Tell the planner of the last focus run and of the next; none: there was none yet.
+
+        ``now`` is in s since the epoch (UTC).
+        """
+        seen = self._focuser.outlook(self._temperature(), self._clock.monotonic_ns() / SECOND)
+        if seen is None:
+            return None
+        # To the minute: the same question is answered in the same way.
+        at = round((now - seen.ago) / 60.0) * 60.0
+        return FocusNews(filter=seen.filter_name, at=at, every=seen.every, again=seen.again)
 
     def begin_part(self, run: PartRun, answered: Callable[[StepAnswer], None]) -> None:
         """Begin a part; ``answered`` is told how it ended, unless it is broken off."""

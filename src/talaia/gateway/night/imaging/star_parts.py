@@ -15,6 +15,7 @@ __all__ = [
     "AutoGuider",
     "DeviceFailed",
     "FieldCentre",
+    "FocusOutlook",
     "PartOutcome",
     "PlateSolver",
 ]
@@ -48,6 +49,23 @@ class FieldCentre(NamedTuple):
     filter: str = ""
 
 
+class FocusOutlook(NamedTuple):
+    """How a site is focused.
+
+    Attributes:
+        filter_name: of the last run.
+        ago: it was so long ago (s).
+        every: the next is due so long after it (s), by the clock or as the tube cools just now.
+        again: why then, in words.
+
+    """
+
+    filter_name: str
+    ago: float
+    every: float
+    again: str
+
+
 class AutoFocuser(Protocol):
     """Brings the camera into focus on the field that the telescope tracks."""
 
@@ -58,6 +76,10 @@ class AutoFocuser(Protocol):
 
     def is_due(self, filter_name: str, temperature: float | None, time: float) -> bool:
         """Tell whether another filter, another temperature or the time asks for a run."""
+        ...
+
+    def outlook(self, temperature: float | None, time: float) -> FocusOutlook | None:
+        """Tell of the last run, and when the next is due; none: there was none yet."""
         ...
 
     async def run_focus(self, filter_name: str) -> PartOutcome:
@@ -111,6 +133,10 @@ class AbsentPart:
     def is_due(self, filter_name: str, temperature: float | None, time: float) -> bool:
         """Never."""
         return False
+
+    def outlook(self, temperature: float | None, time: float) -> FocusOutlook | None:
+        """Nothing."""
+        return None
 
     async def run_focus(self, filter_name: str) -> PartOutcome:
         """Do nothing."""

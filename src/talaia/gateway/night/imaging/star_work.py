@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from talaia.gateway.night.imaging.star_parts import DeviceFailed, PartOutcome
+from talaia.gateway.night.imaging.star_parts import DeviceFailed, FocusOutlook, PartOutcome
 from talaia.imaging.centring import Centring
 from talaia.imaging.focus_run import FocusRun, FocusSettings
 from talaia.imaging.frame_tasks import measure_focus, solve_frame
@@ -107,6 +107,10 @@ class CentringSolver:
                 return PartOutcome(good=False, message=f"not centred: {error}")
 
 
+# What a thermometer trembles is no trend over less (s).
+_TREND_S = 900.0
+
+
 class FocusRules(NamedTuple):
     """When a run is due, and how it goes.
 
@@ -153,6 +157,23 @@ class FocusRunner:
         if temperature is None or last.celsius is None:
             return False
         return abs(temperature - last.celsius) >= rules.degrees
+
+    def outlook(self, temperature: float | None, time: float) -> FocusOutlook | None:
+        """See `AutoFocuser.outlook`; ``time`` on the monotonic clock (s)."""
+        last, rules = self._last, self._rules
+        if last is None:
+            return None
+        ago, every = time - last.time, rules.every
+        again = f"{every / 3600.0:.1f} h after the last one"
+        if temperature is not None and last.celsius is not None and ago >= _TREND_S:
+            changed = temperature - last.celsius
+            # As it has changed since the last run, so it goes on.
+            due = ago * rules.degrees / max(abs(changed), 1e-9)
+            if due < every:
+                words = "cools" if changed < 0 else "grows warmer"
+                rate = abs(changed) / ago * 3600.0
+                every, again = due, f"the tube {words} by {rate:.1f} °C an hour"
+        return FocusOutlook(last.filter_name, ago, every, again)
 
     async def run_focus(self, filter_name: str) -> PartOutcome:
         """See `AutoFocuser.run_focus`; after a failure the focuser is where it was."""

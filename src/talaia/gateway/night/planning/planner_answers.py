@@ -15,7 +15,11 @@ from talaia.planner.sky import TelescopePlace
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
+    from talaia.gateway.night.planning.planner_question import (
+        FocusNews,
+        PlannerQuestion,
+        PlannerSetup,
+    )
     from talaia.model.observing.requests import Proposal, RequestGroup
 
 __all__ = ["PlannerAnswers"]
@@ -65,6 +69,7 @@ class PlannerAnswers:
         if session is None:
             return PlannerAnswer(number=question.number, reason="nothing has been asked")
         session.set_conditions(seeing=question.seeing, clouds=question.clouds)
+        _tell_focus(session, question.focus)
         decision = session.decide(question.time)
         return PlannerAnswer(
             number=question.number,
@@ -120,6 +125,7 @@ class PlannerAnswers:
             place,
             question.time,
             instrument=setup.instrument,
+            pauses=setup.pauses,
             proposals=_proposals_now(setup, question),
             groups=self._groups_now(setup),
         )
@@ -186,6 +192,15 @@ class PlannerAnswers:
             for request in group.requests
         )
         return replace(group, requests=requests)
+
+
+def _tell_focus(session: PlanningSession, focus: FocusNews | None) -> None:
+    if focus is None:
+        session.set_focus(filter_name="", time=None, every=None)
+    else:
+        session.set_focus(
+            filter_name=focus.filter, time=focus.at, every=focus.every, again=focus.again
+        )
 
 
 def _proposals_now(setup: PlannerSetup, question: PlannerQuestion) -> list[Proposal]:

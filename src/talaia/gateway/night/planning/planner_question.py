@@ -7,10 +7,15 @@ from __future__ import annotations
 
 import msgspec
 
-from talaia.model.observing.plan import Instrument, Plan, WhyNot  # noqa: TC001 - msgspec reads them
+from talaia.model.observing.plan import (
+    Instrument,
+    PauseRules,
+    Plan,
+    WhyNot,
+)
 from talaia.model.observing.requests import Proposal, RequestGroup  # noqa: TC001 - msgspec reads them
 
-__all__ = ["PlannerAnswer", "PlannerQuestion", "PlannerSetup"]
+__all__ = ["FocusNews", "PlannerAnswer", "PlannerQuestion", "PlannerSetup"]
 
 
 class PlannerSetup(msgspec.Struct, frozen=True, kw_only=True, tag="setup"):
@@ -21,6 +26,7 @@ class PlannerSetup(msgspec.Struct, frozen=True, kw_only=True, tag="setup"):
         longitude: (°, east).
         elevation: (m).
         instrument: how long it takes.
+        pauses: what is done between exposures beside that.
         proposals: who pays.
         groups: what is asked.
 
@@ -30,8 +36,26 @@ class PlannerSetup(msgspec.Struct, frozen=True, kw_only=True, tag="setup"):
     longitude: float
     elevation: float
     instrument: Instrument
+    pauses: PauseRules = PauseRules()
     proposals: tuple[Proposal, ...] = ()
     groups: tuple[RequestGroup, ...] = ()
+
+
+class FocusNews(msgspec.Struct, frozen=True, kw_only=True):
+    """How it was focused last.
+
+    Attributes:
+        filter: through which.
+        at: when (s since the epoch, UTC).
+        every: the next run is due so long after it (s).
+        again: why then, in words.
+
+    """
+
+    filter: str
+    at: float
+    every: float
+    again: str = ""
 
 
 class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question"):
@@ -47,6 +71,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
         seeing: FWHM (″).
         clouds: (%).
         parked: the telescope is.
+        focus: the last focus run; none: there was none.
 
     """
 
@@ -59,6 +84,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
     seeing: float | None = None
     clouds: float | None = None
     parked: bool = False
+    focus: FocusNews | None = None
 
 
 class PlannerAnswer(msgspec.Struct, frozen=True, kw_only=True):

@@ -12,11 +12,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from talaia.gateway.night.night_values import NightAction, NightView
+    from talaia.gateway.night.roof.opening_run import OpeningRun
     from talaia.model.interlocks.enclosure import Enclosure
     from talaia.model.interlocks.interlock import Step
     from talaia.model.night_section import NightSection
 
 __all__ = [
+    "OPENING",
+    "UNPARKING",
     "LeaveReason",
     "abort_commands",
     "closing_steps",
@@ -25,10 +28,14 @@ __all__ = [
     "opening_steps",
     "parking_steps",
     "steps_of",
+    "unparking_step",
 ]
 
 # Where the description does not say how long a command may take (s).
 STEP_S = 120.0
+OPENING = "opening the roof"
+"""What is done while the roof opens."""
+UNPARKING = "unparking the telescope"
 _P, _C = NightPhase, SuspensionCause
 
 
@@ -49,13 +56,15 @@ class LeaveReason(NamedTuple):
     disarms: bool = False
 
 
-def leave_reason(view: NightView, closing_sun: float, *, observing: bool) -> LeaveReason | None:
-    """Give what forbids an open roof; while it is opening its sensors do not count yet."""
+def leave_reason(
+    view: NightView, closing_sun: float, *, opening: OpeningRun | None
+) -> LeaveReason | None:
+    """Give what forbids an open roof; while it is ``opening`` its sensors do not count yet."""
     if why := view.closing or view.barred:
         return LeaveReason(_C.WEATHER, why, None)
     if view.sun > closing_sun:
         return LeaveReason(_C.WEATHER, "the Sun rises", _P.WAITING)
-    if not observing:
+    if opening is not None and not opening.roof_is_open:
         return None
     if view.opened is None and view.closed is None:
         return LeaveReason(_C.FAULT, "the roof's sensors say nothing", _P.CLOSED)
@@ -63,7 +72,7 @@ def leave_reason(view: NightView, closing_sun: float, *, observing: bool) -> Lea
         # Nothing of the weather has closed it.
         why = f"{view.person or 'somebody'} has closed the roof"
         return LeaveReason(_C.PERSON, why, _P.DISARMED, disarms=True)
-    if view.parked is None:
+    if opening is None and view.parked is None:
         return LeaveReason(_C.FAULT, "nobody knows how the telescope stands", _P.CLOSED)
     return None
 
@@ -74,28 +83,34 @@ def opening_steps(night: NightSection) -> list[NightStep]:
     def is_open(view: NightView) -> bool:
         return view.opened is True
 
-    def is_ready(view: NightView) -> bool:
-        return view.parked is False
-
     return [
         *steps_of(night.start, "getting ready"),
         NightStep(
-            words="opening the roof",
+            words=OPENING,
             command=night.open.command,
             args=night.open.args,
             within=night.open.within or STEP_S,
             tries=night.step_tries,
             reached=is_open,
         ),
-        NightStep(
-            words="unparking the telescope",
-            command=night.unpark.command,
-            args=night.unpark.args,
-            within=night.unpark.within or STEP_S,
-            tries=night.step_tries,
-            reached=is_ready,
-        ),
+        unparking_step(night),
     ]
+
+
+def unparking_step(night: NightSection) -> NightStep:
+    """Give what gets the telescope ready to point."""
+
+    def is_ready(view: NightView) -> bool:
+        return view.parked is False
+
+    return NightStep(
+        words=UNPARKING,
+        command=night.unpark.command,
+        args=night.unpark.args,
+        within=night.unpark.within or STEP_S,
+        tries=night.step_tries,
+        reached=is_ready,
+    )
 
 
 def closing_steps(rule: Enclosure, *, opens: bool, unparks: bool) -> list[NightStep]:

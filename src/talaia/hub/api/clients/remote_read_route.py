@@ -12,6 +12,7 @@ from talaia.hub.api.clients.metrics_route import check_metrics_right
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.clients.past_metrics import find_past_channels, series_of_channel
+from talaia.hub.history.queries.arrow_library import require_arrow
 from talaia.wire.errors import PeerError
 from talaia.wire.prometheus.remote_read import decode_read_request, encode_read_response
 
@@ -60,6 +61,7 @@ class RemoteReadRoute:
         """
         grants = who_of(request).grants
         check_metrics_right(grants, self._sites, "")
+        require_arrow("past values for Prometheus")
         labels = {name: said for name, said in (("job", job), ("instance", instance)) if said}
         try:
             queries = decode_read_request(_unpack_request(await request.body()))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.schemas.observing_schemas import (
     NightStateShape,
     PlanBlockShape,
+    PlanPauseShape,
     PlanShape,
     WhyNotShape,
 )
@@ -53,6 +54,16 @@ def plan_shape(plan: Plan, seen: Mapping[str, PlannedRequest]) -> PlanShape:
                 end_us=_to_us(block.end),
                 overhead_s=block.overhead,
                 reason=block.reason if known is not None else "",
+                # What the telescope does says nothing of whose target it is.
+                pauses=[
+                    PlanPauseShape(
+                        kind=pause.kind,
+                        start_us=_to_us(pause.start),
+                        end_us=_to_us(pause.end),
+                        reason=pause.reason if known is not None else "",
+                    )
+                    for pause in block.pauses
+                ],
             )
         )
     return PlanShape(

@@ -37,6 +37,7 @@ from talaia.hub.api.schemas.history_schemas import (
     ValueShape,
 )
 from talaia.hub.history.errors import HistoryBusy
+from talaia.hub.history.queries.arrow_library import require_arrow
 from talaia.hub.history.queries.export_formats import MEDIA_TYPES, SUFFIXES, ExportColumn, FileForm
 from talaia.hub.history.sensors.sensor_views import StoredSensorKind
 
@@ -116,6 +117,7 @@ class HistoryPages:
             site, addresses, from_us, to_us, width=width, steps=steps
         )
         if format == "arrow" or (not format and _ARROW in request.headers.get("accept", "")):
+            require_arrow("Arrow streams")
             # Arrow takes 40 MB of memory, which a hub that is not asked for it need not carry.
             from talaia.hub.history.queries.arrow import series_to_arrow
 

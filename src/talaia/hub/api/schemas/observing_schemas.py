@@ -39,6 +39,7 @@ __all__ = [
     "ObservationShape",
     "PhaseShape",
     "PlanBlockShape",
+    "PlanPauseShape",
     "PlanShape",
     "ProposalAsk",
     "ProposalChange",
@@ -396,6 +397,15 @@ class NightStateShape(Schema):
     speed: float
 
 
+class PlanPauseShape(Schema):
+    """What a plan counts with between exposures: ``kind`` is ``flip`` or ``focus``."""
+
+    kind: str
+    start_us: int
+    end_us: int
+    reason: str
+
+
 class PlanBlockShape(Schema):
     """One visit of a plan; what of it is not open to you is empty."""
 
@@ -406,6 +416,7 @@ class PlanBlockShape(Schema):
     end_us: int
     overhead_s: float
     reason: str
+    pauses: list[PlanPauseShape]
 
 
 class PlanShape(Schema):

@@ -1,4 +1,4 @@
-"""What samples can be taken away as. Pure, and cheap to import: pyarrow is in `files` alone."""
+"""What samples can be taken away as. Pure, and cheap to import: no pyarrow."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""Rows as CSV, Parquet or Arrow, a piece at a time: what is written is let go of at once."""
+"""Rows as CSV, Parquet or Arrow by pyarrow, a piece at a time: what is written is let go of."""
 
 from __future__ import annotations
 
-import csv
 import io
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -11,8 +10,8 @@ import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
+from talaia.hub.history.queries.csv_file import TIME, csv_heading, text_cells
 from talaia.hub.history.queries.export_formats import FileForm
-from talaia.hub.store.safe_text import safe_cell
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["write_file"]
 
-TIME = "time"
 # Rows of a Parquet file that are read together; smaller ones make the file larger.
 _ROW_GROUP = 131_072
 
@@ -82,10 +80,7 @@ class _Sink(io.RawIOBase):
 class _Csv:
     def __init__(self, sink: _Sink, columns: list[ExportColumn]) -> None:
         self._sink = sink
-        heading = io.StringIO()
-        named = [c.address + (f" ({c.unit})" if c.unit else "") for c in columns]
-        csv.writer(heading).writerow([safe_cell(name) for name in (f"{TIME} (UTC)", *named)])
-        sink.write(heading.getvalue().encode())
+        sink.write(csv_heading(columns))
 
     def write(self, table: pa.Table) -> None:
         out = io.BytesIO()
@@ -145,7 +140,8 @@ def _make_table(form: FileForm, columns: list[ExportColumn], rows: Rows) -> pa.T
         # A channel that has changed its type keeps its texts where a column can mix them.
         worded = column.worded or (form is FileForm.CSV and bool(part.texts))
         if worded:
-            arrays.append(_text_array(column, part, places, size, safe=form is FileForm.CSV))
+            cells = text_cells(column, part, places, size, safe=form is FileForm.CSV)
+            arrays.append(pa.array(cells, pa.string()))
         else:
             arrays.append(_number_array(part, places, size))
     if form is FileForm.CSV:
@@ -162,18 +158,3 @@ def _number_array(part: BlockSamples, places: NDArray[np.intp], size: int) -> pa
         empty[places[list(part.texts)]] = True
     # Where the robot said NaN stands NaN; where it said nothing stands null.
     return pa.array(value, pa.float64(), mask=empty, from_pandas=False)
-
-
-def _text_array(
-    column: ExportColumn, part: BlockSamples, places: NDArray[np.intp], size: int, *, safe: bool
-) -> pa.Array:
-    known: dict[float, str] = {float(at): word for at, word in enumerate(column.states)}
-    cells: list[str | None] = [None] * size
-    for at, (place, value) in enumerate(zip(places.tolist(), part.value.tolist(), strict=True)):
-        text = part.texts.get(at)
-        if text is None:
-            # A number's own sign makes no formula.
-            cells[place] = known.get(value) or f"{value:.17g}"
-        else:
-            cells[place] = safe_cell(text) if safe else text
-    return pa.array(cells, pa.string())

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.history.database_threads import DatabaseThreads
 from talaia.hub.history.errors import HistoryBusy
+from talaia.hub.history.queries.arrow_library import has_arrow, require_arrow
+from talaia.hub.history.queries.csv_file import write_csv
+from talaia.hub.history.queries.export_formats import FileForm
 from talaia.hub.history.queries.outliers import find_outliers
 from talaia.hub.history.queries.sample_stream import SampleChunk, stream_samples
 from talaia.hub.history.queries.wide_table import join_channels
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
     from sqlalchemy import Engine
 
     from talaia.hub.history.limits import HistoryLimits
-    from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+    from talaia.hub.history.queries.export_formats import ExportColumn
     from talaia.hub.history.queries.outliers import Outliers
     from talaia.hub.history.queries.reader import Reader
     from talaia.hub.history.writing.block_index import BlockIndex
@@ -115,9 +118,9 @@ class LongReads:
         form: FileForm,
         width: int,
     ) -> Iterator[bytes]:
-        # Arrow takes 40 MB of memory, which a hub that exports nothing need not carry.
-        from talaia.hub.history.queries.files import write_file
-
+        arrow = has_arrow()
+        if not arrow and form is not FileForm.CSV:
+            require_arrow("Parquet and Arrow files")
         addresses = [column.address for column in columns]
         if width:
             steps = {column.address for column in columns if column.states}
@@ -137,7 +140,13 @@ class LongReads:
                 )
                 for address in addresses
             ]
-        return write_file(form, list(columns), join_channels(flows))
+        rows = join_channels(flows)
+        if not arrow:
+            return write_csv(columns, rows)
+        # Arrow takes 40 MB of memory, which a hub that exports nothing need not carry.
+        from talaia.hub.history.queries.files import write_file
+
+        return write_file(form, list(columns), rows)
 
     def close(self) -> None:
         """Wait for the piece that is being made, and end the thread; blocks."""

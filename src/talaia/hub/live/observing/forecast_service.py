@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from talaia.hub.live.observing.observing_sites import instrument_of
+from talaia.hub.live.observing.observing_sites import instrument_of, pauses_of
 from talaia.hub.observing.forecast_child import ForecastQuestion
 from talaia.planner.week import WeekForecast
 
@@ -187,6 +187,7 @@ class ForecastService:
             elevation=place.elevation or 0.0,
             now=began,
             instrument=instrument_of(site),
+            pauses=pauses_of(site),
             proposals=tuple(proposals),
             groups=tuple(heapq.nlargest(_MOST_GROUPS, groups, key=lambda group: group.priority)),
         )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from talaia.model.observing.plan import Instrument
+from talaia.model.observing.plan import Instrument, PauseRules
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
-__all__ = ["ObservingNews", "filters_of", "instrument_of", "is_observatory"]
+__all__ = ["ObservingNews", "filters_of", "instrument_of", "is_observatory", "pauses_of"]
 
 
 class ObservingNews(Protocol):
@@ -28,6 +28,11 @@ def is_observatory(site: Site) -> bool:
 def instrument_of(site: Site) -> Instrument:
     """Give how long its telescope takes for what stands between exposures."""
     return site.night.times if site.night is not None else Instrument()
+
+
+def pauses_of(site: Site) -> PauseRules:
+    """Give what its night does between exposures beside that."""
+    return site.night.pauses if site.night is not None else PauseRules()
 
 
 def filters_of(site: Site) -> tuple[str, ...] | None:

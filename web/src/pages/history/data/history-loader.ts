@@ -4,7 +4,7 @@ import { gapsOf } from "../../../series/gaps.js";
 import { Trace } from "../../../series/trace.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
-import { samplesOf } from "../../../tiles/chart/history-samples.js";
+import { samplesOf } from "../../../state/past/history-samples.js";
 import { toShown } from "../../../format/unit.js";
 import type { GapShape, HistoryAnswer, SeriesShape, ShownUnitShape } from "../../../generated/api.js";
 import type { HistoryQuery } from "../../../wire/hub-api.js";

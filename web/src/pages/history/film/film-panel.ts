@@ -8,9 +8,9 @@ import { base, panelBox, quietText } from "../../../elements/base/base-style.js"
 import { momentText } from "../../../elements/chart/cursor-values.js";
 import { formatClock, knownZone } from "../../../format/time.js";
 import type { FilmController } from "./film-controller.js";
-import type { FilmView } from "./film-view.js";
-import { SPEEDS } from "./playhead.js";
-import "./film-view.js";
+import type { FilmView } from "../../../tiles/camera/film-view.js";
+import { SPEEDS } from "../../../state/past/playhead.js";
+import "../../../tiles/camera/film-view.js";
 
 /** So many cameras are shown before a person has chosen. */
 const FIRST_CAMERAS = 4;

@@ -9,7 +9,7 @@ from talaia.hub.store.migrations import steps
 from talaia.hub.store.migrations.steps import BIG, ID, NAME
 
 revision = "0038"
-down_revision = "0036"
+down_revision = "0037"
 branch_labels = None
 depends_on = None
 

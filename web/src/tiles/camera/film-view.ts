@@ -7,18 +7,18 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../../../elements/base/base-style.js";
-import { momentText } from "../../../elements/chart/cursor-values.js";
-import { onPicture } from "../../../elements/camera/picture-overlay.js";
-import { formatNumber } from "../../../format/number.js";
-import { formatClock, knownZone } from "../../../format/time.js";
-import { fetchTimes } from "../../../wire/mp4-times.js";
-import { filmPath } from "../../../wire/films-api.js";
-import type { FilmShape } from "../../../generated/api.js";
-import { recordingPath } from "../../../wire/recordings-api.js";
+import { base } from "../../elements/base/base-style.js";
+import { momentText } from "../../elements/chart/cursor-values.js";
+import { onPicture } from "../../elements/camera/picture-overlay.js";
+import { formatNumber } from "../../format/number.js";
+import { formatClock, knownZone } from "../../format/time.js";
+import { fetchTimes } from "../../wire/mp4-times.js";
+import { filmPath } from "../../wire/films-api.js";
+import type { FilmShape } from "../../generated/api.js";
+import { recordingPath } from "../../wire/recordings-api.js";
 import { pictureAt, filmStateAt, stepTime, type CameraFilms, type FilmState } from "./film-search.js";
-import "../../../elements/forms/button.js";
-import "../../../elements/base/icon.js";
+import "../../elements/forms/button.js";
+import "../../elements/base/icon.js";
 
 /** Playing, a film that is farther from the moment than this (s, at its own speed) jumps to it. */
 const FAR_S = 0.35;

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { firstFilmMoment, isFilmed, nextFilmStart, pictureAt, filmsByCamera, filmStateAt, stepTime, type CameraFilms } from "../../../../src/pages/history/film/film-search.js";
-import { nextSpeed, Playhead, SPEEDS } from "../../../../src/pages/history/film/playhead.js";
-import type { FilmListShape, FilmShape } from "../../../../src/generated/api.js";
+import { firstFilmMoment, isFilmed, nextFilmStart, pictureAt, filmsByCamera, filmStateAt, stepTime, type CameraFilms } from "../../../src/tiles/camera/film-search.js";
+import { nextSpeed, Playhead, SPEEDS } from "../../../src/state/past/playhead.js";
+import type { FilmListShape, FilmShape } from "../../../src/generated/api.js";
 
 function film(id: string, begin_us: number, end_us: number, more: Partial<FilmShape> = {}): FilmShape {
   return { id, stream: "cam/front", state: "complete", why: "", who: "", note: "", begin_us, end_us, size: 1, have: 1, pictures: 3, ...more };

@@ -1,6 +1,6 @@
 /** Which film shows a moment, and what to say where none does. Pure. */
 
-import type { FilmListShape, FilmShape, UnfilmedShape } from "../../../generated/api.js";
+import type { FilmListShape, FilmShape, UnfilmedShape } from "../../generated/api.js";
 
 /** What there is of one camera. */
 export interface CameraFilms {

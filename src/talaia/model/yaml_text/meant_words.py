@@ -1,0 +1,156 @@
+"""Words that people bring from elsewhere, and what they are called in a description. Pure.
+
+Likeness of letters finds a slip of the finger; it takes ``private`` for no word, and
+``vehicle.velocity`` for ``vehicle.position``. What stands here goes first, where it is among the
+words that fit.
+"""
+
+from __future__ import annotations
+
+from difflib import SequenceMatcher, get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+__all__ = ["list_words", "meant_word", "near_words"]
+
+# More are no help to who reads them.
+_MOST_LISTED = 20
+# Words that several entries share.
+_ABOVE, _BELOW = ("above",), ("below",)
+_NUMBER, _TEXT, _WHOLE = ("number",), ("text",), ("integer", "number")
+_MEANT: dict[str, tuple[str, ...]] = {
+    # Signs and words of other languages for conditions.
+    ">": _ABOVE,
+    ">=": _ABOVE,
+    "gt": _ABOVE,
+    "greater": _ABOVE,
+    "greater_than": _ABOVE,
+    "more_than": _ABOVE,
+    "<": _BELOW,
+    "<=": _BELOW,
+    "lt": _BELOW,
+    "less": _BELOW,
+    "less_than": _BELOW,
+    "=": ("is",),
+    "==": ("is",),
+    "equals": ("is",),
+    "state": ("is",),
+    "!=": ("is_not",),
+    "not": ("is_not",),
+    # Types of programming languages and of messages.
+    "bool": ("boolean", "state"),
+    "boolean": ("state",),
+    "switch": ("state",),
+    "enum": ("state",),
+    "float": _NUMBER,
+    "float32": _NUMBER,
+    "float64": _NUMBER,
+    "double": _NUMBER,
+    "int": _WHOLE,
+    "int32": _WHOLE,
+    "integer": _NUMBER,
+    "str": _TEXT,
+    "string": _TEXT,
+    "gps": ("position",),
+    "pose": ("position",),
+    # Kinds of devices.
+    "robot": ("vehicle",),
+    "rover": ("vehicle",),
+    "car": ("vehicle",),
+    "mobile_base": ("vehicle",),
+    "mount": ("telescope",),
+    "roof": ("dome",),
+    "battery": ("power",),
+    # Who sees it, and how bad it is.
+    "private": ("view",),
+    "hidden": ("view",),
+    "guest": ("public",),
+    "everyone": ("public",),
+    "high": ("critical",),
+    "low": ("info",),
+    "error": ("critical",),
+    "fatal": ("critical",),
+    "threshold": ("limit",),
+    "range": ("limit",),
+    "timeout": ("stale",),
+    "condition": ("expression",),
+    # Keys, as other programs call them.
+    "max": ("maximum",),
+    "min": ("minimum",),
+    "speed_limit": ("max_speed",),
+    "velocity": ("max_speed",),
+    "label": ("name",),
+    "title": ("name",),
+    "sensors": ("signals",),
+    "actions": ("commands",),
+    "services": ("commands",),
+    "buttons": ("commands",),
+    "cameras": ("streams",),
+    "timezone": ("zone",),
+    "time_zone": ("zone",),
+    "tz": ("zone",),
+    "location": ("place",),
+    "altitude": ("elevation",),
+    "version": ("talaia",),
+    "rules": ("interlocks",),
+    # Kinds of connections.
+    "rosbridge_server": ("rosbridge",),
+    "rtsp": ("video",),
+    "camera": ("video",),
+    "ascom": ("alpaca",),
+    "ros": ("ros2",),
+    "vehicle.velocity": ("vehicle.speed",),
+    "weather.wind_speed": ("weather.wind",),
+}
+
+
+def meant_word(word: str, known: Collection[str], likeness: float = 0.5) -> str:
+    """Give the one of ``known`` that was most likely meant; empty for none.
+
+    Looser than difflib's own 0.6, so that short words with a slip are still met.
+    """
+    for meant in _MEANT.get(word.lower(), ()):
+        if meant in known:
+            return meant
+    # Addresses: ``device/name``.
+    if any("/" in one for one in known) and not word.startswith("/"):
+        return _meant_address(word, known)
+    near = get_close_matches(word, sorted(known), n=1, cutoff=likeness)
+    return near[0] if near else ""
+
+
+def _meant_address(word: str, known: Collection[str]) -> str:
+    """Compare what stands behind the device: that alone tells ``dome/open`` from ``dome/close``."""
+    device, _, name = word.rpartition("/")
+    # Of the same device first, then of one that is called alike.
+    for likeness in (1.0, 0.6) if device else (0.0,):
+        some = {
+            one.rpartition("/")[2]: one
+            for one in sorted(known)
+            if SequenceMatcher(None, device, one.rpartition("/")[0]).ratio() >= likeness
+        }
+        # Higher than for whole words: these are short, and a wrong command is dangerous.
+        near = get_close_matches(name, sorted(some), n=1, cutoff=0.65)
+        if near:
+            return some[near[0]]
+    # A device by another name, with a signal that only one has.
+    same = [one for one in known if one.rpartition("/")[2] == name]
+    return same[0] if len(same) == 1 else ""
+
+
+def near_words(word: str, known: Collection[str]) -> list[str]:
+    """Give those of ``known`` that belong to the same device; all, if none does."""
+    # A site has thousands of signals, a device a dozen.
+    device = word.partition("/")[0]
+    return [one for one in known if one.partition("/")[0] == device] or list(known)
+
+
+def list_words(words: Collection[str]) -> str:
+    """List words with commas, the first of many."""
+    # In the order of the alphabet, so that the same mistake gives the same sentence.
+    shown = sorted(words)
+    if len(shown) <= _MOST_LISTED:
+        return ", ".join(shown)
+    return f"{', '.join(shown[:_MOST_LISTED])}, … ({len(shown)} in all)"

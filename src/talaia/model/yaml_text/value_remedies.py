@@ -1,0 +1,199 @@
+"""What to write where a value is not of the type that is expected. Pure."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import msgspec
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+__all__ = ["example_of_key", "remedy_of_value", "words_of_value"]
+
+# msgspec's words for the types of JSON, and ours.
+_WORDS = {
+    "array": "a list",
+    "bool": "true or false",
+    "float": "a number",
+    "int": "a whole number",
+    "null": "nothing",
+    "object": "a mapping",
+    "str": "a text",
+}
+# Of a text that stands in the wrong place: enough to find it again.
+_LONGEST_SHOWN = 60
+# What people write for numbers, each with its own remedy.
+_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+_PLAIN_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
+# For some languages to the base of 8.
+_WITH_ZERO = re.compile(r"[-+]?0[0-9]+(?:\.[0-9]*)?\Z")
+_WITH_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
+_WITH_COLON = re.compile(r"[-+]?[0-9]+(?::[0-9.]+)+\Z")
+# Anything behind a number that is no part of one.
+_WITH_UNIT = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>[^\d\s,:.].*)\Z")
+# Those in which keys are; a number with another one would have to be converted.
+_OWN_UNITS = {"s", "m", "m/s", "rad/s", "px", "Hz", "%", "V", "A", "N", "E", "°", "°C"}
+# YAML's bare words for true and false, which are texts in quotes.
+_TRUTHS = {"yes", "no", "true", "false", "on", "off"}
+# Of these YAML makes no text.
+_BARE = re.compile(r"[A-Za-z_/][\w/.-]*\Z")
+
+
+def words_of_value(value: object, found: str) -> str:
+    """Say what stands there, in no language's words for it; ``found`` is msgspec's word."""
+    # Before numbers, for Python takes truth values for some.
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return f"the number {value}"
+    if isinstance(value, str):
+        cut = value if len(value) <= _LONGEST_SHOWN else f"{value[:_LONGEST_SHOWN]}…"
+        return f"the text {cut!r}"
+    return _WORDS.get(found, found)
+
+
+def remedy_of_value(
+    kinds: Collection[str], value: object, shape: object, *, is_needed: bool = False
+) -> str:
+    """Say what to write instead.
+
+    Args:
+        kinds: what is expected, in msgspec's words: ``float``, ``array``.
+        value: what stands there; None for nothing.
+        shape: what is expected, as of `msgspec.inspect`.
+        is_needed: the key may not be left out.
+
+    """
+    # Somebody wrote the key and went on.
+    if value is None:
+        instead = "" if is_needed else ", or leave the key out"
+        if "object" in kinds:
+            return f"write its parts below it, further to the right{instead}"
+        return f"write it behind the colon{instead}"
+    # A value of any plain type is expected: nothing more is known of it.
+    if len(kinds) > 1:
+        return "write one of them, without brackets" if isinstance(value, list) else "write one"
+    if "object" in kinds:
+        return _as_mapping(value, shape)
+    if "array" in kinds:
+        return _as_list(value)
+    if "str" in kinds:
+        return _as_text(value)
+    if "bool" in kinds and "float" not in kinds:
+        if isinstance(value, str) and value.lower() in _TRUTHS:
+            return "leave out the quotes"
+        return "write true or false"
+    if "float" in kinds or "int" in kinds:
+        return _as_number(value, whole="float" not in kinds)
+    return ""
+
+
+def _as_number(value: object, *, whole: bool) -> str:
+    # Rounding is theirs to choose.
+    if isinstance(value, float) and whole:
+        return "leave out the fraction"
+    if not isinstance(value, str):
+        return "write one number"
+    text = value.strip()
+    if _WITH_ZERO.match(text):
+        digits = text.lstrip("+-")
+        sign = text[: len(text) - len(digits)]
+        bare = f"{sign}{digits.lstrip('0') or '0'}"
+        if whole or "." in text:
+            return f"leave out the zero before it: {bare}"
+        # Half of a speed or ten times that: only who wrote it knows.
+        return f"write {bare}, or {sign}{digits[0]}.{digits[1:]} if a point is missing"
+    # A right number, and only its quotes are too much.
+    if _PLAIN_NUMBER.match(text):
+        return f"leave out the quotes: {text}"
+    # As half of the world writes numbers.
+    if _WITH_COMMA.match(text):
+        return f"write a point: {text.replace(',', '.')}"
+    # A time, or degrees and minutes; which one nobody can tell here.
+    if _WITH_COLON.match(text):
+        return "write one number without a colon, such as 1.5 or 90"
+    if unit := _WITH_UNIT.match(text):
+        # Another unit than that of the key would be another number.
+        if unit["unit"] in _OWN_UNITS:
+            return f"write the number alone: {unit['number']}"
+        return "write the number alone, in the unit of this key: seconds, metres, m/s"
+    return "write it in digits"
+
+
+def _as_text(value: object) -> str:
+    if isinstance(value, bool):
+        return "put it in quotes: without them yes, no, on and off are true or false"
+    if isinstance(value, int | float):
+        return f'put it in quotes: "{value}"'
+    return "write one text"
+
+
+def _as_list(value: object) -> str:
+    if isinstance(value, str):
+        # One item, or several as people list them in a sentence.
+        items = [item.strip() for item in value.split(",")]
+        bare = all(_BARE.match(item) and item.lower() not in _TRUTHS for item in items)
+        written = ", ".join(item if bare else f'"{item}"' for item in items)
+        return f"write it in brackets: [{written}]" if '"' not in value else "write it in brackets"
+    if isinstance(value, dict):
+        return "begin each item with a dash and a space: - …"
+    return f"write it in brackets: [{words_of_item(value)}]"
+
+
+def words_of_item(value: object) -> str:
+    """Write a plain value as YAML has it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return str(value)
+
+
+def _as_mapping(value: object, shape: object) -> str:
+    struct = shape
+    if isinstance(shape, msgspec.inspect.UnionType):
+        structs = [one for one in shape.types if isinstance(one, msgspec.inspect.StructType)]
+        # Of several nothing can be said of their keys.
+        if len(structs) > 1:
+            return "write its keys below it; which ones goes by the kind of the connection"
+        struct = structs[0] if structs else None
+    if isinstance(struct, msgspec.inspect.StructType):
+        # The needed ones are the least that makes it right.
+        needed = [field.encode_name for field in struct.fields if field.required]
+        # A condition: most often somebody wrote it as a sum, ``base/speed > 1``.
+        if "until_below" in (names := [field.encode_name for field in struct.fields]):
+            return "write: {signal: device/name, above: 1}, or below, is, is_not"
+        if needed:
+            keys = ", ".join(f"{key}: …" for key in needed)
+            return f"write its keys: {{{keys}}}"
+        # ``ros2: true``: all of its keys may be left out, yet a mapping it is.
+        if isinstance(value, bool):
+            return "write {} where there is nothing more to say"
+        keys = ", ".join(names[:6])
+        return f"write its keys, such as {keys}"
+    # Parts with names of their own: devices, signals, interlocks.
+    if isinstance(value, list):
+        return "leave out the dashes, and begin each part with its name and a colon"
+    return "write each part below it, with its name, a colon and its own keys"
+
+
+def example_of_key(shape: object) -> str:
+    """Say what is written behind a key."""
+    if isinstance(shape, msgspec.inspect.EnumType):
+        return f"one of {', '.join(str(member.value) for member in shape.cls)}"
+    # No examples of numbers: how fast a robot may go nobody but its owner can say.
+    for kind, word in (
+        (msgspec.inspect.StrType, "a text"),
+        (msgspec.inspect.BoolType, "true or false"),
+        (msgspec.inspect.IntType, "a whole number"),
+        (msgspec.inspect.FloatType, "a number"),
+        (msgspec.inspect.VarTupleType, "a list"),
+        (msgspec.inspect.ListType, "a list"),
+    ):
+        if isinstance(shape, kind):
+            return word
+    if isinstance(shape, msgspec.inspect.StructType):
+        needed = [field.encode_name for field in shape.fields if field.required]
+        if needed:
+            return f"{{{', '.join(f'{key}: …' for key in needed)}}}"
+    return "its keys below it"

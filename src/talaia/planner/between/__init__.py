@@ -1,0 +1,1 @@
+"""What stands between exposures: the way to a block, and what it has in it beside frames."""

@@ -1,0 +1,273 @@
+/**
+ * A board's past: the moment that all of its tiles show, how it moves, and what was recorded around it.
+ *
+ * It is told the time by whoever owns it: `tick` is called for each picture.
+ */
+
+import { SECOND_US } from "../../series/zone-clock.js";
+import type { Batch, BatchListener } from "../../wire/subscriptions.js";
+import type { Reading } from "../live-values.js";
+import { Store } from "../store.js";
+import type { PastSource } from "./past-chunks.js";
+import { PastFeed } from "./past-feed.js";
+import { PastValues } from "./past-values.js";
+import { Playhead } from "./playhead.js";
+
+export const PAST_SPEEDS: readonly number[] = [1, 2, 5, 10];
+/** Playing, tiles are drawn anew this often (ms): more than an eye reads. */
+const EVERY_MS = 100;
+/** So long after the last jump the moment counts as settled (ms). */
+const SETTLED_MS = 150;
+/** So much play time (s) is asked for ahead of the moment. */
+const AHEAD_S = 8;
+/** Without any sample for so long (µs), the board says that nothing was recorded. */
+const SILENT_US = 60 * SECOND_US;
+/** A sample takes up to this long from the robot into the history (µs). */
+const LATE_US = 2 * SECOND_US;
+
+export type PastState = "ready" | "loading" | "failed" | "silent";
+
+/** What time it is: by a clock that only goes forward (ms), and by the world's (µs). */
+export interface PastTime {
+  nowMs(): number;
+  wallUs(): number;
+}
+
+const BROWSER_TIME: PastTime = { nowMs: () => performance.now(), wallUs: () => Date.now() * 1000 };
+
+interface Replay {
+  readonly site: string;
+  readonly channels: readonly string[];
+  readonly listener: BatchListener;
+  /** Told up to here (µs); NaN before the first time. */
+  toldUs: number;
+}
+
+export class PastBoard extends Store {
+  readonly values: PastValues;
+  readonly feed: PastFeed;
+  private readonly head = new Playhead();
+  private readonly replays = new Set<Replay>();
+  private jumped = 0;
+  private jumpedMs: number;
+  private tickedMs = -Infinity;
+  private loadSoon = false;
+  private wasSettled = false;
+  private ended = false;
+  private closed = false;
+
+  constructor(
+    readonly site: string,
+    source: PastSource,
+    atUs: number,
+    private readonly time: PastTime = BROWSER_TIME,
+  ) {
+    super();
+    const us = (): number => this.us;
+    const nowUs = (): number => this.endUs;
+    const changed = (): void => {
+      this.onAnswer();
+    };
+    const wish = (): void => {
+      this.askSoon();
+    };
+    this.values = new PastValues(site, source, us, wish, changed, nowUs);
+    this.feed = new PastFeed(site, source, us, () => this.jumped, wish, nowUs);
+    this.jumpedMs = time.nowMs();
+    this.head.seek(Math.min(atUs, this.endUs), time.nowMs());
+    this.ended = atUs >= this.endUs;
+  }
+
+  /** The moment that is shown (µs since the epoch, UTC); never later than now. */
+  get us(): number {
+    return Math.min(this.head.timeUs(this.time.nowMs()), this.endUs);
+  }
+
+  /** The newest moment that can be shown (µs): what is later may still be on its way to the history. */
+  get endUs(): number {
+    return this.time.wallUs() - LATE_US;
+  }
+
+  get playing(): boolean {
+    return this.head.playing;
+  }
+
+  get speed(): number {
+    return this.head.speed;
+  }
+
+  /** The moment has come up to the newest: there is nothing to play. */
+  get isAtEnd(): boolean {
+    return this.ended;
+  }
+
+  /** Counts the times that the moment was put elsewhere. */
+  get jumps(): number {
+    return this.jumped;
+  }
+
+  /** Nobody is just moving it about. */
+  get isSettled(): boolean {
+    return this.time.nowMs() - this.jumpedMs >= SETTLED_MS;
+  }
+
+  get state(): PastState {
+    const { us, values, feed } = this;
+    if (values.chunks.failure !== null || feed.failure !== null) return "failed";
+    if (!values.chunks.isReady(us, us) || !feed.isReady) return "loading";
+    return values.watchesAny && !(us - values.newestUs() <= SILENT_US) ? "silent" : "ready";
+  }
+
+  /** Why the hub gave nothing; null while it does. */
+  get failure(): unknown {
+    return this.values.chunks.failure ?? this.feed.failure;
+  }
+
+  play(): void {
+    if (this.ended) return;
+    this.head.play(this.time.nowMs());
+    this.update();
+  }
+
+  pause(): void {
+    this.head.seek(this.us, this.time.nowMs());
+    this.head.pause(this.time.nowMs());
+    this.update();
+  }
+
+  /** @param us later than now is now */
+  seek(us: number): void {
+    const { endUs } = this;
+    this.values.chunks.retry();
+    this.feed.retry();
+    this.jumpTo(Math.max(0, Math.min(us, endUs)));
+    this.ended = us >= endUs;
+    if (this.ended && this.playing) this.pause();
+    this.update();
+  }
+
+  step(byUs: number): void {
+    if (this.playing) this.pause();
+    this.seek(this.us + byUs);
+  }
+
+  setSpeed(speed: number): void {
+    this.head.setSpeed(speed, this.time.nowMs());
+    this.update();
+  }
+
+  retry(): void {
+    this.values.chunks.retry();
+    this.feed.retry();
+    this.update();
+  }
+
+  /** Moves on to the time that it is. */
+  tick(): void {
+    const now = this.time.nowMs();
+    const settles = this.isSettled && !this.wasSettled;
+    this.wasSettled = this.isSettled;
+    if (!this.playing) {
+      if (settles) this.update();
+      return;
+    }
+    if (this.head.timeUs(now) >= this.endUs) {
+      this.ended = true;
+      this.pause();
+      return;
+    }
+    if (now - this.tickedMs >= EVERY_MS || settles) this.update();
+  }
+
+
+  /** @param listener hears the last sample of each channel first, then each one that the moment comes to */
+  replayChannels(site: string, channels: readonly string[], listener: BatchListener): () => void {
+    const replay: Replay = { site, channels, listener, toldUs: Number.NaN };
+    this.replays.add(replay);
+    const stops = channels.map((channel) => this.values.watchChannel(site, channel, () => undefined));
+    this.tellReplay(replay);
+    return () => {
+      this.replays.delete(replay);
+      for (const stop of stops) stop();
+    };
+  }
+
+  close(): void {
+    this.closed = true;
+    this.values.chunks.close();
+    this.feed.close();
+    this.replays.clear();
+  }
+
+  private jumpTo(us: number): void {
+    const now = this.time.nowMs();
+    this.head.seek(us, now);
+    this.jumped += 1;
+    this.jumpedMs = now;
+    this.wasSettled = false;
+    for (const replay of this.replays) replay.toldUs = Number.NaN;
+  }
+
+  private onAnswer(): void {
+    if (!this.closed) this.update();
+  }
+
+  /** A board that is drawn asks for many channels at once: ask the hub once, afterwards. */
+  private askSoon(): void {
+    if (this.loadSoon || this.closed) return;
+    this.loadSoon = true;
+    queueMicrotask(() => {
+      this.loadSoon = false;
+      if (!this.closed) this.update();
+    });
+  }
+
+  private update(): void {
+    this.tickedMs = this.time.nowMs();
+    this.load();
+    const us = this.us;
+    // The moment waits for what is to be shown: nothing is drawn that was not so.
+    this.head.setWaiting(this.playing && !this.values.chunks.isReady(us, us), this.time.nowMs());
+    for (const replay of this.replays) this.tellReplay(replay);
+    this.values.notifyWatchers();
+    this.notifyWatchers();
+  }
+
+  private load(): void {
+    const { us } = this;
+    const aheadUs = this.playing ? AHEAD_S * SECOND_US * this.speed : 0;
+    this.values.chunks.load(us, us);
+    this.feed.load(0);
+    if (aheadUs === 0) return;
+    this.values.chunks.load(us, us + aheadUs);
+    this.feed.load(aheadUs);
+  }
+
+  private tellReplay(replay: Replay): void {
+    const { us } = this;
+    const { site, channels, listener, toldUs } = replay;
+    if (!this.values.chunks.isReady(us, us)) return;
+    const first = Number.isNaN(toldUs) || us < toldUs;
+    const found = channels.flatMap((channel, index) => {
+      const latest = this.values.latestReading(site, channel);
+      const readings = first ? (latest === undefined ? [] : [latest]) : this.values.readingsBetween(channel, toldUs, us);
+      return readings.map((reading) => ({ index, reading }));
+    });
+    replay.toldUs = us;
+    if (found.length > 0) listener(batchOf(site, channels, found, us, first));
+  }
+}
+
+function batchOf(site: string, channels: readonly string[], found: readonly { readonly index: number; readonly reading: Reading }[], us: number, first: boolean): Batch {
+  const sorted = [...found].sort((a, b) => a.reading.timeUs - b.reading.timeUs);
+  return {
+    site, channels, first,
+    columns: {
+      channel: Uint16Array.from(sorted, ({ index }) => index),
+      timeUs: Float64Array.from(sorted, ({ reading }) => reading.timeUs),
+      value: Float64Array.from(sorted, ({ reading }) => reading.value),
+      texts: Object.fromEntries(sorted.flatMap(({ reading: { text } }, i) => (text === null ? [] : [[i, text]]))),
+      ageMs: sorted.map(({ reading }) => Math.max(0, us - reading.timeUs) / 1000),
+    },
+  };
+}

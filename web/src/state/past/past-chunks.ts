@@ -1,0 +1,165 @@
+/** What was recorded, in stretches of equal length that are asked for once and kept while they are of use. */
+
+import type { HistoryAnswer, SeriesShape, ValueList, ValueShape } from "../../generated/api.js";
+import type { HistoryQuery } from "../../wire/hub-api.js";
+
+/** What is asked of the hub. */
+export interface PastSource {
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<HistoryAnswer>;
+  /** The last sample of each channel before a moment. */
+  lastValues(site: string, channels: readonly string[], beforeUs: number, signal?: AbortSignal): Promise<ValueList>;
+}
+
+/** One channel in one stretch. */
+export interface PastColumn {
+  readonly series: SeriesShape;
+  /** The last sample before the stretch; null for none, or where nobody needs it. */
+  readonly before: ValueShape | null;
+}
+
+/** How long a stretch is (µs), for how many pixels it is asked, and whether what came before it counts. */
+export interface ChunkForm {
+  readonly lengthUs: number;
+  readonly width: number;
+  readonly withLast: boolean;
+}
+
+interface Chunk {
+  readonly columns: Map<string, PastColumn>;
+  /** Being asked for. */
+  readonly asked: Set<string>;
+  /** Later samples may have come in since it was asked for (µs). */
+  untilUs: number;
+}
+
+/** Channels in one question: an address may not get too long. */
+const AT_ONCE = 24;
+/** Stretches that are asked for at a time: who scrubs wants the last one, not all between. */
+const MOST_RUNNING = 2;
+const MOST_KEPT = 16;
+
+export class PastChunks {
+  /** Why the newest question was not answered; null while all are. */
+  failure: unknown = null;
+  /** Counts up with each answer. */
+  version = 0;
+  private readonly chunks = new Map<number, Chunk>();
+  private wanted: readonly string[] = [];
+  private running = 0;
+  private readonly ending = new AbortController();
+
+  /**
+   * @param changed an answer has come, or none will
+   * @param nowUs what time it is (µs): nothing later is asked for
+   */
+  constructor(
+    private readonly site: string,
+    private readonly source: PastSource,
+    readonly form: ChunkForm,
+    private readonly changed: () => void,
+    private readonly nowUs: () => number,
+  ) {}
+
+  wantChannels(channels: readonly string[]): void {
+    this.wanted = [...new Set(channels)].sort();
+  }
+
+  /** Asks for what of a stretch is not known; what is too much at once waits for the next call. */
+  load(fromUs: number, toUs: number): void {
+    if (this.failure !== null) return;
+    const untilUs = Math.min(toUs, this.nowUs());
+    for (let i = this.indexOf(fromUs); i <= this.indexOf(untilUs); i += 1) this.loadChunk(i, untilUs);
+  }
+
+  /** Everything wanted of a stretch is known, as far as time has come. */
+  isReady(fromUs: number, toUs: number): boolean {
+    const untilUs = Math.min(toUs, this.nowUs());
+    for (let i = this.indexOf(fromUs); i <= this.indexOf(untilUs); i += 1) {
+      const chunk = this.chunks.get(i);
+      if (this.wanted.length > 0 && (chunk === undefined || this.wanted.some((channel) => !chunk.columns.has(channel)))) return false;
+    }
+    return true;
+  }
+
+  columnAt(channel: string, us: number): PastColumn | undefined {
+    return this.chunks.get(this.indexOf(us))?.columns.get(channel);
+  }
+
+  /** In order of time; only those that are known. */
+  columnsOf(channel: string, fromUs: number, toUs: number): readonly PastColumn[] {
+    const found: PastColumn[] = [];
+    for (let i = this.indexOf(fromUs); i <= this.indexOf(toUs); i += 1) {
+      const column = this.chunks.get(i)?.columns.get(channel);
+      if (column !== undefined) found.push(column);
+    }
+    return found;
+  }
+
+  /** After a failure: ask once more. */
+  retry(): void {
+    this.failure = null;
+  }
+
+  close(): void {
+    this.ending.abort();
+    this.chunks.clear();
+  }
+
+  private indexOf(us: number): number {
+    return Math.floor(us / this.form.lengthUs);
+  }
+
+  private loadChunk(index: number, neededUs: number): void {
+    const { lengthUs } = this.form;
+    const endUs = (index + 1) * lengthUs;
+    let chunk = this.chunks.get(index);
+    const grown = chunk !== undefined && chunk.untilUs < Math.min(endUs, neededUs);
+    const missing = this.wanted.filter((channel) => (grown || chunk?.columns.has(channel) !== true) && chunk?.asked.has(channel) !== true);
+    if (chunk !== undefined) this.markUsed(index, chunk);
+    if (missing.length === 0 || this.running >= MOST_RUNNING) return;
+    chunk ??= { columns: new Map(), asked: new Set(), untilUs: 0 };
+    this.markUsed(index, chunk);
+    void this.askFor(chunk, index, missing);
+  }
+
+  /** The one used longest ago stands first, and goes first. */
+  private markUsed(index: number, chunk: Chunk): void {
+    this.chunks.delete(index);
+    this.chunks.set(index, chunk);
+    for (const oldest of this.chunks.keys()) {
+      if (this.chunks.size <= MOST_KEPT) return;
+      this.chunks.delete(oldest);
+    }
+  }
+
+  private async askFor(chunk: Chunk, index: number, channels: readonly string[]): Promise<void> {
+    const askedUs = this.nowUs();
+    for (const channel of channels) chunk.asked.add(channel);
+    this.running += 1;
+    try {
+      for (let i = 0; i < channels.length; i += AT_ONCE) await this.askSome(chunk, index, channels.slice(i, i + AT_ONCE));
+      chunk.untilUs = askedUs;
+    } catch (error) {
+      if (!this.ending.signal.aborted) this.failure = error;
+    }
+    this.running -= 1;
+    for (const channel of channels) chunk.asked.delete(channel);
+    if (this.ending.signal.aborted) return;
+    this.version += 1;
+    this.changed();
+  }
+
+  private async askSome(chunk: Chunk, index: number, channels: readonly string[]): Promise<void> {
+    const { lengthUs, width, withLast } = this.form;
+    const fromUs = index * lengthUs;
+    const { signal } = this.ending;
+    const [{ series }, { values }] = await Promise.all([
+      this.source.history(this.site, { channels, fromUs, toUs: fromUs + lengthUs, width }, signal),
+      withLast ? this.source.lastValues(this.site, channels, fromUs, signal) : Promise.resolve<ValueList>({ values: [] }),
+    ]);
+    for (const channel of series) {
+      const before = values.find(({ address }) => address === channel.address) ?? null;
+      chunk.columns.set(channel.address, { series: channel, before });
+    }
+  }
+}
