@@ -34,7 +34,8 @@ export class SightingCard extends LitElement {
     css`
       :host {
         display: grid;
-        grid-template-columns: 10rem minmax(0, 1fr);
+        grid-template-columns: 10rem minmax(0, 1fr) auto;
+        align-items: start;
         gap: var(--t-space-3) var(--t-space-4);
         min-inline-size: 0;
       }
@@ -97,7 +98,17 @@ export class SightingCard extends LitElement {
       @media (max-width: 30rem) {
         :host {
           grid-template-columns: 6.5rem minmax(0, 1fr);
+          grid-template-rows: auto 1fr;
           gap: var(--t-space-2) var(--t-space-3);
+        }
+        .told {
+          grid-row: 1 / span 2;
+          grid-column: 2;
+        }
+        /* Below the picture: there is room. */
+        t-path-sketch {
+          grid-row: 2;
+          grid-column: 1;
         }
         /* A date with its zone in one line. */
         .times {
@@ -150,9 +161,9 @@ export class SightingCard extends LitElement {
           ${many === this.sighting.many ? nothing : html`<span>at most ${this.sighting.many} at once</span>`}
           ${map(storyFacts(story), (fact) => html`<span>${fact}</span>`)}
         </div>
-        ${story && (story.path?.length ?? 0) > 1 ? html`<t-path-sketch .path=${story.path}></t-path-sketch>` : nothing}
         <slot></slot>
-      </div>`;
+      </div>
+      ${story && (story.path?.length ?? 0) > 1 ? html`<t-path-sketch .path=${story.path}></t-path-sketch>` : nothing}`;
   }
 
   private readonly onPictureError = (): void => {
