@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from talaia.model.detection import Measured
+from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "CrossingShape",
