@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import time
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -20,7 +21,7 @@ import simplejpeg
 from patience import PATIENCE_S, lasts_for
 from playwright.async_api import expect
 
-from talaia.model.detection import Detect
+from talaia.model.detection import Detect, PictureLine, PictureZone
 from talaia.wire import frames
 
 from ..chromium import sign_in
@@ -271,3 +272,35 @@ async def test_what_is_framed_is_chosen_for_this_person_and_camera_and_kept(hub,
     )
     assert json.loads(kept[1]) == {"on": False, "classes": ["dog"], "confidence": 0.4}
     assert '["operator","agv","camera/front"]' in kept[0]
+
+
+async def test_zones_and_lines_stand_over_the_picture_until_they_are_hidden(hub, chromium):
+    mat = PictureZone(name="Mat", points=((0.25, 0.5), (0.75, 0.5), (0.75, 1.0), (0.25, 1.0)))
+    door = PictureLine(name="Door", points=((0.1, 0.9), (0.1, 0.3)))
+    described = seeing(Detect(classes=("person",), zones={"mat": mat}, lines={"door": door}))
+    counting = described.replace(
+        "      front_person:",
+        "      on_mat:\n        name: On the mat\n"
+        "        source: {stream: front, sees: person, zone: mat}\n      front_person:",
+        1,
+    )
+    gateway = await hub.gateway()
+    await gateway.hello(counting)
+    page = await sign_in(chromium, hub, "operator")
+    await page.goto(f"{hub.origin}/sites/agv/devices/camera")
+    async with filming(hub, gateway):
+        # No count has come: a dash, and no zero that could be believed.
+        name = page.locator("t-picture-marks .name")
+        await expect(name).to_have_text([re.compile(r"Mat\s+– person"), re.compile("Door")])
+        shown = await page.locator("t-camera-view canvas").bounding_box()
+        spot = await name.first.bounding_box()
+        assert abs(spot["x"] + spot["width"] / 2 - shown["x"] - shown["width"] / 2) < 2
+        assert abs(spot["y"] + spot["height"] / 2 - shown["y"] - shown["height"] * 0.75) < 2
+        await keep(page, "marks")
+        button = page.get_by_role("button", name="Zones and lines")
+        await expect(button).to_have_attribute("aria-pressed", "true")
+        await button.click()
+        await expect(name).to_have_count(0)
+        await page.reload()
+        await expect(button).to_have_attribute("aria-pressed", "false")
+        await expect(name).to_have_count(0)

@@ -44,6 +44,8 @@ function pluralOf(label: string): string {
 
 /** What one thing did while it was in sight. */
 export interface SightingStory {
+  /** Where it stood, by parts of the picture's width and height from the upper left. */
+  readonly path?: readonly { readonly x: number; readonly y: number }[];
   readonly stays: readonly { readonly zone: string; readonly entries: number; readonly dwell_s: number }[];
   readonly crossings: readonly { readonly line: string; readonly left: number; readonly right: number }[];
   /** Mean on the floor (m/s); null where that is not known. */

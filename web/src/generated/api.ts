@@ -86,6 +86,8 @@ export interface CommandShape {
 export interface DetectShape {
   readonly classes: readonly string[];
   readonly confidence: number;
+  readonly zones?: readonly PictureMarkShape[];
+  readonly lines?: readonly PictureMarkShape[];
 }
 
 /** A device as far as you may see it; ``rights`` are yours: view, use, admin. */
@@ -2089,9 +2091,31 @@ export interface LabelShape {
   readonly label: string;
 }
 
+/** A signal that counts at a zone or a line of a camera. */
+export interface MarkCountShape {
+  readonly signal: string;
+  readonly label: string;
+  readonly measure: Measured;
+  readonly max_age: number;
+}
+
 /** Where it stood, by parts of the picture's width and height from the upper left. */
 export interface PathPlace {
   readonly time_us: number;
+  readonly x: number;
+  readonly y: number;
+}
+
+/** A zone or a line on a camera's picture, with the signals that the person may see. */
+export interface PictureMarkShape {
+  readonly id: string;
+  readonly name: string;
+  readonly points: readonly PicturePlace[];
+  readonly counts: readonly MarkCountShape[];
+}
+
+/** A place on a picture, by parts of its width and height from the upper left. */
+export interface PicturePlace {
   readonly x: number;
   readonly y: number;
 }
@@ -2577,6 +2601,14 @@ export type ImageType =
   | "SKY_FLAT"
   | "DARK"
   | "BIAS";
+
+/** What a signal tells of the things of a class on a camera. */
+export type Measured =
+  | "count"
+  | "dwell"
+  | "left"
+  | "right"
+  | "speed";
 
 /** Where one try at a request stands. */
 export type ObservationState =

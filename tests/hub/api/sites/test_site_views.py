@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from talaia.model.detection import Detect, PictureLine, PictureZone
+
+from ...seeing import seeing
+
 EXAMPLES = Path(__file__).parents[4] / "examples"
 
 
@@ -135,3 +139,31 @@ async def test_each_sees_values_in_the_unit_they_chose_or_else_in_the_sites(hub)
         "choices": ["°F", "K"],
     }
     assert "lx" not in listed
+
+
+async def test_zones_and_lines_of_a_camera_come_with_the_signals_that_count_at_them(hub) -> None:
+    corners = ((0.3, 0.6), (0.6, 0.6), (0.7, 1.0))
+    described = seeing(
+        Detect(
+            classes=("person",),
+            zones={"mat": PictureZone(name="Mat", points=corners)},
+            lines={"door": PictureLine(name="Door", points=corners[:2])},
+        )
+    )
+    counting = described.replace(
+        "      front_person:",
+        "      mat_dwell:\n        name: Longest\n        unit: s\n"
+        "        source: {stream: front, sees: person, zone: mat, measure: dwell}\n"
+        "      front_person:",
+        1,
+    )
+    assert counting != described
+    camera = (await devices_of(hub, counting))["camera"]
+    detect = next(item["detect"] for item in camera["streams"] if item["id"] == "front")
+    (mat,), (door,) = detect["zones"], detect["lines"]
+    assert (mat["id"], mat["name"]) == ("mat", "Mat")
+    assert mat["points"] == [{"x": x, "y": y} for x, y in corners]
+    assert [(item["signal"], item["measure"]) for item in mat["counts"]] == [
+        ("camera/mat_dwell", "dwell")
+    ]
+    assert (door["name"], door["counts"]) == ("Door", [])

@@ -10,6 +10,7 @@ import { onPicture } from "../camera/picture-overlay.js";
 import "../base/icon.js";
 import "../feedback/status.js";
 import "../values/time.js";
+import "./path-sketch.js";
 
 /** What is shown of a sighting; times in µs since the epoch, UTC. */
 export interface SightingFacts {
@@ -33,7 +34,8 @@ export class SightingCard extends LitElement {
     css`
       :host {
         display: grid;
-        grid-template-columns: 10rem minmax(0, 1fr);
+        grid-template-columns: 10rem minmax(0, 1fr) auto;
+        align-items: start;
         gap: var(--t-space-3) var(--t-space-4);
         min-inline-size: 0;
       }
@@ -96,7 +98,17 @@ export class SightingCard extends LitElement {
       @media (max-width: 30rem) {
         :host {
           grid-template-columns: 6.5rem minmax(0, 1fr);
+          grid-template-rows: auto 1fr;
           gap: var(--t-space-2) var(--t-space-3);
+        }
+        .told {
+          grid-row: 1 / span 2;
+          grid-column: 2;
+        }
+        /* Below the picture: there is room. */
+        t-path-sketch {
+          grid-row: 2;
+          grid-column: 1;
         }
         /* A date with its zone in one line. */
         .times {
@@ -150,7 +162,8 @@ export class SightingCard extends LitElement {
           ${map(storyFacts(story), (fact) => html`<span>${fact}</span>`)}
         </div>
         <slot></slot>
-      </div>`;
+      </div>
+      ${story && (story.path?.length ?? 0) > 1 ? html`<t-path-sketch .path=${story.path}></t-path-sketch>` : nothing}`;
   }
 
   private readonly onPictureError = (): void => {

@@ -10,6 +10,8 @@ import { formatMs } from "../../format/duration.js";
 import { base } from "../base/base-style.js";
 import "./detection-boxes.js";
 import type { FramedObject } from "./detection-boxes.js";
+import "./picture-marks.js";
+import type { PictureMark } from "./mark-shapes.js";
 import type { PixelSize } from "./picture-fit.js";
 import "../base/icon.js";
 import type { IconName } from "../base/icons.js";
@@ -186,6 +188,8 @@ export class CameraView extends LitElement {
   @property({ type: Boolean }) still = false;
   /** What is framed on the picture. */
   @property({ attribute: false }) things: readonly FramedObject[] = [];
+  /** Its zones and lines. */
+  @property({ attribute: false }) marks: readonly PictureMark[] = [];
   /** It was seen on an earlier picture than the one that is shown. */
   @property({ type: Boolean }) earlier = false;
 
@@ -214,6 +218,9 @@ export class CameraView extends LitElement {
     const exposure = this.still && this.drawn;
     return html`<div class=${this.drawn && !live && !exposure ? "aged" : ""}>
       ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
+      ${this.drawn && this.marks.length > 0
+        ? html`<t-picture-marks .marks=${this.marks} .picture=${this.picture} .zoom=${this.zoom}></t-picture-marks>`
+        : nothing}
       ${this.drawn && this.things.length > 0
         ? html`<t-boxes .things=${this.things} ?earlier=${this.earlier} .picture=${this.picture} .zoom=${this.zoom}></t-boxes>`
         : nothing}

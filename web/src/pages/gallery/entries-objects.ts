@@ -10,6 +10,10 @@ import "../../elements/camera/objects-choice.js";
 import type { ObjectOption } from "../../elements/camera/objects-choice.js";
 import "../../elements/analysis/sighting-card.js";
 import type { SightingFacts } from "../../elements/analysis/sighting-card.js";
+import "../../elements/analysis/path-sketch.js";
+import type { PictureMark } from "../../elements/camera/mark-shapes.js";
+import "../../elements/camera/picture-marks.js";
+import type { SightingStory } from "../../format/object-names.js";
 import type { GalleryEntry } from "./entry.js";
 
 const NOON_US = 1_780_000_000_000_000;
@@ -33,6 +37,12 @@ function renderBoxed(things: readonly FramedObject[], earlier = false, zoom = { 
   </div>`;
 }
 
+function renderMarked(ground: string): TemplateResult {
+  return html`<div ${styled({ position: "relative", "aspect-ratio": "4 / 3", background: ground })}>
+    <t-picture-marks .marks=${MARKS}></t-picture-marks>
+  </div>`;
+}
+
 function renderObjects(on: boolean, detector: DetectorState, counts: readonly { label: string; many: number }[], busy = false): TemplateResult {
   return html`<div ${styled({ "block-size": "6rem", background: "#667" })}>
     <t-objects ?on=${on} detector=${detector} why="/gallery" .counts=${counts} ?busy=${busy}></t-objects>
@@ -41,6 +51,16 @@ function renderObjects(on: boolean, detector: DetectorState, counts: readonly { 
 
 const SEEN: SightingFacts = { label: "person", many: 2, confidence: 0.87, began_us: NOON_US, ended_us: NOON_US + 185e6 };
 /** A grey picture, so that nothing need be fetched. */
+const STORY: SightingStory = {
+  path: [{ x: 0.1, y: 0.9 }, { x: 0.3, y: 0.7 }, { x: 0.5, y: 0.68 }, { x: 0.8, y: 0.4 }],
+  stays: [{ zone: "Charging place", entries: 2, dwell_s: 72 }],
+  crossings: [{ line: "Door", left: 2, right: 1 }],
+  speed: 1.24,
+};
+const MARKS: readonly PictureMark[] = [
+  { kind: "zone", id: "mat", name: "Charging place", points: [[0.3, 0.6], [0.6, 0.6], [0.7, 1], [0.2, 1]], counts: ["1 person", "longest 12 s"] },
+  { kind: "line", id: "door", name: "Door", points: [[0.75, 0.9], [0.85, 0.3]], counts: ["left 3", "right \u2013"] },
+];
 const PICTURE = "data:image/svg+xml,%3Csvg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 4 3'%3E%3Crect width='4' height='3' fill='%23789'/%3E%3Crect x='1.4' y='.6' width='.6' height='1.9' fill='%23342'/%3E%3C/svg%3E";
 
 function renderSeen(more: Partial<SightingFacts>, picture = ""): TemplateResult {
@@ -57,6 +77,17 @@ export const entries: readonly GalleryEntry[] = [
       { name: "on white", show: () => renderBoxed(THINGS, false, undefined, "#fff") },
       { name: "nothing", show: () => renderBoxed([]) },
     ],
+  },
+  {
+    tag: "t-picture-marks",
+    states: [
+      { name: "zone and line", show: () => renderMarked("linear-gradient(#fff, #9aa, #000)") },
+      { name: "on white", show: () => renderMarked("#fff") },
+    ],
+  },
+  {
+    tag: "t-path-sketch",
+    states: [{ name: "a path", show: () => html`<t-path-sketch .path=${STORY.path}></t-path-sketch>` }],
   },
   {
     tag: "t-objects",
@@ -81,6 +112,7 @@ export const entries: readonly GalleryEntry[] = [
     wide: true,
     states: [
       { name: "over", show: () => renderSeen({}, PICTURE) },
+      { name: "followed", show: () => renderSeen({ story: STORY }, PICTURE) },
       { name: "in sight", show: () => renderSeen({ many: 1, ended_us: null }, PICTURE) },
       { name: "without a picture", show: () => renderSeen({ label: "wine glass" }) },
       { name: "picture not kept", show: () => renderSeen({ label: "dog" }, "/missing.jpg") },

@@ -17,6 +17,7 @@ import "./film-button.js";
 import { H264Player, supportsH264 } from "./h264-player.js";
 import { BoxSync, type CurrentBoxes } from "./box-sync.js";
 import { JpegPlayer } from "./jpeg-player.js";
+import { CameraMarks } from "./camera-marks.js";
 import { ObjectDetection } from "./object-detection.js";
 import type { DetectShape } from "../../generated/api.js";
 
@@ -116,6 +117,7 @@ export class CameraTile extends LitElement {
     this.reportVisibility();
   });
   private readonly objects = new ObjectDetection(this, browserStorage());
+  private readonly marked = new CameraMarks(this, browserStorage());
   private readonly inStep = new BoxSync<DecodedPicture, CameraPicture>();
   private dueTimer: ReturnType<typeof setTimeout> | undefined;
   private arrivals: number[] = [];
@@ -151,6 +153,7 @@ export class CameraTile extends LitElement {
   override willUpdate(changed: PropertyValues<this>): void {
     // Of another camera nothing has been asked.
     if (changed.has("stream") || changed.has("site")) this.unblurred = false;
+    this.marked.setSubject(this.site, this.detect ?? null);
     this.objects.setSubject({ site: this.site, stream: this.stream, detects: this.detect ?? null });
   }
 
@@ -184,10 +187,13 @@ export class CameraTile extends LitElement {
       .small=${this.last?.small ?? false}
       .full=${this.full}
       ?still=${this.still}
+      .marks=${this.marked.marks}
       .things=${this.objects.framedThings(things)}
       ?earlier=${this.seen?.standing === "earlier"}
       @t-fullscreen=${this.onFullScreenRequest}
         >${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
+          this.marked.renderButton()
+        }${
           this.blurred && this.stream !== ""
             ? html`<t-blur-button slot="tool" ?may=${this.unblurrable && this.online} ?unblurred=${this.unblurred} @t-unblur=${this.onUnblur}></t-blur-button>`
             : nothing

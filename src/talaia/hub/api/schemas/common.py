@@ -31,7 +31,10 @@ from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydant
     SlewShape,
     StateNeed,
 )
-from talaia.hub.api.schemas.sighting_schemas import SeenShape  # noqa: TC001 - pydantic reads it
+from talaia.hub.api.schemas.sighting_schemas import (  # noqa: TC001 - pydantic reads them
+    PictureMarkShape,
+    SeenShape,
+)
 from talaia.hub.auth.permissions import Right  # noqa: TC001 - pydantic reads it
 from talaia.model.closed_lists import (  # noqa: TC001 - pydantic reads them
     ArgumentType,
@@ -232,6 +235,8 @@ class DetectShape(Schema):
 
     classes: list[str]
     confidence: float
+    zones: list[PictureMarkShape] = []
+    lines: list[PictureMarkShape] = []
 
 
 class StreamShape(Schema):

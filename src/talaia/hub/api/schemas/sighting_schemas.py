@@ -4,16 +4,46 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
+from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
+
 __all__ = [
     "CrossingShape",
     "LabelShape",
+    "MarkCountShape",
     "PathPlace",
+    "PictureMarkShape",
+    "PicturePlace",
     "SeenShape",
     "SightingLabels",
     "SightingList",
     "StayShape",
     "StoryShape",
 ]
+
+
+class MarkCountShape(BaseModel):
+    """A signal that counts at a zone or a line of a camera."""
+
+    signal: str = Field(description="``device/signal``")
+    label: str = Field(description="the class that it counts")
+    measure: Measured
+    max_age: float = Field(description="older than this it is stale (s)")
+
+
+class PicturePlace(BaseModel):
+    """A place on a picture, by parts of its width and height from the upper left."""
+
+    x: float
+    y: float
+
+
+class PictureMarkShape(BaseModel):
+    """A zone or a line on a camera's picture, with the signals that the person may see."""
+
+    id: str
+    name: str
+    points: list[PicturePlace]
+    counts: list[MarkCountShape]
 
 
 class StayShape(BaseModel):

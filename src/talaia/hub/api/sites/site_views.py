@@ -25,6 +25,7 @@ from talaia.hub.api.schemas.common import (
     StreamShape,
 )
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
+from talaia.hub.api.schemas.sighting_schemas import MarkCountShape, PictureMarkShape, PicturePlace
 from talaia.hub.api.sites.command_states import command_part, signal_part, state_need
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
@@ -42,6 +43,7 @@ from talaia.hub.auth.permissions import (
     sees_unblurred,
 )
 from talaia.model.derived_signals import detect_of
+from talaia.model.detection import DetectionSource
 from talaia.model.discovery.role_proposal import meanings_of, place_arguments, roles_of
 from talaia.model.interlocks.unguarded import unguarded_devices
 from talaia.model.roles import CommandRole, SignalRole
@@ -52,7 +54,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from talaia.hub.live.sites import LiveSite
-    from talaia.model.detection import Detect
+    from talaia.model.detection import PictureLine, PictureZone
     from talaia.model.discovery.role_proposal import DeviceRoles
     from talaia.model.site import Command, Device, Drive, Signal, Site
     from talaia.model.units.conversion import Conversion
@@ -204,7 +206,7 @@ def _device_schema(
                 name=stream.name,
                 max_rate=stream.max_rate,
                 public=stream.visibility is Visibility.PUBLIC,
-                detect=_detect_schema(detect_of(site, stream)),
+                detect=_detect_schema(site, device_id, stream_id, grants),
                 blurred=stream.blur is not None,
                 may_unblur=stream.blur is not None
                 and sees_unblurred(grants, site, device_id, stream_id),
@@ -290,10 +292,51 @@ def _shown_schema(shown: Conversion | None) -> ShownUnitShape | None:
     return None if shown is None else ShownUnitShape(**shown._asdict())
 
 
-def _detect_schema(detect: Detect | None) -> DetectShape | None:
+def _detect_schema(
+    site: Site, device_id: str, stream_id: str, grants: Grants
+) -> DetectShape | None:
+    device = site.devices[device_id]
+    detect = detect_of(site, device.streams[stream_id])
     if detect is None:
         return None
-    return DetectShape(classes=list(detect.classes), confidence=detect.confidence)
+    zones: dict[str, list[MarkCountShape]] = {}
+    lines: dict[str, list[MarkCountShape]] = {}
+    for signal_id, signal in device.signals.items():
+        source = signal.source
+        if not isinstance(source, DetectionSource) or source.stream != stream_id:
+            continue
+        if not sees_signal(grants, site, device_id, signal_id):
+            continue
+        count = MarkCountShape(
+            signal=f"{device_id}/{signal_id}",
+            label=source.sees,
+            measure=source.measure,
+            max_age=signal.stale_after,
+        )
+        if source.zone:
+            zones.setdefault(source.zone, []).append(count)
+        elif source.line:
+            lines.setdefault(source.line, []).append(count)
+    return DetectShape(
+        classes=list(detect.classes),
+        confidence=detect.confidence,
+        zones=_mark_schemas(detect.zones, zones),
+        lines=_mark_schemas(detect.lines, lines),
+    )
+
+
+def _mark_schemas(
+    marks: Mapping[str, PictureZone | PictureLine], counts: Mapping[str, list[MarkCountShape]]
+) -> list[PictureMarkShape]:
+    return [
+        PictureMarkShape(
+            id=mark_id,
+            name=mark.name,
+            points=[PicturePlace(x=x, y=y) for x, y in mark.points],
+            counts=counts.get(mark_id, []),
+        )
+        for mark_id, mark in marks.items()
+    ]
 
 
 def _command_schema(

@@ -1,0 +1,80 @@
+/** Where zones, lines and paths of a picture lie in the view, and what is said at them: pure sums. */
+
+import { countText } from "../../format/object-names.js";
+import { formatDuration } from "../../format/duration.js";
+import { placeOf, type PixelSize } from "./picture-fit.js";
+import type { Zoom } from "./zoom.js";
+
+/** Parts of the picture's width and height, from its left upper corner. */
+export type PicturePoint = readonly [number, number];
+
+export interface ViewPoint {
+  readonly x: number;
+  readonly y: number;
+}
+
+/** A zone or a line, and what its signals tell now. */
+export interface PictureMark {
+  readonly kind: "zone" | "line";
+  readonly id: string;
+  readonly name: string;
+  readonly points: readonly PicturePoint[];
+  /** `2 persons`, `left 3`; empty where nothing counts at it. */
+  readonly counts: readonly string[];
+}
+
+/** The points in pixels of the view. */
+export function viewPoints(points: readonly PicturePoint[], view: PixelSize, picture: PixelSize, zoom: Zoom): ViewPoint[] {
+  return points.map(([x, y]) => placeOf({ left: x, top: y, right: x, bottom: y }, view, picture, zoom));
+}
+
+/** For the attribute `points` of SVG. */
+export function pointsText(points: readonly ViewPoint[]): string {
+  return points.map(({ x, y }) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" ");
+}
+
+/** Where a mark's name stands: in the middle of its corners, or of the way along a line. */
+export function nameSpot(kind: PictureMark["kind"], points: readonly ViewPoint[]): ViewPoint {
+  if (points.length === 0) return { x: 0, y: 0 };
+  if (kind === "zone") {
+    const sum = points.reduce((all, { x, y }) => ({ x: all.x + x, y: all.y + y }));
+    return { x: sum.x / points.length, y: sum.y / points.length };
+  }
+  const steps = points.slice(1).map((to, i) => {
+    const from = points[i] ?? to;
+    return { from, to, length: Math.hypot(to.x - from.x, to.y - from.y) };
+  });
+  let left = steps.reduce((all, { length }) => all + length, 0) / 2;
+  for (const { from, to, length } of steps) {
+    if (length > 0 && left <= length) {
+      const part = left / length;
+      return { x: from.x + (to.x - from.x) * part, y: from.y + (to.y - from.y) * part };
+    }
+    left -= length;
+  }
+  return points[0] ?? { x: 0, y: 0 };
+}
+
+/** @param value - what a signal tells at its mark; null for one that tells nothing now (stale, or not yet) */
+export function markCount(measure: string, label: string, value: number | null): string {
+  if (measure === "dwell") return value === null ? "longest \u2013" : `longest ${formatDuration(value)}`;
+  const many = value === null ? null : Math.round(value);
+  if (measure === "left" || measure === "right") return `${measure} ${many === null ? "\u2013" : String(many)}`;
+  return many === null ? `\u2013 ${label}` : countText(many, label);
+}
+
+/** The head of an arrow at a line's end, so that left and right of it can be told; empty for a point. */
+export function arrowHead(points: readonly ViewPoint[], size: number): ViewPoint[] {
+  const end = points.at(-1);
+  const before = [...points].reverse().find(({ x, y }) => end !== undefined && (x !== end.x || y !== end.y));
+  if (end === undefined || before === undefined) return [];
+  const length = Math.hypot(end.x - before.x, end.y - before.y);
+  const along = { x: (end.x - before.x) / length, y: (end.y - before.y) / length };
+  const back = { x: end.x - along.x * size, y: end.y - along.y * size };
+  const half = size / 2;
+  return [
+    { x: back.x - along.y * half, y: back.y + along.x * half },
+    end,
+    { x: back.x + along.y * half, y: back.y - along.x * half },
+  ];
+}
