@@ -19,7 +19,7 @@ async def test_others_are_served_between_two_sites_of_a_list() -> None:
 
     driver = asyncio.create_task(drive())
     async for site in pages._site_by_site():
-        turns.append(site)
+        turns.append(site)  # noqa: PERF401 - in the order of the turns
     driver.cancel()
     assert [turn for turn in turns if turn != "driver"] == ["a", "b", "c"]
     # Never two sites without a turn of somebody else between them.
