@@ -266,7 +266,7 @@ def test_preview_counts_what_would_have_been() -> None:
         ("{name: A, kind: limit, signal: base/volts}", "$.alarms.a", "there is no limit"),
         ("{name: A, kind: limit, signal: base/vols, above: 1}", "$.alarms.a.signal", "'base/vols'"),
         ("{name: A, kind: state, signal: base/door, is: [ajar]}", "$.alarms.a.is[0]", "'ajar'"),
-        ("{name: A, kind: stale, signal: base/door, above: 1}", "$.alarms.a.above", "has none"),
+        ("{name: A, kind: stale, signal: base/door, above: 1}", "$.alarms.a.above", "has no above"),
         ("{name: A, kind: detection, stream: base/ey, label: dog}", "$.alarms.a.stream", "ey"),
         ('{name: A, kind: expression, expression: "1 > 2"}', "$.alarms.a.expression", "no signal"),
         ('{name: A, kind: expression, expression: "1 >"}', "$.alarms.a.expression", "at letter 4"),
