@@ -535,7 +535,10 @@ async def shared_world(shared_settings):
 async def begun(settings):
     # Its sites have a folder for meshes, empty until a test puts one there.
     assets = settings.assets or settings.data / "assets"
-    async with RunningHub(replace(settings, assets=assets), None) as hub:
+    maps = settings.data / "maps"
+    maps.mkdir(parents=True, exist_ok=True)
+    (maps / "a.pmtiles").write_bytes(b"PMTiles")
+    async with RunningHub(replace(settings, assets=assets, maps=maps), None) as hub:
         world = World(hub)
         try:
             await world.begin()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from typing import TYPE_CHECKING, Any, TypeVar
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -29,22 +30,16 @@ class EventLoopThread:
 
     def run_coroutine(self, coroutine: Coroutine[Any, Any, T]) -> T:
         """Run a coroutine to its end; Ctrl-C cancels it, and waits until it has tidied up."""
-        ended = threading.Event()
-
-        async def guarded() -> T:
-            try:
-                return await coroutine
-            finally:
-                ended.set()
-
-        future = asyncio.run_coroutine_threadsafe(guarded(), self._loop)
+        call = _Call(coroutine)
         try:
-            return future.result()
+            self._loop.call_soon_threadsafe(call.begin)
+            return call.future.result()
         except BaseException:
-            if future.cancel():
-                # The future is done at once, the coroutine is not: zeros go out, and control is
-                # given back.
-                ended.wait(_TIDY_S)
+            # Wherever Ctrl-C came, between the two lines above as well: zeros go out, and control
+            # is given back.
+            if not call.future.done():
+                self._loop.call_soon_threadsafe(call.cancel)
+                call.ended.wait(_TIDY_S)
             raise
 
     def stop_thread(self) -> None:
@@ -65,3 +60,46 @@ class EventLoopThread:
             self._loop.run_until_complete(self._loop.shutdown_asyncgens())
         finally:
             self._loop.close()
+
+
+class _Call(Generic[T]):
+    """A coroutine on its way; all but ``future`` and ``ended`` is the loop's thread's.
+
+    Attributes:
+        future: what it came to.
+        ended: it runs no more, or never will.
+
+    """
+
+    def __init__(self, coroutine: Coroutine[Any, Any, T]) -> None:
+        self.future: Future[T] = Future()
+        self.ended = threading.Event()
+        self._coroutine = coroutine
+        # None until it is begun.
+        self._task: asyncio.Task[None] | None = None
+        self._cancelled = False
+
+    def begin(self) -> None:
+        """Run it, unless it was cancelled before."""
+        if not self._cancelled:
+            self._task = asyncio.ensure_future(self._run())
+            self._task.add_done_callback(lambda _: self._end())
+
+    def cancel(self) -> None:
+        """Cancel it; one that was never begun ends at once."""
+        self._cancelled = True
+        if self._task is not None:
+            self._task.cancel()
+        else:
+            self._end()
+
+    def _end(self) -> None:
+        # One that was cancelled before its first step has not ended by itself.
+        self._coroutine.close()
+        self.ended.set()
+
+    async def _run(self) -> None:
+        try:
+            self.future.set_result(await self._coroutine)
+        except BaseException as error:  # noqa: BLE001 - it is raised in the thread that waits
+            self.future.set_exception(error)
