@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import threading
+from typing import Any
 
 import pytest
 
@@ -29,12 +29,25 @@ def test_an_answer_and_an_error_come_to_who_waits(thread) -> None:
         thread.run_coroutine(fail())
 
 
-@pytest.mark.parametrize("interrupted", ["before it is handed over", "after it is handed over"])
-def test_ctrl_c_around_the_handing_over_leaves_nothing_running(
-    thread, monkeypatch, interrupted
-) -> None:
+class InterruptedLoop:
+    """A loop to which Ctrl-C comes while the first call is handed over."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, *, after: bool) -> None:
+        """Let ``loop`` have the first call or not, before Ctrl-C."""
+        self._loop, self._after = loop, after
+        self._pressed = False
+
+    def call_soon_threadsafe(self, *call: Any) -> None:
+        first, self._pressed = not self._pressed, True
+        if self._after or not first:
+            self._loop.call_soon_threadsafe(*call)
+        if first:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("after", [False, True])
+def test_ctrl_c_around_the_handing_over_leaves_nothing_running(thread, after) -> None:
     steps: list[str] = []
-    tidied = threading.Event()
 
     async def work() -> None:
         steps.append("begun")
@@ -43,28 +56,15 @@ def test_ctrl_c_around_the_handing_over_leaves_nothing_running(
         finally:
             await asyncio.sleep(0)
             steps.append("tidied")
-            tidied.set()
-
-    hand_over, calls = thread._loop.call_soon_threadsafe, []
-
-    def press(*call) -> None:
-        calls.append(call)
-        if len(calls) > 1:
-            hand_over(*call)
-            return
-        if interrupted == "after it is handed over":
-            hand_over(*call)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(thread._loop, "call_soon_threadsafe", press)
-    with pytest.raises(KeyboardInterrupt):
-        thread.run_coroutine(work())
-    # At once, and not when a bound in time has passed.
-    assert steps in ([], ["begun", "tidied"])
-    assert tidied.is_set() == bool(steps)
-    monkeypatch.undo()
 
     async def count() -> int:
         return len(asyncio.all_tasks())
 
+    loop = thread._loop
+    thread._loop = InterruptedLoop(loop, after=after)
+    with pytest.raises(KeyboardInterrupt):
+        thread.run_coroutine(work())
+    thread._loop = loop
+    # At once, and not when a bound in time has passed.
+    assert steps in ([], ["begun", "tidied"])
     assert thread.run_coroutine(count()) == 1
