@@ -117,6 +117,9 @@ class ConnectionRules:
         for key in source.foreign if isinstance(source, self.source) else keys_given(source):
             problem, remedy = self.why_not(key)
             yield Finding(f"{where}.{key}", problem, remedy)
+        # Another kind's that says nothing would be read back as an empty one of this kind.
+        if not isinstance(source, self.source) and not keys_given(source):
+            yield Finding(where, "it names nothing", f"write as: {self.example}")
 
     @classmethod
     def why_not(cls, key: str) -> tuple[str, str]:

@@ -134,9 +134,10 @@ async def test_drive_frame_becomes_cmd_vel_then_zeros_then_silence(
     # The zeros, and then silence for as long as they would have gone on.
     await lasts_for(1.6)
     zeros = [row["at"] for row in peer.rows if row.get("cmd") == [0.0, 0.0]]
-    # Twenty a second; on a machine that others use too a few of them come late.
+    # Twenty a second for one second; on a machine that others use a few of them are heard late, the
+    # first one as well.
     assert len(zeros) >= 15
-    assert 0.9e9 <= zeros[-1] - zeros[0] <= 1.2e9
+    assert 0.8e9 <= zeros[-1] - zeros[0] <= 1.3e9
     assert zeros[0] - last_moving <= 350e6
     assert peer.rows[-1]["at"] - zeros[-1] <= 0
     assert sorted(took)[len(took) // 2] < 60
