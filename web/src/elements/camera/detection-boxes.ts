@@ -1,9 +1,10 @@
 /** Boxes over a camera's picture, each with what it is and how sure that is. */
 
 import { css, html, LitElement, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { objectKind, confidenceText } from "../../format/object-names.js";
+import { ElementSizeController } from "../../controllers/element-size.js";
 import { styled } from "../base/style-directive.js";
 import { isInView, placeOf, labelPlace, type PicturePart, type PixelSize } from "./picture-fit.js";
 import { WHOLE, type Zoom } from "./zoom.js";
@@ -83,20 +84,7 @@ export class DetectionBoxes extends LitElement {
   @property({ attribute: false }) picture: PixelSize = { width: 4, height: 3 };
   @property({ attribute: false }) zoom: Zoom = WHOLE;
 
-  @state() private view: PixelSize = { width: 0, height: 0 };
-  private readonly sized = new ResizeObserver(() => {
-    this.view = { width: this.clientWidth, height: this.clientHeight };
-  });
-
-  override connectedCallback(): void {
-    super.connectedCallback();
-    this.sized.observe(this);
-  }
-
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    this.sized.disconnect();
-  }
+  private readonly view = new ElementSizeController(this);
 
   override render(): TemplateResult {
     // The surest last: it lies on top.
@@ -104,15 +92,15 @@ export class DetectionBoxes extends LitElement {
   }
 
   private renderBox(thing: FramedObject): unknown {
-    const place = placeOf(thing, this.view, this.picture, this.zoom);
-    if (!isInView(place, this.view)) return null;
+    const place = placeOf(thing, this.view.size, this.picture, this.zoom);
+    if (!isInView(place, this.view.size)) return null;
     const where = {
       left: `${place.x.toFixed(1)}px`,
       top: `${place.y.toFixed(1)}px`,
       width: `${place.width.toFixed(1)}px`,
       height: `${place.height.toFixed(1)}px`,
     };
-    const end = place.x > this.view.width * 0.7 ? "end" : "";
+    const end = place.x > this.view.size.width * 0.7 ? "end" : "";
     const plate = labelPlace(place);
     return html`<div
       class="box ${objectKind(thing.label)} ${this.earlier ? "earlier" : ""} ${end}"

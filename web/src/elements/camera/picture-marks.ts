@@ -1,8 +1,9 @@
 /** Zones and lines over a camera's picture, each with its name and what counts at it now. */
 
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { ElementSizeController } from "../../controllers/element-size.js";
 import { styled } from "../base/style-directive.js";
 import { arrowHead, nameSpot, pointsText, viewPoints, type PictureMark } from "./mark-shapes.js";
 import type { PixelSize } from "./picture-fit.js";
@@ -68,24 +69,11 @@ export class PictureMarks extends LitElement {
   @property({ attribute: false }) picture: PixelSize = { width: 4, height: 3 };
   @property({ attribute: false }) zoom: Zoom = WHOLE;
 
-  @state() private view: PixelSize = { width: 0, height: 0 };
-  private readonly sized = new ResizeObserver(() => {
-    this.view = { width: this.clientWidth, height: this.clientHeight };
-  });
-
-  override connectedCallback(): void {
-    super.connectedCallback();
-    this.sized.observe(this);
-  }
-
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    this.sized.disconnect();
-  }
+  private readonly view = new ElementSizeController(this);
 
   override render(): TemplateResult | typeof nothing {
-    if (this.view.width === 0) return nothing;
-    const placed = this.marks.map((mark) => ({ mark, points: viewPoints(mark.points, this.view, this.picture, this.zoom) }));
+    if (this.view.size.width === 0) return nothing;
+    const placed = this.marks.map((mark) => ({ mark, points: viewPoints(mark.points, this.view.size, this.picture, this.zoom) }));
     return html`<svg aria-hidden="true">
         ${map(placed, ({ mark, points }) => {
           const text = pointsText(points);

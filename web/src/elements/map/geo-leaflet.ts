@@ -3,7 +3,7 @@
 import * as L from "leaflet";
 import type { GeoColours } from "./geo-painter.js";
 import type { MapPlace } from "./geodesy.js";
-import { styles } from "./leaflet.js";
+import { addZoom, DRAWN_BY_US, styles } from "./leaflet.js";
 import { PmtilesFile, rangesOf } from "./pmtiles.js";
 import { paintVectorTile } from "./vector-tile-painter.js";
 
@@ -27,15 +27,10 @@ export function geoMap(place: HTMLElement): GeoMap {
     zoom: ZOOM.start,
     minZoom: ZOOM.least,
     maxZoom: ZOOM.most,
-    attributionControl: false,
-    // What we draw ourselves is redrawn at each step: an animated stretch would lag.
-    zoomAnimation: false,
-    fadeAnimation: false,
-    inertia: false,
-    zoomControl: false,
+    ...DRAWN_BY_US,
     worldCopyJump: true,
   });
-  L.control.zoom({ position: "topleft", zoomInTitle: "Closer", zoomOutTitle: "Farther" }).addTo(map);
+  addZoom(map);
   let ground: L.Layer | null = null;
   return {
     map,

@@ -1,6 +1,6 @@
 /** Draws the world, zones, plans, trails and robots on a map of Earth. No Leaflet here: it is told where places are. */
 
-import type { Colours } from "./map-painter.js";
+import { inkMark, type Colours } from "./map-painter.js";
 import type { MapPlace } from "./geodesy.js";
 import type { OutlineLine, WorldOutline } from "./world.js";
 
@@ -217,19 +217,7 @@ function paintRobot(pen: CanvasRenderingContext2D, sight: GeoSight, robot: MapRo
   } else {
     pen.arc(0, 0, 7, 0, Math.PI * 2);
   }
-  pen.lineJoin = "round";
-  pen.lineWidth = 5;
-  pen.strokeStyle = colours.surface;
-  pen.stroke();
-  pen.lineWidth = 2;
-  pen.strokeStyle = robot.stale ? colours.stale : colour;
-  // Hollow and dashed says "old" without colour.
-  if (robot.stale) pen.setLineDash([3, 3]);
-  else {
-    pen.fillStyle = colour;
-    pen.fill();
-  }
-  pen.stroke();
+  inkMark(pen, colours, robot.stale, colour);
   pen.restore();
 }
 

@@ -9,6 +9,19 @@ export const styles: CSSResult = unsafeCSS(leafletStyles);
 /** Zoom 0 shows a metre as one pixel; each step doubles it. */
 const ZOOM = { least: -2, start: 6, most: 10 } as const;
 
+/** Of every map: what we draw ourselves is redrawn at each step, and an animated stretch of it would lag. */
+export const DRAWN_BY_US: L.MapOptions = {
+  attributionControl: false,
+  zoomAnimation: false,
+  fadeAnimation: false,
+  inertia: false,
+  zoomControl: false,
+};
+
+export function addZoom(map: L.Map): void {
+  L.control.zoom({ position: "topleft", zoomInTitle: "Closer", zoomOutTitle: "Farther" }).addTo(map);
+}
+
 export interface LocalMap {
   readonly map: L.Map;
   centerOn(x: number, y: number): void;
@@ -22,14 +35,9 @@ export function localMap(place: HTMLElement): LocalMap {
     zoom: ZOOM.start,
     minZoom: ZOOM.least,
     maxZoom: ZOOM.most,
-    attributionControl: false,
-    // Grid and trail are redrawn at each step: an animated stretch of an empty pane would lag.
-    zoomAnimation: false,
-    fadeAnimation: false,
-    inertia: false,
-    zoomControl: false,
+    ...DRAWN_BY_US,
   });
-  L.control.zoom({ position: "topleft", zoomInTitle: "Closer", zoomOutTitle: "Farther" }).addTo(map);
+  addZoom(map);
   return {
     map,
     centerOn: (x, y) => {

@@ -160,6 +160,23 @@ function paintTrail(pen: Pen, sight: MapView, scene: MapScene, colours: Colours)
   pen.globalAlpha = 1;
 }
 
+/** Inks the path of the mark of a robot: in its colour, or as one whose place is old. */
+export function inkMark(pen: Pen, colours: Colours, stale: boolean, colour: string): void {
+  pen.lineJoin = "round";
+  pen.lineWidth = 5;
+  pen.strokeStyle = colours.surface;
+  pen.stroke();
+  pen.lineWidth = 2;
+  pen.strokeStyle = stale ? colours.stale : colour;
+  // Hollow and dashed says "old" without colour.
+  if (stale) pen.setLineDash([3, 3]);
+  else {
+    pen.fillStyle = colour;
+    pen.fill();
+  }
+  pen.stroke();
+}
+
 function paintVehicle(pen: Pen, sight: MapView, pose: Pose, stale: boolean, colours: Colours): void {
   pen.save();
   pen.translate(pxX(sight, pose.x), pxY(sight, pose.y));
@@ -174,18 +191,6 @@ function paintVehicle(pen: Pen, sight: MapView, pose: Pose, stale: boolean, colo
   } else {
     pen.arc(0, 0, 8, 0, Math.PI * 2);
   }
-  pen.lineJoin = "round";
-  pen.lineWidth = 5;
-  pen.strokeStyle = colours.surface;
-  pen.stroke();
-  pen.lineWidth = 2;
-  pen.strokeStyle = stale ? colours.stale : colours.accent;
-  // Hollow and dashed says "old" without colour.
-  if (stale) pen.setLineDash([3, 3]);
-  else {
-    pen.fillStyle = colours.accent;
-    pen.fill();
-  }
-  pen.stroke();
+  inkMark(pen, colours, stale, colours.accent);
   pen.restore();
 }
