@@ -8,7 +8,6 @@ import gc
 import re
 import shutil
 import socket
-import ssl
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +20,7 @@ import pytest
 import pytest_asyncio
 import websockets
 from patience import PATIENCE_S
+from shared_trust import usual_trust
 
 from talaia.clock import SystemClock
 from talaia.hub.app import build_hub
@@ -77,10 +77,6 @@ DESCRIPTION = re.sub(
     "",
     EXAMPLE.partition("\nalarms:\n")[0],
 )
-
-
-# To read the certificates of all authorities takes longer than what most clients ask.
-_TLS = ssl.create_default_context()
 
 
 class MemoryHistory:
@@ -323,7 +319,7 @@ class RunningHub:
             base_url=self.origin,
             headers={"Origin": self.origin},
             timeout=PATIENCE_S,
-            verify=_TLS,
+            verify=usual_trust(),
         )
         await self._stack.enter_async_context(client)
         if name:
