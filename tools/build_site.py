@@ -30,6 +30,7 @@ BUILD = ROOT / "build/site"
 TOP_PAGES = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md")
 PROJECT = "project"
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
+ITEM = re.compile(r"([-*]|\d+\.) ")
 FENCE = re.compile(r"^\s*(```|~~~)")
 SECTION = re.compile(r"^\*\*(.+?)\*\*")
 VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?|next")
@@ -158,6 +159,34 @@ def rewrite_links(text: str, page: Path, source: str, *, root: Path = ROOT) -> s
     return "\n".join(out)
 
 
+def separate_blocks(text: str) -> str:
+    """Give a page as Python-Markdown reads it, which asks for more room than CommonMark does.
+
+    A list needs an empty line before it, and what belongs to an item four columns before it.
+    """
+    out: list[str] = []
+    fence = -1
+    shift = 0
+    for line in text.split("\n"):
+        indent = len(line) - len(line.lstrip(" "))
+        if fence >= 0:
+            out.append(" " * shift + line if line else line)
+            fence = -1 if FENCE.match(line) else fence
+            continue
+        shift = 0
+        # Up to seven columns are one level: nothing here is nested deeper.
+        if line and 0 < indent < 4:
+            shift = 4 - indent
+        if FENCE.match(line):
+            fence = indent
+        before = out[-1] if out else ""
+        starts_list = indent == 0 and ITEM.match(line) and not ITEM.match(before)
+        if starts_list and before and not before.startswith(" "):
+            out.append("")
+        out.append(" " * shift + line)
+    return "\n".join(out)
+
+
 def write_pages(into: Path, source: str) -> list[Path]:
     """Copy all of `docs/` with its links rewritten, and the pages of the repository's top."""
     written = []
@@ -166,12 +195,13 @@ def write_pages(into: Path, source: str) -> list[Path]:
     for page in sorted(docs.rglob("*.md")):
         target = into / page.relative_to(docs)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(rewrite_links(page.read_text(), page, source))
+        target.write_text(separate_blocks(rewrite_links(page.read_text(), page, source)))
         written.append(target)
     (into / PROJECT).mkdir()
     for name in TOP_PAGES:
         target = into / PROJECT / name
-        target.write_text(rewrite_links((ROOT / name).read_text(), ROOT / name, source))
+        text = rewrite_links((ROOT / name).read_text(), ROOT / name, source)
+        target.write_text(separate_blocks(text))
         written.append(target)
     return written
 
@@ -219,7 +249,9 @@ def toml_value(value: object) -> str:
 
 def list_versions(folder: Path) -> list[str]:
     """List the versions that stand in a folder, the newest first; `next` last."""
-    names = [path.name for path in folder.iterdir() if path.is_dir() and VERSION.fullmatch(path.name)]
+    names = [
+        path.name for path in folder.iterdir() if path.is_dir() and VERSION.fullmatch(path.name)
+    ]
 
     def rank(name: str) -> tuple[bool, list[int], str]:
         return name != "next", [int(part) for part in re.findall(r"\d+", name)], name
