@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, get_args
@@ -66,6 +67,8 @@ NIGHT_SHAPES: tuple[type[msgspec.Struct], ...] = (
     *(night.SettingCommand, night.NightFlats),
     *(night.NightDarks, night.NightSun, night.Instrument),
 )
+# One example for each key, by section; the tests hold it against the shapes.
+EXAMPLES = ROOT / "tools/description_examples.yaml"
 NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"
 
 
@@ -95,19 +98,25 @@ def main(*, check_only: bool) -> int:
     return 0
 
 
-def site_page() -> str:
-    """Describe every key of the site description."""
+def site_shapes() -> list[type[msgspec.Struct]]:
+    """List every part of the site description, in the order of its page."""
     shapes = [
         *(site.Site, site.Ros2Settings, *get_args(connection.Connection)),
         *(site.Device, site.Signal, *get_args(connection.Source), site.Stream, site.Command),
         *(site.Argument, site.Drive, site.Stop, ai_services.AiServices),
         *NIGHT_SHAPES,
     ]
+    return insert_parts(shapes)
+
+
+def site_page() -> str:
+    """Describe every key of the site description."""
+    examples = read_examples(EXAMPLES.read_text())
     parts = [
         NOTE + "# Site description\n",
         "One YAML file says all there is to know of a site. `talaia check FILE` says whether it is"
         " right; [site.schema.json](site.schema.json) lets an editor complete it.\n",
-        *(struct_section(shape) for shape in insert_parts(shapes)),
+        *(struct_section(shape) + example_of(shape, examples) for shape in site_shapes()),
         *roles_sections(),
         "## Units\n",
         table(
@@ -116,6 +125,23 @@ def site_page() -> str:
         ),
     ]
     return "\n".join(parts)
+
+
+def read_examples(text: str) -> dict[str, str]:
+    """Cut the file of examples into its sections: each as it was written, two columns less in."""
+    sections = re.split(r"(?m)^(\w+):\n", text)[1:]
+    return {
+        name: textwrap.dedent(body).strip()
+        for name, body in zip(sections[::2], sections[1::2], strict=True)
+    }
+
+
+def example_of(shape: type[msgspec.Struct], examples: dict[str, str]) -> str:
+    """Show each key of a part of the description with an example."""
+    tag = msgspec.inspect.type_info(shape).tag  # type: ignore[attr-defined]
+    kind = f"kind: {tag}\n" if isinstance(tag, str) and not issubclass(shape, SourceShape) else ""
+    said = "Each key by an example; not all of them go together:"
+    return f"\n{said}\n\n```yaml\n{kind}{examples[shape.__name__]}\n```\n"
 
 
 def insert_parts(shapes: list[type[msgspec.Struct]]) -> list[type[msgspec.Struct]]:
