@@ -120,9 +120,9 @@ export class PageBoard extends LitElement {
     const detail = this.detail.value;
     if (board === null || detail === undefined) return html`<t-loading what="Loading the board"></t-loading>`;
     const view = this.renderView(board, detail);
-    if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail.zone, this.query)}${view}`;
+    if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail, this.query)}${view}`;
     return html`${this.renderHead(board, detail)} ${renderAdvice(this.action.problem)}<p class="said" role="status">${this.action.doneText}</p>
-      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${this.past.renderBar(detail.zone, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
+      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${this.past.renderBar(detail, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────

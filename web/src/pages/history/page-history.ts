@@ -22,18 +22,20 @@ import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { signalLabels } from "../../state/signal-labels.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { EventList, SiteShape, StoredShape } from "../../generated/api.js";
+import type { EventList, NoteShape, SiteShape, StoredShape } from "../../generated/api.js";
 import { FilmsApi } from "../../wire/films-api.js";
 import type { ExportQuery, HubApi } from "../../wire/hub-api.js";
 import { axesFor } from "./chart/axes-for.js";
 import { FilmController } from "./film/film-controller.js";
 import type { FilmPanel } from "./film/film-panel.js";
-import { eventMarks, type EventMark, type MarkKind } from "./chart/event-marks.js";
+import { eventMarks, mergeMarks, type EventMark, type MarkKind } from "./chart/event-marks.js";
 import { comparedDaysText, ghostUs, writeView, type HistoryView } from "./history-query.js";
 import { firstChoice, channelRows, groupChannels, unitsOf, type ChannelRow, type ChartGroup } from "./data/channel-rows.js";
+import { HistoryNotes } from "./history-notes.js";
 import { historyStyle } from "./history-style.js";
 import { WindowController } from "./window-controller.js";
 import { WindowData } from "./data/window-data.js";
+import { noteMarks } from "../notes/note-marks.js";
 import { isBusy, isTaken, pageKeyAction } from "./window-keys.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
@@ -81,6 +83,7 @@ export class PageHistory extends LitElement {
   private ghostUs = 0;
   private marks: readonly EventMark[] = [];
   private markedOf: EventList | null = null;
+  private notedOf: readonly NoteShape[] | null = null;
   private resized: ResizeObserver | null = null;
   // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
   private readonly painter = new PaintScheduler(new DrawRate(16, 1, 16));
@@ -97,6 +100,7 @@ export class PageHistory extends LitElement {
     this.window.applyAddress();
   });
   private readonly live = new LiveValuesController(this);
+  private readonly notes = new HistoryNotes(this, () => ({ site: this.site, span: this.window.span, cursorUs: this.shownCursor() }));
   private readonly films = new FilmController(
     this,
     () => (this.api === undefined ? null : new FilmsApi(this.api)),
@@ -150,6 +154,7 @@ export class PageHistory extends LitElement {
     });
     this.groupChannels();
     this.loadWindow(this.data, this.clock);
+    this.notes.loadNotes(this.api, this.site, this.window.span);
     this.buildMarks(this.data, detail);
     this.loadFilms(detail);
     this.live.observeChannels(this.site, this.channelsWithoutData());
@@ -178,7 +183,7 @@ export class PageHistory extends LitElement {
         ${detail === undefined ? nothing : this.renderMenus()}
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
-      ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
+      ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))} ${this.notes.renderDialog(this.site, detail)}
     `;
   }
 
@@ -198,6 +203,7 @@ export class PageHistory extends LitElement {
     const link = (shown: HistoryView["shown"]): string =>
       new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown, at: "last" in shown ? undefined : (this.films.cursorUs ?? undefined) }), location.href).href;
     return html`<div class="menus">
+      ${this.notes.renderButtons(this.detail.value)}
       <a class="way" href=${sitePath(this.site, "recordings")}>Recordings</a>
       <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
       <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width} .refusal=${this.exportRefusal}></t-export-menu>
@@ -382,12 +388,15 @@ export class PageHistory extends LitElement {
   }
 
   private buildMarks({ events }: WindowData, detail: SiteShape): void {
-    if (events === this.markedOf) return;
+    const { notes } = this.notes;
+    if (events === this.markedOf && notes === this.notedOf) return;
     // Nothing new happened: charts that got another list would be drawn again for it.
-    const same = JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
+    const same = notes === this.notedOf && JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
     this.markedOf = events;
+    this.notedOf = notes;
     if (same) return;
-    this.marks = eventMarks(events.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
+    const names = new Map(detail.devices.map(({ id, name }) => [id, name]));
+    this.marks = mergeMarks(eventMarks(events.events, names), noteMarks(notes, names));
   }
 
   /** Chosen channels of which nothing has come for this window. */
@@ -415,7 +424,7 @@ export class PageHistory extends LitElement {
   };
 
   private readonly onSpanChange = (event: CustomEvent<SpanChange>): void => {
-    this.window.applySpanChange(event.detail);
+    if (!this.notes.keepSpan(event.detail)) this.window.applySpanChange(event.detail);
   };
 
   private readonly onKeyDown = (event: KeyboardEvent): void => {
