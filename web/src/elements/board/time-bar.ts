@@ -131,6 +131,50 @@ export class TimeBar extends LitElement {
         color: var(--t-warn);
         font-weight: var(--t-weight-strong);
       }
+      .small {
+        display: none;
+      }
+      /* A phone's bar is two rows, so that the board below it is seen: the rest is behind "More". */
+      @media (max-width: 45rem) {
+        :host {
+          gap: 0;
+          padding: var(--t-space-1) var(--t-space-2);
+        }
+        .small {
+          display: revert;
+        }
+        .large {
+          display: none;
+        }
+        .stamp {
+          flex-wrap: nowrap;
+          align-items: center;
+          gap: var(--t-space-2);
+        }
+        .when {
+          flex: 1;
+          min-inline-size: 0;
+          line-height: 1.2;
+        }
+        time {
+          font-size: var(--t-size-s);
+        }
+        .now {
+          margin-inline-start: 0;
+        }
+        .rail {
+          padding-block-start: 1rem;
+        }
+        :host(:not([expanded])) :is(.utc, .ends, .keys, .said:not(.warn)) {
+          display: none;
+        }
+        :host([expanded]) .stamp {
+          flex-wrap: wrap;
+        }
+        :host([expanded]) .keys {
+          padding-block: var(--t-space-2);
+        }
+      }
     `,
   ];
 
@@ -146,6 +190,8 @@ export class TimeBar extends LitElement {
   /** The moment has come up to the newest. */
   @property({ type: Boolean, attribute: "at-end" }) atEnd = false;
 
+  /** On a phone: all of it is shown, and not only the moment, play and the slider. */
+  @property({ type: Boolean, reflect: true }) expanded = false;
   /** Notes may be written. */
   @property({ type: Boolean }) notes = false;
   /** Where a note over a span was begun (µs); null while none was. */
@@ -161,10 +207,11 @@ export class TimeBar extends LitElement {
     const from = timeText(span.fromUs, zone, end);
     const to = timeText(span.toUs, zone, end);
     return html`<div class="stamp">
-        <strong>Past</strong>
-        <time datetime=${text.machine}>${text.local} ${text.zone}</time>
+        <t-button class="small" ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? "Pause" : "Play"}</t-button>
+        <span class="when"><strong>Past</strong> <time datetime=${text.machine}>${text.local} ${text.zone}</time></span>
         ${text.zone === "UTC" ? nothing : html`<span class="utc">${text.utc}</span>`}
-        <t-button class="now" kind="primary" @click=${this.onNow}>Back to now</t-button>
+        <t-button class="now" kind="primary" label="Back to now" @click=${this.onNow}><span class="large">Back to now</span><span class="small">Now</span></t-button>
+        <t-button class="small" kind="quiet" label="More of the bar" pressed=${this.expanded ? "true" : "false"} @click=${this.onExpand}>More</t-button>
       </div>
       <div class="rail"><slot name="stretches"></slot><slot name="marks"></slot>
         <input
@@ -216,6 +263,10 @@ export class TimeBar extends LitElement {
 
   private readonly onNow = (): void => {
     this.fire("t-now");
+  };
+
+  private readonly onExpand = (): void => {
+    this.expanded = !this.expanded;
   };
 
   private readonly onNote = (): void => {

@@ -3,7 +3,7 @@
 import { html, nothing, type ReactiveControllerHost } from "lit";
 import type { SpanChange } from "../../elements/chart/chart-model.js";
 import type { NoteShape, SiteShape } from "../../generated/api.js";
-import type { TimeSpan } from "../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { NotesApi } from "../../wire/notes-api.js";
 import { NoteWriter } from "../notes/note-writer.js";
@@ -53,12 +53,12 @@ export class HistoryNotes {
 
   /** Whether a change of the window was the stretch for a note: then the window stays. */
   keepSpan({ span, settled }: SpanChange): boolean {
-    if (!this.marking) return false;
-    if (settled) {
-      this.marking = false;
-      this.writer.draft.open(draftAt(span.fromUs, span.toUs));
-    }
-    this.host.requestUpdate();
+    const { fromUs, toUs } = this.shown().span;
+    // What is dragged lies within the window; fingers and the wheel still move and zoom it.
+    const dragged = settled && span.fromUs >= fromUs && span.toUs <= toUs && lengthOf(span) < toUs - fromUs;
+    if (!this.marking || !dragged) return false;
+    this.marking = false;
+    this.writer.draft.open(draftAt(span.fromUs, span.toUs));
     return true;
   }
 

@@ -3,6 +3,8 @@
 import { html, nothing, type TemplateResult } from "lit";
 import { formatDuration } from "../../format/duration.js";
 import { timeText } from "../../format/time.js";
+import type { QuestionController } from "../../controllers/question.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
 import type { NoteShape, SiteShape } from "../../generated/api.js";
 import { noteBoardPath, noteHistoryPath, subjectName } from "./notes-query.js";
 import "../../elements/forms/button.js";
@@ -38,4 +40,9 @@ export function renderNoteRow(note: NoteShape, { site, zone, detail, onChange, o
       ${note.may_change ? html`<t-button kind="quiet" label="Change the note" @click=${onChange}>Change</t-button><t-button kind="quiet" label="Remove the note" @click=${onRemove}>Remove</t-button>` : nothing}
     </div>
   </li>`;
+}
+
+/** Asked before a note goes. */
+export function renderNoteQuestion(removing: QuestionController<NoteShape>): TemplateResult {
+  return renderQuestion(removing, ({ who, text }) => ({ heading: "Remove the note?", action: "Remove it", text: `${who} wrote: ${text.slice(0, 200)}. What it said stays in the audit log.` }));
 }

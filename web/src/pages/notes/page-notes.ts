@@ -11,7 +11,6 @@ import { LoadController } from "../../controllers/load.js";
 import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
 import { settled } from "../../elements/base/stable-field.js";
-import { renderQuestion } from "../../elements/feedback/question.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
@@ -27,7 +26,7 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { NotesApi, notesExportPath } from "../../wire/notes-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { noteStyle } from "./note-style.js";
-import { renderNoteRow } from "./note-row.js";
+import { renderNoteQuestion, renderNoteRow } from "./note-row.js";
 import { NoteWriter } from "./note-writer.js";
 import { draftAt, draftOf, NO_SEARCH, notesPageQuery, readNoteSearch, SEARCH_KEYS, writeNoteSearch, type NoteSearch } from "./notes-query.js";
 import "../../elements/feedback/empty.js";
@@ -102,7 +101,7 @@ export class PageNotes extends LitElement {
         nothing: () => this.renderEmpty(search),
       })}
       ${this.writer.renderDialog(this.site, zone, this.detail.value ?? null)}
-      ${renderQuestion(this.removing, ({ who, text }) => ({ heading: "Remove the note?", action: "Remove it", text: `${who} wrote: ${text.slice(0, 200)}. What it said stays in the audit log.` }))}`;
+      ${renderNoteQuestion(this.removing)}`;
   }
 
   private renderSearch(search: NoteSearch): TemplateResult {
