@@ -11,9 +11,11 @@ from .world import NOW, holds
 if TYPE_CHECKING:
     from .world import World
 
-__all__ = ["NOTED", "kept_note", "manages_noted", "note_of", "uses_noted"]
+__all__ = ["NOTED", "VIEWED", "kept_note", "manages_noted", "note_of", "uses_noted"]
 
 NOTED = ("agv", "agv/base", "agv/power", "moon", "moon/rover")
+# Where what is seen may be viewed, too: a note on the rest is not there for who only sees.
+VIEWED = ("agv/power", "moon/rover")
 
 
 def uses_noted(actor: str, about: str) -> bool:

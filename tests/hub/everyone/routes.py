@@ -19,7 +19,7 @@ from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
 from .boards import BOARD, changes_board, kept_board, reads_board, shares_board
-from .notes import NOTED, kept_note, manages_noted, note_of, uses_noted
+from .notes import NOTED, VIEWED, kept_note, manages_noted, note_of, uses_noted
 from .observing import (
     ALERT_RULE,
     ASKED,
@@ -742,8 +742,8 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/notes"): of_site(),
     ("GET", "/api/sites/{site}/notes/export"): of_site(),
     ("POST", "/api/sites/{site}/notes"): Recipe(_write_note, NOTED, uses_noted),
-    ("PUT", "/api/sites/{site}/notes/{note}"): Recipe(_change_note, NOTED, manages_noted),
-    ("DELETE", "/api/sites/{site}/notes/{note}"): Recipe(_remove_note, NOTED, manages_noted),
+    ("PUT", "/api/sites/{site}/notes/{note}"): Recipe(_change_note, VIEWED, manages_noted),
+    ("DELETE", "/api/sites/{site}/notes/{note}"): Recipe(_remove_note, VIEWED, manages_noted),
     ("GET", "/api/boards"): Recipe(plain()),
     ("POST", "/api/boards"): Recipe(plain(json={"board": BOARD})),
     ("POST", "/api/boards/text"): Recipe(plain(json={"board": BOARD})),

@@ -15,7 +15,7 @@ from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.notes.note_schemas import NoteAsk, NoteChangeAsk, NoteList, NoteShape
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.query_params import Time, Word  # noqa: TC001 - FastAPI reads it
-from talaia.hub.auth.permissions import ANY, Right
+from talaia.hub.auth.permissions import ANY, Right, sees_device
 from talaia.hub.store.safe_text import safe_cell, safe_text
 from talaia.hub.store.sites.notes import LONGEST_NOTE, MOST_NOTES, NoteBody, NoteFilter
 from talaia.wire import browser
@@ -199,10 +199,12 @@ def _require_use(asker: Who, live: LiveSite, body: NoteBody) -> None:
     """Refuse who may not write about it.
 
     Raises:
-        ApiProblem: 403.
+        ApiProblem: 403; 404 about a device that is hidden from them, as about one that is not there.
 
     """
     if not asker.grants.has_right(Right.USE, live.name, body.device or ANY):
+        if body.device and not sees_device(asker.grants, live.description, body.device):
+            raise ApiProblem(404, "unknown", "there is no such device")
         problem = "to write a note takes the right use on what it is about"
         raise ApiProblem(403, "forbidden", problem)
 
