@@ -199,7 +199,7 @@ def _require_use(asker: Who, live: LiveSite, body: NoteBody) -> None:
     """Refuse who may not write about it.
 
     Raises:
-        ApiProblem: 403; 404 about a device that is hidden from them, as about one that is not there.
+        ApiProblem: 403; 404 about a device that is hidden, as about one that is not there.
 
     """
     if not asker.grants.has_right(Right.USE, live.name, body.device or ANY):
