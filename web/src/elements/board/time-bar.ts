@@ -30,6 +30,7 @@ export function barSpan(us: number, endUs: number, lengthUs: number): { readonly
  * @fires t-speed how many times as fast it plays
  * @fires t-length how much time the bar is to span (µs)
  * @slot marks - what happened, placed by `--at`: its part of the bar, 0 to 1
+ * @slot keys - more buttons
  * @slot stretches - what lasted: from `--from`, over `--part` of the bar
  * @fires t-note write a note at the moment, or over the span up to it
  * @fires t-begin a note's span begins at the moment, or is dropped again
@@ -233,7 +234,7 @@ export class TimeBar extends LitElement {
         <t-button kind="quiet" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
         <label>Speed <select aria-label="Speed" @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
         <label>Bar <select aria-label="Length of the bar" @change=${this.onLength}>${renderOptions(LENGTHS, String(this.length))}</select></label>
-        ${this.notes ? this.renderNoteKeys() : nothing}
+        ${this.notes ? this.renderNoteKeys() : nothing} <slot name="keys"></slot>
       </div>
       <div role="status">${this.renderState()}</div>`;
   }

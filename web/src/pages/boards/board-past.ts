@@ -19,19 +19,28 @@ import { noteMarks } from "../notes/note-marks.js";
 import { NoteWriter } from "../notes/note-writer.js";
 import { NotesLoader } from "../notes/notes-loader.js";
 import { draftAt } from "../notes/notes-query.js";
+import type { ChosenRuns } from "../runs/run-picker.js";
 import "../../elements/feedback/banner.js";
+import "../../elements/forms/button.js";
+import "../runs/compare-runs.js";
 
 /** Who looks back begins so much before now (µs). */
 const BACK_US = 60e6;
 
 /** Marks nearer than this part of the bar are one: each is as wide as a finger needs, on a phone, too. */
 const APART = 0.07;
+/** Two runs that play may be so far apart, at their speed (µs). */
+const APART_US = 0.3e6;
 const NO_NAMES: ReadonlyMap<string, string> = new Map();
 
 type BoardPastSource = PastSource & EventsSource & Pick<HubApi, "request">;
 
 export class BoardPast implements ReactiveController {
   board: PastBoard | null = null;
+  /** Another run, which stands beside it and goes with it; null for none. */
+  other: PastBoard | null = null;
+  /** The board's time less the other run's (µs). */
+  private shiftUs = 0;
   private lengthUs = HOUR_US;
   private happened: EventsLoader | null = null;
   private noted: NotesLoader | null = null;
@@ -40,15 +49,16 @@ export class BoardPast implements ReactiveController {
   private begunUs: number | null = null;
   private frame = 0;
   private stop: (() => void) | null = null;
+  private stopOther: (() => void) | null = null;
   /** The moment as the address last said it, and as it was written there (µs). */
   private followed: number | null = null;
   private written: number | null = null;
 
-  /** @param write puts a moment into the address; null for now */
+  /** @param write puts a moment into the address, and that of another run beside it; null for now, and for none */
   constructor(
     private readonly host: ReactiveControllerHost & HTMLElement,
     private readonly source: () => BoardPastSource,
-    private readonly write: (us: number | null) => void,
+    private readonly write: (us: number | null, against: number | null) => void,
   ) {
     host.addController(this);
     this.writer = new NoteWriter(host, () => this.board?.site ?? "", () => {
@@ -66,16 +76,38 @@ export class BoardPast implements ReactiveController {
   }
 
   /** The address says which moment; call it from `willUpdate`. An empty site has no past. */
-  follow(site: string, { at }: BoardQuery): void {
+  follow(site: string, { at, against }: BoardQuery): void {
     const { board } = this;
     if (at === null || site === "") this.close();
     else if (board?.site !== site) this.open(site, at);
     else if (at !== this.followed && at !== this.written) board.seek(at);
+    if (at !== null && site !== "") this.followOther(site, at, against);
     this.followed = at;
   }
 
+  /** The other run keeps its distance while both move; another distance is another comparison. */
+  private followOther(site: string, at: number, against: number | null): void {
+    const shiftUs = against === null ? 0 : at - against;
+    if (against === null) this.closeOther();
+    else if (this.other?.site !== site || shiftUs !== this.shiftUs) {
+      this.closeOther();
+      this.shiftUs = shiftUs;
+      this.other = new PastBoard(site, this.source(), against);
+      this.stopOther = this.other.subscribe(() => {
+        this.host.requestUpdate();
+      });
+    }
+  }
+
+  private closeOther(): void {
+    this.stopOther?.();
+    this.stopOther = null;
+    this.other?.close();
+    this.other = null;
+  }
+
   readonly lookBack = (): void => {
-    this.write(Date.now() * 1000 - BACK_US);
+    this.write(Date.now() * 1000 - BACK_US, null);
   };
 
   renderBar(detail: SiteShape, { wrongAt }: BoardQuery): unknown {
@@ -107,7 +139,9 @@ export class BoardPast implements ReactiveController {
       @t-speed=${this.onSpeed}
       @t-now=${this.onNow}
       @t-retry=${this.onRetry}
-      >${this.renderMarks(board, zone)}</t-time-bar
+      >${this.renderMarks(board, zone)}
+      <t-compare-runs slot="keys" .site=${detail.site} .zone=${zone} .span=${barSpan(board.us, board.endUs, this.lengthUs)} @t-runs=${this.onRuns}></t-compare-runs>
+      ${this.other === null ? nothing : html`<t-button slot="keys" kind="quiet" @click=${this.endComparison}>End the comparison</t-button>`}</t-time-bar
     >${this.writer.renderDialog(detail.site, zone, detail)}`;
   }
 
@@ -171,6 +205,7 @@ export class BoardPast implements ReactiveController {
     this.noted?.close();
     this.noted = null;
     this.begunUs = null;
+    this.closeOther();
     this.board?.close();
     this.board = null;
   }
@@ -179,11 +214,12 @@ export class BoardPast implements ReactiveController {
     const { board } = this;
     if (board === null) return;
     board.tick();
+    this.moveOther(board);
     // As the address has it: to the millisecond.
     const us = Math.floor(board.us / 1000) * 1000;
     if (!board.playing && board.isSettled && us !== this.written) {
       this.written = us;
-      this.write(us);
+      this.write(us, this.other === null ? null : us - this.shiftUs);
     }
     this.frame = requestAnimationFrame(this.onFrame);
   };
@@ -201,6 +237,31 @@ export class BoardPast implements ReactiveController {
   private readonly onBegin = (): void => {
     this.begunUs = this.begunUs === null ? (this.board?.us ?? null) : null;
     this.host.requestUpdate();
+  };
+
+  /** One bar moves both: the other run stands, plays and waits as this one does. */
+  private moveOther(board: PastBoard): void {
+    const { other } = this;
+    if (other === null) return;
+    if (other.speed !== board.speed) other.setSpeed(board.speed);
+    if (board.playing && !other.playing) other.play();
+    if (!board.playing && other.playing) other.pause();
+    const wanted = board.us - this.shiftUs;
+    // While both play each waits for its own values; further apart they are put together again.
+    const apart = Math.abs(other.us - wanted) > (board.playing ? APART_US * board.speed : 1);
+    if (apart && wanted < other.endUs) other.seek(wanted);
+    other.tick();
+  }
+
+  /** Which two runs are beside each other from now on: the board of the first, and its distance to the second. */
+  private readonly onRuns = ({ detail: { span, shiftUs } }: CustomEvent<ChosenRuns>): void => {
+    this.write(span.fromUs, span.fromUs - shiftUs);
+  };
+
+  private readonly endComparison = (): void => {
+    const { board } = this;
+    this.closeOther();
+    if (board !== null) this.write(Math.floor(board.us / 1000) * 1000, null);
   };
 
   private readonly onPlay = (): void => {
@@ -226,7 +287,7 @@ export class BoardPast implements ReactiveController {
   };
 
   private readonly onNow = (): void => {
-    this.write(null);
+    this.write(null, null);
   };
 
   private readonly onRetry = (): void => {

@@ -92,7 +92,7 @@ export class PageLogbook extends LitElement {
   private readonly removing = new QuestionController<NoteShape>(this, (note, action) =>
     action.run("remove the note", () => new NotesApi(this.api, this.site).removeNote(note.id)),
   );
-  private readonly list = new InfiniteList<LogbookRow>(this, async (before) => {
+  private readonly list: InfiniteList<LogbookRow> = new InfiniteList<LogbookRow>(this, async (before) => {
     const last = this.list.rows.find(({ id }) => id === before);
     return readLogbookPage({ events: new AlarmsApi(this.api), notes: new NotesApi(this.api, this.site) }, this.site, this.filter(), last, ROWS);
   });

@@ -168,7 +168,4 @@ declare global {
   interface HTMLElementTagNameMap {
     "t-note-dialog": NoteDialog;
   }
-  interface HTMLElementEventMap {
-    "t-saved": CustomEvent;
-  }
 }
