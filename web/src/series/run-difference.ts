@@ -7,7 +7,6 @@ export interface RunSamples {
   /** µs, rising */
   readonly times: ArrayLike<number>;
   readonly values: ArrayLike<number>;
-  readonly length: number;
   /** A longer pause is a gap, over which nothing is known (µs). */
   readonly allowedUs: number;
 }
@@ -31,7 +30,7 @@ export interface RunDifference {
  */
 export function compareRuns(first: RunSamples, second: RunSamples, shiftUs: number, { fromUs, toUs }: TimeSpan): RunDifference {
   let [count, sum, squares, greatest] = [0, 0, 0, 0];
-  for (let at = firstIndexFrom(first.times, fromUs, first.length); at < first.length; at += 1) {
+  for (let at = firstIndexFrom(first.times, fromUs); at < first.times.length; at += 1) {
     const us = first.times[at] ?? Infinity;
     if (us > toUs) break;
     const difference = (first.values[at] ?? NaN) - valueBetween(second, us - shiftUs);
@@ -45,8 +44,9 @@ export function compareRuns(first: RunSamples, second: RunSamples, shiftUs: numb
   return { rms: Math.sqrt(squares / count), mean: sum / count, greatest, count };
 }
 
-function valueBetween({ times, values, length, allowedUs }: RunSamples, us: number): number {
-  const after = firstIndexFrom(times, us, length);
+function valueBetween({ times, values, allowedUs }: RunSamples, us: number): number {
+  const after = firstIndexFrom(times, us);
+  const { length } = times;
   const [t1 = NaN, v1 = NaN] = [times[after], values[after]];
   if (after < length && t1 === us) return v1;
   if (after === 0 || after >= length) return NaN;
