@@ -40,6 +40,11 @@ export class HistoryNotes {
     return this.loader?.notes ?? NONE;
   }
 
+  /** They could not be loaded; empty while they are. */
+  get missingText(): string {
+    return this.loader?.failed === true ? "Notes cannot be loaded now." : "";
+  }
+
   /** Call it from `willUpdate`. */
   loadNotes(api: HubApi, site: string, span: TimeSpan): void {
     this.loader ??= new NotesLoader(

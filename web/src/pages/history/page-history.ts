@@ -247,14 +247,14 @@ export class PageHistory extends LitElement {
     const fences = data.outliers.foundIn(this.site, span, view.outliers);
     const then = ghostUs === 0 ? "" : view.shiftUs === 0 ? formatDate(span.fromUs - ghostUs, detail.zone) : timeText(span.fromUs - ghostUs, detail.zone, span.fromUs).local;
     return html`<div class="progress" ?hidden=${now.state !== "loading"}></div>
-      ${then === "" ? nothing : renderCompared(span, ghostUs, view, detail.zone, () => this.window.updateView({ shiftUs: 0, versus: 0 }))}
+      ${then === "" ? nothing : renderCompared(span, ghostUs, view, detail.zone, () => { this.window.updateView({ shiftUs: 0, versus: 0 }); })}
       <t-marks-lane
         .marks=${this.marks}
         .without=${view.without}
         .span=${span}
         .indent=${indent}
         .more=${data.events.more}
-        problem=${data.missingText}
+        problem=${data.missingText || this.notes.missingText}
         zone=${detail.zone}
         @t-hide=${this.onHiddenKinds}
         @t-cursor=${this.onCursorMove}

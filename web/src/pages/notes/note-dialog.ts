@@ -91,7 +91,7 @@ export class NoteDialog extends LitElement {
     const { zone } = this.clock();
     const signals = this.detail?.devices.find(({ id }) => id === device)?.signals ?? [];
     const chosen = draft?.device === device ? draft.signal : "";
-    return html`<t-dialog heading=${draft?.id ? "Change the note" : "Write a note"} ?open=${draft !== null} @t-close=${this.onClosed}>
+    return html`<t-dialog heading=${(draft?.id ?? "") === "" ? "Write a note" : "Change the note"} ?open=${draft !== null} @t-close=${this.onClosed}>
       <form class="entry" novalidate @submit=${this.onSubmit}>
         <t-field class="wide" label="Text" .error=${mistakes.text ?? ""}><textarea name="text" rows="4" maxlength=${LONGEST}></textarea></t-field>
         <t-field label=${`From (${zone})`} .error=${mistakes.from ?? ""}><input name="from" type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>

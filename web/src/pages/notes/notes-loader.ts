@@ -42,6 +42,10 @@ export class NotesLoader {
     this.asker.request({ site, span: { fromUs, toUs }, edition: this.edition });
   }
 
+  get failed(): boolean {
+    return this.asker.state === "failed";
+  }
+
   /** The next `loadNotes` asks, also for the same span. */
   invalidate(): void {
     this.edition += 1;
