@@ -30,6 +30,7 @@ from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api.maps import map_schemas
+from talaia.hub.api.notes import note_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
     account_schemas,
@@ -93,6 +94,7 @@ SHAPES = (
     sighting_schemas,
     tap_schemas,
     map_schemas,
+    note_schemas,
     tile_schemas,
     client_schemas,
 )

@@ -29,6 +29,7 @@ from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
+from talaia.hub.features.records.notes import NotesFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -145,6 +146,7 @@ class Hub(AssembledHub):
         self.storage = StorageFeature(core, history=self.history.store)
         self.boards = BoardsFeature(core, audit=log)
         self.maps = MapsFeature(core, audit=log)
+        self.notes = NotesFeature(core, audit=log)
         self.connections = ConnectionsFeature(
             core,
             seats=self.people.seats,

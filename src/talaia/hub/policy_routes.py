@@ -293,6 +293,17 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/maps/sources"): AccessNeed.ADMIN,
         ("DELETE", "/api/maps/sources/{source}"): AccessNeed.ADMIN,
     },
+    "notes": {
+        # The device that a note is about is looked at besides, as in the logbook (decision 0201);
+        # what may not be seen is as if it were not there.
+        ("GET", "/api/sites/{site}/notes"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/notes/export"): AccessNeed.SEE,
+        # The right use on what it is about is asked for besides; of a note that is there to be its
+        # author, or an admin.
+        ("POST", "/api/sites/{site}/notes"): AccessNeed.SEE,
+        ("PUT", "/api/sites/{site}/notes/{note}"): AccessNeed.SEE,
+        ("DELETE", "/api/sites/{site}/notes/{note}"): AccessNeed.SEE,
+    },
     "boards": {
         # Each board is looked at besides (`auth.board_access`); one that is not open to a person
         # is as if it were not there. A board opens no data: each of its tiles asks for its own.

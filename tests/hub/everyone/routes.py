@@ -19,6 +19,7 @@ from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
 from .boards import BOARD, changes_board, kept_board, reads_board, shares_board
+from .notes import NOTED, VIEWED, kept_note, manages_noted, note_of, uses_noted
 from .observing import (
     ALERT_RULE,
     ASKED,
@@ -374,6 +375,18 @@ ALARMED = ("agv/base", "agv/power", "moon/rover")
 ALARM = {"name": "Made", "kind": "limit", "above": 1e9}
 
 
+async def _write_note(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask({"site": about.partition("/")[0]}, json=note_of(about), done=(201,))
+
+
+async def _change_note(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask(await kept_note(world, about), json={**note_of(about), "base": 1})
+
+
+async def _remove_note(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask(await kept_note(world, about), done=(204,))
+
+
 def _of_alarm(level: str, **ask: object) -> Recipe:
     """Ask about the alarm of a device, which alone decides who may do what with it."""
 
@@ -726,6 +739,11 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ),
     ("DELETE", "/api/sites/{site}/recordings/{recording}"): Recipe(_no_recording, SITES),
     ("GET", "/api/storage/outlook"): Recipe(plain()),
+    ("GET", "/api/sites/{site}/notes"): of_site(),
+    ("GET", "/api/sites/{site}/notes/export"): of_site(),
+    ("POST", "/api/sites/{site}/notes"): Recipe(_write_note, NOTED, uses_noted),
+    ("PUT", "/api/sites/{site}/notes/{note}"): Recipe(_change_note, VIEWED, manages_noted),
+    ("DELETE", "/api/sites/{site}/notes/{note}"): Recipe(_remove_note, VIEWED, manages_noted),
     ("GET", "/api/boards"): Recipe(plain()),
     ("POST", "/api/boards"): Recipe(plain(json={"board": BOARD})),
     ("POST", "/api/boards/text"): Recipe(plain(json={"board": BOARD})),

@@ -9,6 +9,8 @@ export interface BoardQuery {
   readonly arrange: boolean;
   /** The past moment that is shown (µs); null for now. */
   readonly at: number | null;
+  /** The moment of another run that stands beside it (µs); null for none. */
+  readonly against: number | null;
   /** What stands there and is no time; empty where all is well. */
   readonly wrongAt: string;
   readonly kiosk: boolean;
@@ -29,6 +31,7 @@ export function readBoardQuery(search: string): BoardQuery {
     device: said.get("device") ?? "",
     arrange: said.get("arrange") === "1",
     at,
+    against: at === null ? null : readMoment(said.get("with") ?? ""),
     wrongAt: at === null ? (said.get("at") ?? "") : "",
     kiosk: said.get("kiosk") === "1",
     cycle: said.getAll("cycle").filter(Boolean),
@@ -37,11 +40,12 @@ export function readBoardQuery(search: string): BoardQuery {
 }
 
 /** The same as the part of an address behind its question mark; what is usual is left out. */
-export function writeBoardQuery({ site = "", device = "", at = null, kiosk = false, cycle = [], seconds = 30 }: Partial<BoardQuery>): string {
+export function writeBoardQuery({ site = "", device = "", at = null, against = null, kiosk = false, cycle = [], seconds = 30 }: Partial<BoardQuery>): string {
   const said = new URLSearchParams();
   if (site !== "") said.set("site", site);
   if (device !== "") said.set("device", device);
   if (at !== null) said.set("at", momentText(at));
+  if (at !== null && against !== null) said.set("with", momentText(against));
   if (kiosk) said.set("kiosk", "1");
   for (const key of cycle) said.append("cycle", key);
   if (cycle.length > 0) said.set("seconds", String(seconds));

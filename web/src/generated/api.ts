@@ -2265,6 +2265,47 @@ export interface SiteMapShape {
   readonly grid: string;
 }
 
+/** Write a note at a moment (``from_us`` and ``to_us`` are the same), or over a span. */
+export interface NoteAsk {
+  readonly device?: string;
+  readonly signal?: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly text: string;
+}
+
+/** Change a note; ``base`` is the version that you have seen. */
+export interface NoteChangeAsk {
+  readonly device?: string;
+  readonly signal?: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly text: string;
+  readonly base: number;
+}
+
+/** The last to begin first. ``more``: earlier ones were left out. */
+export interface NoteList {
+  readonly notes: readonly NoteShape[];
+  readonly more: boolean;
+}
+
+/** A note. ``version`` counts its changes from 1; ``may_change``: you may change and remove it. */
+export interface NoteShape {
+  readonly id: string;
+  readonly device: string;
+  readonly signal: string;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly text: string;
+  readonly who: string;
+  readonly created_us: number;
+  readonly changed_us: number;
+  readonly changed_by: string;
+  readonly version: number;
+  readonly may_change: boolean;
+}
+
 /** Keep a board; ``note`` says in a few words what was done. */
 export interface BoardAsk {
   readonly board: BoardShape;

@@ -46,6 +46,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   },
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
+  notes: { tag: "t-page-notes", title: "Notes", load: () => import("./notes/page-notes.js") },
   anomalies: { tag: "t-page-anomalies", title: "Anomalies", load: () => import("./anomalies/page-anomalies.js") },
   sightings: { tag: "t-page-sightings", title: "Sightings", load: () => import("./sightings/page-sightings.js") },
   ways: { tag: "t-page-ways", title: "Notification", load: () => import("./notification-channels/page-notification-channels.js") },
@@ -70,7 +71,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night" || page === "forecast") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "notes" || page === "night" || page === "forecast") return !seesOnlyPublic(person);
   return true;
 }
 

@@ -25,6 +25,7 @@ export type PageName =
   | "alarms"
   | "logbook"
   | "sightings"
+  | "notes"
   | "device"
   | "archive"
   | "cameras"
@@ -52,7 +53,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "notes", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -117,7 +118,7 @@ export function boardKeyOf(path: string): string {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
+  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "notes" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }

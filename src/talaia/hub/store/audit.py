@@ -20,7 +20,7 @@ from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from sqlalchemy import func, insert, or_, select, update
+from sqlalchemy import func, insert, not_, or_, select, update
 
 from talaia.hub.errors import StoreDown
 from talaia.hub.store.safe_text import safe_text
@@ -94,6 +94,7 @@ class AuditFilter:
         from_us: not before. to_us: before.
         before: only rows with a smaller number.
         devices: only about one of these; not of the site as a whole.
+        without: the beginning of kinds that are left out.
         text: these words stand in the kind, the person, the device or the message, in any case.
 
     """
@@ -107,6 +108,7 @@ class AuditFilter:
     to_us: int | None = None
     before: int | None = None
     devices: Collection[str] | None = None
+    without: str | None = None
     text: str | None = None
 
     def sql_conditions(self) -> list[ColumnElement[bool]]:
@@ -130,6 +132,8 @@ class AuditFilter:
             said.append(audit.c.id < self.before)
         if self.devices is not None:
             said.append(audit.c.device.in_(sorted(self.devices)))
+        if self.without is not None:
+            said.append(not_(audit.c.kind.startswith(self.without, autoescape=True)))
         if self.text:
             wanted = self.text.lower()
             columns = (audit.c.kind, audit.c.who, audit.c.device, audit.c.message)

@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { timeText } from "../../format/time.js";
+import { formatClock, timeText } from "../../format/time.js";
 import { DAY_US, HOUR_US, MINUTE_US, SECOND_US } from "../../series/zone-clock.js";
 import { base, quietText, raisedBox } from "../base/base-style.js";
 import { renderOptions } from "../forms/form-parts.js";
@@ -30,6 +30,10 @@ export function barSpan(us: number, endUs: number, lengthUs: number): { readonly
  * @fires t-speed how many times as fast it plays
  * @fires t-length how much time the bar is to span (µs)
  * @slot marks - what happened, placed by `--at`: its part of the bar, 0 to 1
+ * @slot keys - more buttons
+ * @slot stretches - what lasted: from `--from`, over `--part` of the bar
+ * @fires t-note write a note at the moment, or over the span up to it
+ * @fires t-begin a note's span begins at the moment, or is dropped again
  * @fires t-now back to now
  * @fires t-retry ask the hub once more
  */
@@ -99,6 +103,15 @@ export class TimeBar extends LitElement {
         inset-inline-start: calc(8px + (100% - 16px) * var(--at));
         translate: -50% 0;
       }
+      ::slotted([slot="stretches"]) {
+        position: absolute;
+        inset-block-start: 1.4rem;
+        inset-inline-start: calc(8px + (100% - 16px) * var(--from));
+        inline-size: max(2px, calc((100% - 16px) * var(--part)));
+        block-size: 0.35rem;
+        border-radius: 0.2rem;
+        background: var(--t-muted);
+      }
       input[type="range"] {
         inline-size: 100%;
         min-block-size: var(--t-touch);
@@ -119,6 +132,50 @@ export class TimeBar extends LitElement {
         color: var(--t-warn);
         font-weight: var(--t-weight-strong);
       }
+      .small {
+        display: none;
+      }
+      /* A phone's bar is two rows, so that the board below it is seen: the rest is behind "More". */
+      @media (max-width: 45rem) {
+        :host {
+          gap: 0;
+          padding: var(--t-space-1) var(--t-space-2);
+        }
+        .small {
+          display: revert;
+        }
+        .large {
+          display: none;
+        }
+        .stamp {
+          flex-wrap: nowrap;
+          align-items: center;
+          gap: var(--t-space-2);
+        }
+        .when {
+          flex: 1;
+          min-inline-size: 0;
+          line-height: 1.2;
+        }
+        time {
+          font-size: var(--t-size-s);
+        }
+        .now {
+          margin-inline-start: 0;
+        }
+        .rail {
+          padding-block-start: 1rem;
+        }
+        :host(:not([expanded])) :is(.utc, .ends, .keys, .said:not(.warn)) {
+          display: none;
+        }
+        :host([expanded]) .stamp {
+          flex-wrap: wrap;
+        }
+        :host([expanded]) .keys {
+          padding-block: var(--t-space-2);
+        }
+      }
     `,
   ];
 
@@ -134,6 +191,13 @@ export class TimeBar extends LitElement {
   /** The moment has come up to the newest. */
   @property({ type: Boolean, attribute: "at-end" }) atEnd = false;
 
+  /** On a phone: all of it is shown, and not only the moment, play and the slider. */
+  @property({ type: Boolean, reflect: true }) expanded = false;
+  /** Notes may be written. */
+  @property({ type: Boolean }) notes = false;
+  /** Where a note over a span was begun (µs); null while none was. */
+  @property({ attribute: false }) begun: number | null = null;
+
   /** How much time the bar spans (µs). */
   @property({ type: Number }) length = HOUR_US;
 
@@ -144,12 +208,13 @@ export class TimeBar extends LitElement {
     const from = timeText(span.fromUs, zone, end);
     const to = timeText(span.toUs, zone, end);
     return html`<div class="stamp">
-        <strong>Past</strong>
-        <time datetime=${text.machine}>${text.local} ${text.zone}</time>
+        <t-button class="small" ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? "Pause" : "Play"}</t-button>
+        <span class="when"><strong>Past</strong> <time datetime=${text.machine}>${text.local} ${text.zone}</time></span>
         ${text.zone === "UTC" ? nothing : html`<span class="utc">${text.utc}</span>`}
-        <t-button class="now" kind="primary" @click=${this.onNow}>Back to now</t-button>
+        <t-button class="now" kind="primary" label="Back to now" @click=${this.onNow}><span class="large">Back to now</span><span class="small">Now</span></t-button>
+        <t-button class="small" kind="quiet" label="More of the bar" pressed=${this.expanded ? "true" : "false"} @click=${this.onExpand}>More</t-button>
       </div>
-      <div class="rail"><slot name="marks"></slot>
+      <div class="rail"><slot name="stretches"></slot><slot name="marks"></slot>
         <input
           type="range"
           aria-label="Moment"
@@ -169,8 +234,15 @@ export class TimeBar extends LitElement {
         <t-button kind="quiet" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
         <label>Speed <select aria-label="Speed" @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
         <label>Bar <select aria-label="Length of the bar" @change=${this.onLength}>${renderOptions(LENGTHS, String(this.length))}</select></label>
+        ${this.notes ? this.renderNoteKeys() : nothing} <slot name="keys"></slot>
       </div>
       <div role="status">${this.renderState()}</div>`;
+  }
+
+  private renderNoteKeys(): TemplateResult {
+    const { begun } = this;
+    return html`<t-button kind="quiet" @click=${this.onNote}>${begun === null ? "Note" : `Note since ${formatClock(begun, this.zone)}`}</t-button>
+      <t-button kind="quiet" pressed=${begun === null ? "false" : "true"} @click=${this.onBegin}>Begin a span</t-button>`;
   }
 
   private renderState(): unknown {
@@ -192,6 +264,18 @@ export class TimeBar extends LitElement {
 
   private readonly onNow = (): void => {
     this.fire("t-now");
+  };
+
+  private readonly onExpand = (): void => {
+    this.expanded = !this.expanded;
+  };
+
+  private readonly onNote = (): void => {
+    this.fire("t-note");
+  };
+
+  private readonly onBegin = (): void => {
+    this.fire("t-begin");
   };
 
   private readonly onPlay = (): void => {

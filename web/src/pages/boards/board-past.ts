@@ -5,38 +5,66 @@ import { repeat } from "lit/directives/repeat.js";
 import type { BoardQuery } from "../../boards/board-query.js";
 import { barSpan } from "../../elements/board/time-bar.js";
 import { formatClock } from "../../format/time.js";
+import type { TimeSpan } from "../../series/time-window.js";
 import { HOUR_US } from "../../series/zone-clock.js";
 import { PAST_SPEEDS, PastBoard } from "../../state/past/past-board.js";
 import type { PastSource } from "../../state/past/past-chunks.js";
-import { clusterMarks, eventMarks, type MarkCluster } from "../history/chart/event-marks.js";
+import type { SiteShape } from "../../generated/api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { NotesApi } from "../../wire/notes-api.js";
+import { clusterMarks, eventMarks, mergeMarks, type EventMark, type MarkCluster } from "../history/chart/event-marks.js";
 import { renderMarkShape } from "../history/chart/mark-shapes.js";
 import { EventsLoader, type EventsSource } from "../history/data/events-loader.js";
+import { noteMarks } from "../notes/note-marks.js";
+import { NoteWriter } from "../notes/note-writer.js";
+import { NotesLoader } from "../notes/notes-loader.js";
+import { draftAt } from "../notes/notes-query.js";
+import type { ChosenRuns } from "../runs/run-picker.js";
 import "../../elements/feedback/banner.js";
+import "../../elements/forms/button.js";
+import "../runs/compare-runs.js";
 
 /** Who looks back begins so much before now (µs). */
 const BACK_US = 60e6;
 
 /** Marks nearer than this part of the bar are one: each is as wide as a finger needs, on a phone, too. */
 const APART = 0.07;
+/** Two runs that play may be so far apart, at their speed (µs). */
+const APART_US = 0.3e6;
 const NO_NAMES: ReadonlyMap<string, string> = new Map();
+
+type BoardPastSource = PastSource & EventsSource & Pick<HubApi, "request">;
 
 export class BoardPast implements ReactiveController {
   board: PastBoard | null = null;
+  /** Another run, which stands beside it and goes with it; null for none. */
+  other: PastBoard | null = null;
+  /** The board's time less the other run's (µs). */
+  private shiftUs = 0;
   private lengthUs = HOUR_US;
   private happened: EventsLoader | null = null;
+  private noted: NotesLoader | null = null;
+  private readonly writer: NoteWriter;
+  /** Where a note over a span is to begin (µs); null while none was begun. */
+  private begunUs: number | null = null;
   private frame = 0;
   private stop: (() => void) | null = null;
+  private stopOther: (() => void) | null = null;
   /** The moment as the address last said it, and as it was written there (µs). */
   private followed: number | null = null;
   private written: number | null = null;
 
-  /** @param write puts a moment into the address; null for now */
+  /** @param write puts a moment into the address, and that of another run beside it; null for now, and for none */
   constructor(
-    private readonly host: ReactiveControllerHost,
-    private readonly source: () => PastSource & EventsSource,
-    private readonly write: (us: number | null) => void,
+    private readonly host: ReactiveControllerHost & HTMLElement,
+    private readonly source: () => BoardPastSource,
+    private readonly write: (us: number | null, against: number | null) => void,
   ) {
     host.addController(this);
+    this.writer = new NoteWriter(host, () => this.board?.site ?? "", () => {
+      this.noted?.invalidate();
+      host.requestUpdate();
+    });
   }
 
   hostConnected(): void {
@@ -48,20 +76,44 @@ export class BoardPast implements ReactiveController {
   }
 
   /** The address says which moment; call it from `willUpdate`. An empty site has no past. */
-  follow(site: string, { at }: BoardQuery): void {
+  follow(site: string, { at, against }: BoardQuery): void {
     const { board } = this;
     if (at === null || site === "") this.close();
     else if (board?.site !== site) this.open(site, at);
     else if (at !== this.followed && at !== this.written) board.seek(at);
+    if (at !== null && site !== "") this.followOther(site, at, against);
     this.followed = at;
   }
 
+  /** The other run keeps its distance while both move; another distance is another comparison. */
+  private followOther(site: string, at: number, against: number | null): void {
+    const shiftUs = against === null ? 0 : at - against;
+    if (against === null) this.closeOther();
+    else if (this.other?.site !== site || shiftUs !== this.shiftUs) {
+      this.closeOther();
+      this.shiftUs = shiftUs;
+      this.other = new PastBoard(site, this.source(), against);
+      this.stopOther = this.other.subscribe(() => {
+        this.host.requestUpdate();
+      });
+    }
+  }
+
+  private closeOther(): void {
+    this.stopOther?.();
+    this.stopOther = null;
+    this.other?.close();
+    this.other = null;
+  }
+
   readonly lookBack = (): void => {
-    this.write(Date.now() * 1000 - BACK_US);
+    this.write(Date.now() * 1000 - BACK_US, null);
   };
 
-  renderBar(zone: string, { wrongAt }: BoardQuery): unknown {
+  renderBar(detail: SiteShape, { wrongAt }: BoardQuery): unknown {
     const { board } = this;
+    const { zone } = detail;
+    const mayWrite = detail.devices.some(({ rights }) => rights.includes("use"));
     if (wrongAt !== "") {
       return html`<t-banner kind="bad">The address asks for the moment “${wrongAt}”, which is no time. Expected is one such as at=2026-03-29T21:15:00Z. The board shows now.</t-banner>`;
     }
@@ -76,6 +128,10 @@ export class BoardPast implements ReactiveController {
       .state=${board.state}
       ?playing=${board.playing}
       ?at-end=${board.isAtEnd}
+      ?notes=${mayWrite}
+      .begun=${this.begunUs}
+      @t-note=${this.onNote}
+      @t-begin=${this.onBegin}
       @t-play=${this.onPlay}
       @t-seek=${this.onSeek}
       @t-step=${this.onStep}
@@ -83,19 +139,32 @@ export class BoardPast implements ReactiveController {
       @t-speed=${this.onSpeed}
       @t-now=${this.onNow}
       @t-retry=${this.onRetry}
-      >${this.renderMarks(board, zone)}</t-time-bar
-    >`;
+      >${this.renderMarks(board, zone)}
+      <t-compare-runs slot="keys" .site=${detail.site} .zone=${zone} .span=${barSpan(board.us, board.endUs, this.lengthUs)} @t-runs=${this.onRuns}></t-compare-runs>
+      ${this.other === null ? nothing : html`<t-button slot="keys" kind="quiet" @click=${this.endComparison}>End the comparison</t-button>`}</t-time-bar
+    >${this.writer.renderDialog(detail.site, zone, detail)}`;
   }
 
-  /** Alarms, commands, sightings, recordings: what the logbook has, as far as it is open to the person. */
+  /** Alarms, commands, sightings, recordings, notes: what the logbook has, as far as it is open to the person. */
   private renderMarks(board: PastBoard, zone: string): unknown {
-    const { happened } = this;
+    const { happened, noted } = this;
     const span = barSpan(board.us, board.endUs, this.lengthUs);
-    if (happened === null) return nothing;
+    if (happened === null || noted === null) return nothing;
     // While the slider is moved about, the bar stays with what it has.
-    if (board.isSettled || board.playing) happened.loadEvents(board.site, span);
-    const clusters = clusterMarks(eventMarks(happened.list.events, NO_NAMES), span, APART);
-    return repeat(clusters, ({ timeUs }) => timeUs, (cluster) => this.renderMark(cluster, (cluster.timeUs - span.fromUs) / this.lengthUs, zone));
+    if (board.isSettled || board.playing) {
+      happened.loadEvents(board.site, span);
+      noted.loadNotes(board.site, span);
+    }
+    const notes = noteMarks(noted.notes, NO_NAMES);
+    const clusters = clusterMarks(mergeMarks(eventMarks(happened.list.events, NO_NAMES), notes), span, APART);
+    return html`${notes.map((note) => this.renderStretch(note, span))}${repeat(clusters, ({ timeUs }) => timeUs, (cluster) => this.renderMark(cluster, (cluster.timeUs - span.fromUs) / this.lengthUs, zone))}`;
+  }
+
+  /** The part of the bar over which a note lasts; its mark says what it is. */
+  private renderStretch({ timeUs, untilUs }: EventMark, { fromUs, toUs }: TimeSpan): unknown {
+    if (untilUs === undefined || untilUs < fromUs || timeUs > toUs) return nothing;
+    const [from, to] = [Math.max(timeUs, fromUs), Math.min(untilUs, toUs)];
+    return html`<span slot="stretches" .style=${`--from: ${((from - fromUs) / this.lengthUs).toFixed(4)}; --part: ${((to - from) / this.lengthUs).toFixed(4)}`}></span>`;
   }
 
   private renderMark({ marks, kind, good }: MarkCluster, share: number, zone: string): unknown {
@@ -117,6 +186,10 @@ export class BoardPast implements ReactiveController {
     this.happened = new EventsLoader(this.source(), () => {
       this.host.requestUpdate();
     });
+    const find = (of: string, query: string, signal: AbortSignal): ReturnType<NotesApi["findNotes"]> => new NotesApi(this.source(), of).findNotes(query, signal);
+    this.noted = new NotesLoader(find, () => {
+      this.host.requestUpdate();
+    });
     this.stop = this.board.subscribe(() => {
       this.host.requestUpdate();
     });
@@ -129,6 +202,10 @@ export class BoardPast implements ReactiveController {
     this.stop = null;
     this.happened?.close();
     this.happened = null;
+    this.noted?.close();
+    this.noted = null;
+    this.begunUs = null;
+    this.closeOther();
     this.board?.close();
     this.board = null;
   }
@@ -137,13 +214,54 @@ export class BoardPast implements ReactiveController {
     const { board } = this;
     if (board === null) return;
     board.tick();
+    this.moveOther(board);
     // As the address has it: to the millisecond.
     const us = Math.floor(board.us / 1000) * 1000;
     if (!board.playing && board.isSettled && us !== this.written) {
       this.written = us;
-      this.write(us);
+      this.write(us, this.other === null ? null : us - this.shiftUs);
     }
     this.frame = requestAnimationFrame(this.onFrame);
+  };
+
+  /** At the moment that is shown, or over the span up to it that was begun. */
+  private readonly onNote = (event: Event): void => {
+    const { board, begunUs } = this;
+    if (board === null) return;
+    if (board.playing) board.pause();
+    const [from, to] = [begunUs ?? board.us, board.us].sort((a, b) => a - b);
+    this.begunUs = null;
+    this.writer.draft.opener(draftAt(from ?? board.us, to))(event);
+  };
+
+  private readonly onBegin = (): void => {
+    this.begunUs = this.begunUs === null ? (this.board?.us ?? null) : null;
+    this.host.requestUpdate();
+  };
+
+  /** One bar moves both: the other run stands, plays and waits as this one does. */
+  private moveOther(board: PastBoard): void {
+    const { other } = this;
+    if (other === null) return;
+    if (other.speed !== board.speed) other.setSpeed(board.speed);
+    if (board.playing && !other.playing) other.play();
+    if (!board.playing && other.playing) other.pause();
+    const wanted = board.us - this.shiftUs;
+    // While both play each waits for its own values; further apart they are put together again.
+    const apart = Math.abs(other.us - wanted) > (board.playing ? APART_US * board.speed : 1);
+    if (apart && wanted < other.endUs) other.seek(wanted);
+    other.tick();
+  }
+
+  /** Which two runs are beside each other from now on: the board of the first, and its distance to the second. */
+  private readonly onRuns = ({ detail: { span, shiftUs } }: CustomEvent<ChosenRuns>): void => {
+    this.write(span.fromUs, span.fromUs - shiftUs);
+  };
+
+  private readonly endComparison = (): void => {
+    const { board } = this;
+    this.closeOther();
+    if (board !== null) this.write(Math.floor(board.us / 1000) * 1000, null);
   };
 
   private readonly onPlay = (): void => {
@@ -169,7 +287,7 @@ export class BoardPast implements ReactiveController {
   };
 
   private readonly onNow = (): void => {
-    this.write(null);
+    this.write(null, null);
   };
 
   private readonly onRetry = (): void => {

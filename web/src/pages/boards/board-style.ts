@@ -29,6 +29,20 @@ export const boardStyle = css`
     gap: var(--t-space-2);
     font-size: var(--t-size-s);
   }
+  .runs {
+    display: grid;
+    grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr));
+    gap: var(--t-space-4);
+  }
+  .run {
+    margin-block-end: var(--t-space-2);
+    font-size: var(--t-size-m);
+  }
+  .run span {
+    color: var(--t-muted);
+    font-variant-numeric: tabular-nums;
+    font-weight: var(--t-weight);
+  }
   .mark {
     display: grid;
     place-items: center;

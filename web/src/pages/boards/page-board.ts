@@ -21,8 +21,10 @@ import { control } from "../../elements/forms/input-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
 import type { BoardDetail, BoardRow, BoardShape, BoardTileShape, DeviceShape, SiteShape, TileList } from "../../generated/api.js";
+import { timeText } from "../../format/time.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { boardKeyOf, boardPath, withQuery } from "../../state/router.js";
+import type { PastBoard } from "../../state/past/past-board.js";
 import { boardTileEntry } from "../../tiles/board/board-catalog.js";
 import { BoardsApi } from "../../boards/boards-api.js";
 import { Refused, type HubApi } from "../../wire/hub-api.js";
@@ -45,6 +47,7 @@ const GRIDS: readonly ChoiceOption[] = [
   { id: "desktop", label: "Desktop" },
   { id: "phone", label: "Phone" },
 ];
+const RUNS: readonly string[] = ["First run", "Second run"];
 const PHONE = "(max-width: 45rem)";
 
 /** @fires t-site which site it shows: the dashboard around it is then of that site, too */
@@ -70,8 +73,8 @@ export class PageBoard extends LitElement {
   private readonly tiles = new LoadController<TileList>(this);
   private readonly action = new ActionController(this);
   private readonly removing = new QuestionController<BoardRow>(this, (row, action) => this.removeBoard(row, action));
-  private readonly past = new BoardPast(this, () => this.api, (at) => {
-    this.replaceQuery({ at });
+  private readonly past = new BoardPast(this, () => this.api, (at, against) => {
+    this.replaceQuery({ at, against });
   });
   private readonly width = matchMedia(PHONE);
   private shownKey = "";
@@ -120,9 +123,9 @@ export class PageBoard extends LitElement {
     const detail = this.detail.value;
     if (board === null || detail === undefined) return html`<t-loading what="Loading the board"></t-loading>`;
     const view = this.renderView(board, detail);
-    if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail.zone, this.query)}${view}`;
+    if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail, this.query)}${view}`;
     return html`${this.renderHead(board, detail)} ${renderAdvice(this.action.problem)}<p class="said" role="status">${this.action.doneText}</p>
-      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${this.past.renderBar(detail.zone, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
+      ${this.draft === null ? nothing : this.renderArrangeBar(board)} ${this.past.renderBar(detail, this.query)} ${view} ${this.renderDialogs(board, detail)}`;
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
@@ -189,6 +192,8 @@ export class PageBoard extends LitElement {
   private renderView(board: BoardShape, detail: SiteShape): TemplateResult {
     const arranging = this.draft !== null;
     const grid = arranging ? this.grid : this.narrow ? "phone" : "desktop";
+    const { board: run, other } = this.past;
+    if (run !== null && other !== null) return this.renderRuns(board, detail, [run, other]);
     return html`<t-board-view
       class=${arranging && grid === "phone" ? "phone" : ""}
       .board=${board}
@@ -196,12 +201,24 @@ export class PageBoard extends LitElement {
       .device=${this.device(board, detail)}
       .extensions=${this.tiles.value?.tiles ?? []}
       .grid=${grid}
-      .past=${this.past.board}
+      .past=${run}
       ?editing=${arranging}
       @t-arrange=${this.onArrange}
       @t-settings=${this.onSettings}
       @t-remove=${this.onRemove}
     ></t-board-view>`;
+  }
+
+  /** Two runs side by side, each tile as a phone has it: half a screen is as narrow. */
+  private renderRuns(board: BoardShape, detail: SiteShape, runs: readonly PastBoard[]): TemplateResult {
+    const { zone } = detail;
+    const views = runs.map(
+      (past, at) => html`<section aria-label=${RUNS[at] ?? ""}>
+        <h2 class="run">${RUNS[at]} <span>${timeText(past.us, zone, Date.now() * 1000).local}</span></h2>
+        <t-board-view .board=${board} .detail=${detail} .device=${this.device(board, detail)} .extensions=${this.tiles.value?.tiles ?? []} grid="phone" .past=${past}></t-board-view>
+      </section>`,
+    );
+    return html`<div class="runs">${views}</div>`;
   }
 
   private device(board: BoardShape, detail: SiteShape): DeviceShape | null {

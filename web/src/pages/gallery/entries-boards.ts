@@ -6,6 +6,7 @@ import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import type { NamedItem } from "../../elements/board/board-grid.js";
 import type { BoardTileShape, CommandShape, DeviceShape, SignalShape, SiteShape } from "../../generated/api.js";
 import "../../elements/board/board-grid.js";
+import "../../elements/board/time-bar.js";
 import "../../elements/layout/card.js";
 import "../../elements/values/gauge.js";
 import type { BoardTileContext } from "../../tiles/board/board-tile-entry.js";
@@ -43,6 +44,7 @@ const LIDAR: DeviceShape = {
 };
 const WITH_NODES: BoardTileContext = { ...CONTEXT, detail: { ...DETAIL, devices: [LIDAR] } };
 
+const NOON_US = 1_780_000_000_000_000;
 const ITEMS: readonly NamedItem[] = [
   { id: "a", name: "Speed", x: 0, y: 0, w: 5, h: 2, least: [1, 1] },
   { id: "b", name: "Battery", x: 5, y: 0, w: 7, h: 1, least: [1, 1] },
@@ -71,6 +73,18 @@ export const entries: readonly GalleryEntry[] = [
         { name: `${title}: nothing chosen`, show: () => renderTile(type, {}) },
         { name: `${title}: not open to the person`, show: () => renderTile(type, Object.fromEntries(settings.filter(({ needed }) => needed === true).map(({ key }) => [key, "vault/door"]))) },
       ]),
+    ],
+  },
+  {
+    tag: "t-time-bar",
+    wide: true,
+    states: [
+      { name: "looking back", show: () => html`<t-time-bar .us=${NOON_US} .end=${NOON_US + 60e6} .speeds=${[1, 10]} zone="Europe/Madrid"></t-time-bar>` },
+      { name: "with a note over a span, and another one begun", show: () => html`<t-time-bar notes .begun=${NOON_US - 600e6} .us=${NOON_US} .end=${NOON_US + 60e6} .speeds=${[1, 10]} zone="Europe/Madrid"><span slot="stretches" .style=${"--from: 0.4; --part: 0.2"}></span></t-time-bar>` },
+      { name: "playing, expanded on a phone", show: () => html`<t-time-bar playing expanded .speed=${10} .us=${NOON_US} .end=${NOON_US + 60e6} .speeds=${[1, 10]} zone="UTC"></t-time-bar>` },
+      { name: "nothing was recorded", show: () => html`<t-time-bar state="silent" .us=${NOON_US} .end=${NOON_US + 60e6} .speeds=${[1, 10]} zone="UTC"></t-time-bar>` },
+      { name: "the hub does not answer", show: () => html`<t-time-bar state="failed" .us=${NOON_US} .end=${NOON_US + 60e6} .speeds=${[1, 10]} zone="UTC"></t-time-bar>` },
+      { name: "at the newest moment", show: () => html`<t-time-bar at-end .us=${NOON_US} .end=${NOON_US} .speeds=${[1, 10]} zone="UTC"></t-time-bar>` },
     ],
   },
   {

@@ -164,7 +164,7 @@ function renderLane(without: readonly MarkKind[], more = false): TemplateResult 
 }
 
 function renderOptions(change: Partial<HistoryView>): TemplateResult {
-  const view: HistoryView = { channels: null, shown: SPAN, joined: false, without: [], versus: 0, outliers: 0, ...change };
+  const view: HistoryView = { channels: null, shown: SPAN, joined: false, without: [], versus: 0, shiftUs: 0, outliers: 0, ...change };
   return html`<t-view-options .view=${view} .span=${SPAN} zone=${ZONE}></t-view-options>`;
 }
 

@@ -7,6 +7,7 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { exportPath, type ExportQuery } from "../../wire/hub-api.js";
+import { notesExportPath } from "../../wire/notes-api.js";
 import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 
@@ -83,6 +84,7 @@ export class ExportMenu extends LitElement {
     return html`<t-menu>
       <span slot="label">Export</span>
       ${this.channels.length === 0 ? html`<p>Choose a signal first.</p>` : this.renderFiles()}
+      <div class="files"><a href=${notesExportPath(this.site, this.span)} download>Notes <span>CSV, of the window</span></a></div>
     </t-menu>`;
   }
 

@@ -16,6 +16,8 @@ export interface HistoryView {
   readonly without: readonly MarkKind[];
   /** The window so many days before is drawn behind (negative: after); 0 for none. */
   readonly versus: number;
+  /** Another run lies behind, so much before (µs; negative: after), in place of another day; 0 for none. */
+  readonly shiftUs: number;
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   readonly outliers: number;
   /** The moment (µs) that films and cursor begin at. */
@@ -37,6 +39,7 @@ export function readView(search: string): HistoryView {
     joined: query.has("joined"),
     without: KINDS.map(({ kind }) => kind).filter((kind) => (query.get("without") ?? "").split(",").includes(kind)),
     versus: readVersus(query),
+    shiftUs: readShift(query),
     outliers: readOutliers(query),
     at: readAt(query),
     films: query.has("film") ? query.getAll("film").filter((stream) => stream !== "") : undefined,
@@ -56,6 +59,7 @@ export function writeView(view: HistoryView): string {
   }
   if (view.without.length > 0) query.set("without", view.without.join(","));
   if (view.versus !== 0) query.set("versus", String(view.versus));
+  if (view.shiftUs !== 0) query.set("shift", String(Math.round(view.shiftUs)));
   if (view.outliers !== 0) query.set("outliers", String(view.outliers));
   if (view.joined) query.set("joined", "");
   if (view.at !== undefined) query.set("at", String(Math.round(view.at)));
@@ -72,6 +76,11 @@ function readVersus(query: URLSearchParams): number {
   return Number.isInteger(days) && Math.abs(days) <= MOST_DAYS ? days : 0;
 }
 
+function readShift(query: URLSearchParams): number {
+  const us = Number(query.get("shift") ?? 0);
+  return Number.isSafeInteger(us) ? us : 0;
+}
+
 function readOutliers(query: URLSearchParams): number {
   const k = Number(query.get("outliers") ?? 0);
   return k >= LEAST_K && k <= MOST_K ? k : 0;
@@ -83,7 +92,8 @@ function readAt(query: URLSearchParams): number | undefined {
 }
 
 /** How much before the shown window the other one lies (µs); whole days of the site's zone. */
-export function ghostUs(span: TimeSpan, versus: number, clock: ZoneClock): number {
+export function ghostUs(span: TimeSpan, { versus, shiftUs }: Pick<HistoryView, "versus" | "shiftUs">, clock: ZoneClock): number {
+  if (shiftUs !== 0) return shiftUs;
   return versus === 0 ? 0 : span.fromUs - clock.sameTime(span.fromUs, -versus);
 }
 

@@ -15,29 +15,34 @@ import { indentOf, type SpanChange } from "../../elements/chart/chart-model.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { momentText } from "../../elements/chart/cursor-values.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { formatDate, knownZone, localSpan, utcSpan } from "../../format/time.js";
+import { formatDate, knownZone, localSpan, timeText, utcSpan } from "../../format/time.js";
 import { DrawRate } from "../../series/draw-rate.js";
 import { lengthOf, panned } from "../../series/time-window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { signalLabels } from "../../state/signal-labels.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { EventList, SiteShape, StoredShape } from "../../generated/api.js";
+import type { EventList, NoteShape, SiteShape, StoredShape } from "../../generated/api.js";
 import { FilmsApi } from "../../wire/films-api.js";
 import type { ExportQuery, HubApi } from "../../wire/hub-api.js";
 import { axesFor } from "./chart/axes-for.js";
 import { FilmController } from "./film/film-controller.js";
 import type { FilmPanel } from "./film/film-panel.js";
-import { eventMarks, type EventMark, type MarkKind } from "./chart/event-marks.js";
-import { comparedDaysText, ghostUs, writeView, type HistoryView } from "./history-query.js";
+import { eventMarks, mergeMarks, type EventMark, type MarkKind } from "./chart/event-marks.js";
+import { ghostUs, writeView, type HistoryView } from "./history-query.js";
 import { firstChoice, channelRows, groupChannels, unitsOf, type ChannelRow, type ChartGroup } from "./data/channel-rows.js";
+import { renderCompared, renderNothingChosen } from "./history-words.js";
+import type { ChosenRuns } from "../runs/run-picker.js";
+import { HistoryNotes } from "./history-notes.js";
 import { historyStyle } from "./history-style.js";
 import { WindowController } from "./window-controller.js";
 import { WindowData } from "./data/window-data.js";
+import { noteMarks } from "../notes/note-marks.js";
 import { isBusy, isTaken, pageKeyAction } from "./window-keys.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
+import "../runs/compare-runs.js";
 import "./chart/anomaly-scores.js";
 import "./export-menu.js";
 import "./chart/history-chart.js";
@@ -81,6 +86,7 @@ export class PageHistory extends LitElement {
   private ghostUs = 0;
   private marks: readonly EventMark[] = [];
   private markedOf: EventList | null = null;
+  private notedOf: readonly NoteShape[] | null = null;
   private resized: ResizeObserver | null = null;
   // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
   private readonly painter = new PaintScheduler(new DrawRate(16, 1, 16));
@@ -97,6 +103,7 @@ export class PageHistory extends LitElement {
     this.window.applyAddress();
   });
   private readonly live = new LiveValuesController(this);
+  private readonly notes = new HistoryNotes(this, () => ({ site: this.site, span: this.window.span, cursorUs: this.shownCursor() }));
   private readonly films = new FilmController(
     this,
     () => (this.api === undefined ? null : new FilmsApi(this.api)),
@@ -150,6 +157,7 @@ export class PageHistory extends LitElement {
     });
     this.groupChannels();
     this.loadWindow(this.data, this.clock);
+    this.notes.loadNotes(this.api, this.site, this.window.span);
     this.buildMarks(this.data, detail);
     this.loadFilms(detail);
     this.live.observeChannels(this.site, this.channelsWithoutData());
@@ -178,7 +186,7 @@ export class PageHistory extends LitElement {
         ${detail === undefined ? nothing : this.renderMenus()}
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
-      ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
+      ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))} ${this.notes.renderDialog(this.site, detail)}
     `;
   }
 
@@ -198,6 +206,8 @@ export class PageHistory extends LitElement {
     const link = (shown: HistoryView["shown"]): string =>
       new URL(sitePath(this.site, "history") + writeView({ ...view, channels, shown, at: "last" in shown ? undefined : (this.films.cursorUs ?? undefined) }), location.href).href;
     return html`<div class="menus">
+      ${this.notes.renderButtons(this.detail.value)}
+      <t-compare-runs site=${this.site} .zone=${this.detail.value?.zone ?? "UTC"} .span=${span} @t-runs=${this.onRuns}></t-compare-runs>
       <a class="way" href=${sitePath(this.site, "recordings")}>Recordings</a>
       <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
       <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width} .refusal=${this.exportRefusal}></t-export-menu>
@@ -233,17 +243,18 @@ export class PageHistory extends LitElement {
     const newest = new Map(this.channelsWithoutData().map((address) => [address, this.live.readingOf(address)?.timeUs ?? 0]));
     const marks = view.without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !view.without.includes(kind));
     const numbers = statistics.numbersOf(this.site, span);
+    const ghostNumbers = data.ghostStatistics.numbersOf(this.site, panned(span, -ghostUs));
     const fences = data.outliers.foundIn(this.site, span, view.outliers);
-    const then = ghostUs === 0 ? "" : formatDate(span.fromUs - ghostUs, detail.zone);
+    const then = ghostUs === 0 ? "" : view.shiftUs === 0 ? formatDate(span.fromUs - ghostUs, detail.zone) : timeText(span.fromUs - ghostUs, detail.zone, span.fromUs).local;
     return html`<div class="progress" ?hidden=${now.state !== "loading"}></div>
-      ${then === "" ? nothing : html`<p class="then">Dashed lines: ${then}, ${comparedDaysText(view.versus)}, at the same time of day.</p>`}
+      ${then === "" ? nothing : renderCompared(span, ghostUs, view, detail.zone, () => { this.window.updateView({ shiftUs: 0, versus: 0 }); })}
       <t-marks-lane
         .marks=${this.marks}
         .without=${view.without}
         .span=${span}
         .indent=${indent}
         .more=${data.events.more}
-        problem=${data.missingText}
+        problem=${data.missingText || this.notes.missingText}
         zone=${detail.zone}
         @t-hide=${this.onHiddenKinds}
         @t-cursor=${this.onCursorMove}
@@ -263,6 +274,7 @@ export class PageHistory extends LitElement {
             .ghostUs=${ghostUs}
             ghost-name=${then.replace(YEAR, "")}
             .numbers=${numbers}
+            .ghostNumbers=${ghostNumbers}
             .span=${span}
             .cursorUs=${cursorUs}
             .painter=${painter}
@@ -324,8 +336,6 @@ export class PageHistory extends LitElement {
     return load?.state === "failed" ? renderAdvice(adviceFor(load.renderError, "the history of these signals"), this.retry) : nothing;
   }
 
-  // ── what is shown ───────────────────────────────────────────────────────────────────────
-
   /** What the address asks for and is not here; what to do when nothing is chosen at all. @param empty nothing of it is here */
   private renderAbsent(empty: boolean): unknown {
     const known = new Set(this.rows.map(({ address }) => address));
@@ -375,19 +385,22 @@ export class PageHistory extends LitElement {
 
   private loadWindow(data: WindowData, clock: ZoneClock): void {
     const { span, view, moving, isFollowing: following } = this.window;
-    this.ghostUs = ghostUs(span, view.versus, clock);
+    this.ghostUs = ghostUs(span, view, clock);
     if (this.width === 0) return;
     const channels = this.groups.flatMap(({ rows }) => rows).map(({ address, maxAge, shown }) => ({ address, maxAge, shown }));
     data.loadWindow({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following, outliers: view.outliers });
   }
 
   private buildMarks({ events }: WindowData, detail: SiteShape): void {
-    if (events === this.markedOf) return;
+    const { notes } = this.notes;
+    if (events === this.markedOf && notes === this.notedOf) return;
     // Nothing new happened: charts that got another list would be drawn again for it.
-    const same = JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
+    const same = notes === this.notedOf && JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
     this.markedOf = events;
+    this.notedOf = notes;
     if (same) return;
-    this.marks = eventMarks(events.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
+    const names = new Map(detail.devices.map(({ id, name }) => [id, name]));
+    this.marks = mergeMarks(eventMarks(events.events, names), noteMarks(notes, names));
   }
 
   /** Chosen channels of which nothing has come for this window. */
@@ -415,7 +428,7 @@ export class PageHistory extends LitElement {
   };
 
   private readonly onSpanChange = (event: CustomEvent<SpanChange>): void => {
-    this.window.applySpanChange(event.detail);
+    if (!this.notes.keepSpan(event.detail)) this.window.applySpanChange(event.detail);
   };
 
   private readonly onKeyDown = (event: KeyboardEvent): void => {
@@ -465,6 +478,10 @@ export class PageHistory extends LitElement {
     this.window.updateView({ films: event.detail });
   };
 
+  private readonly onRuns = ({ detail: { span, shiftUs } }: CustomEvent<ChosenRuns>): void => {
+    this.window.updateView({ shown: span, shiftUs, versus: 0 });
+  };
+
   private readonly resetWindow = (): void => {
     this.window.resetWindow();
   };
@@ -473,14 +490,6 @@ export class PageHistory extends LitElement {
     this.data?.invalidate();
     this.requestUpdate();
   };
-}
-
-function renderNothingChosen(rows: readonly ChannelRow[]): TemplateResult {
-  return rows.length === 0
-    ? html`<t-empty heading="Nothing to show" icon="history"><p>This site has no signals that you may see.</p></t-empty>`
-    : html`<t-empty heading="Choose a signal" icon="history"
-        ><p>Tick what you want to see under “Signals”. Signals of one unit share a chart.</p></t-empty
-      >`;
 }
 
 declare global {

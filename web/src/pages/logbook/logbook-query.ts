@@ -28,6 +28,7 @@ export const KINDS: readonly { readonly kind: string; readonly name: string }[] 
   { kind: "anomaly", name: "Anomalies" },
   { kind: "gateway,connection,device", name: "Connections" },
   { kind: "recording", name: "Recordings" },
+  { kind: "note", name: "Notes" },
   { kind: "description", name: "Description" },
 ];
 

@@ -8,6 +8,7 @@ import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
+import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
@@ -19,25 +20,30 @@ import { formTexts } from "../../format/filter-query.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
-import type { EventShape, RecordingShape, SiteShape } from "../../generated/api.js";
+import type { EventShape, NoteShape, RecordingShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { NotesApi } from "../../wire/notes-api.js";
 import { RecordingsApi } from "../../wire/recordings-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
 import { newSensorOf, newSensorPath } from "../description/new-sensor.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
+import { renderNoteQuestion, renderNoteRow } from "../notes/note-row.js";
+import { noteStyle } from "../notes/note-style.js";
+import { isNoteEvent, NoteWriter } from "../notes/note-writer.js";
+import { draftAt, draftOf } from "../notes/notes-query.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import {
   FILTER_KEYS,
   KINDS,
   momentQuery,
   NO_FILTER,
-  logbookPageQuery,
   readLogbookFilter,
   recordingAt,
   showsCurrentSightings,
   writeLogbookFilter,
   type LogbookFilter,
 } from "./logbook-query.js";
+import { readLogbookPage, type LogbookRow } from "./logbook-rows.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
@@ -53,6 +59,7 @@ export class PageLogbook extends LitElement {
     base,
     sheets,
     forms,
+    noteStyle,
     css`
       .message {
         overflow-wrap: anywhere;
@@ -76,9 +83,18 @@ export class PageLogbook extends LitElement {
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteShape>(this);
   private readonly recordings = new LoadController<readonly RecordingShape[]>(this);
-  private readonly list = new InfiniteList<EventShape>(this, async (before) => {
-    const { events, more } = await new AlarmsApi(this.api).events(this.site, logbookPageQuery(this.filter(), before, ROWS));
-    return { rows: events, more };
+  /** Begins the list anew when a note has changed: it may stand elsewhere, or be gone. */
+  private edition = 0;
+  private readonly writer = new NoteWriter(this, () => this.site, () => {
+    this.edition += 1;
+    this.requestUpdate();
+  });
+  private readonly removing = new QuestionController<NoteShape>(this, (note, action) =>
+    action.run("remove the note", () => new NotesApi(this.api, this.site).removeNote(note.id)),
+  );
+  private readonly list: InfiniteList<LogbookRow> = new InfiniteList<LogbookRow>(this, async (before) => {
+    const last = this.list.rows.find(({ id }) => id === before);
+    return readLogbookPage({ events: new AlarmsApi(this.api), notes: new NotesApi(this.api, this.site) }, this.site, this.filter(), last, ROWS);
   });
   private readonly form = new FilterForm<LogbookFilter>(
     this,
@@ -93,7 +109,7 @@ export class PageLogbook extends LitElement {
     super();
     new ConnectionStateController(this, (connection) => [
       connection.onMessage("event", (news) => {
-        if (news.site !== this.site) return;
+        if (news.site !== this.site || isNoteEvent(news)) return;
         this.list.scheduleRefresh();
         // One that has come to the hub is linked from what it holds.
         if (news.kind.startsWith("recording")) this.recordings.invalidate();
@@ -106,7 +122,7 @@ export class PageLogbook extends LitElement {
     if (sites !== undefined) this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     // Who may not see them has no links to them, and that is all.
     this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).listRecordings(this.site)).recordings);
-    this.list.load(`${this.site}\n${writeLogbookFilter(this.filter())}`);
+    this.list.load(`${this.site}\n${writeLogbookFilter(this.filter())}\n${String(this.edition)}`);
   }
 
   override render(): TemplateResult {
@@ -115,6 +131,8 @@ export class PageLogbook extends LitElement {
         "Logbook",
         `What happened at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, who did it and why; newest first.`,
         html`<div class="actions">
+          ${this.mayWrite ? html`<t-button @click=${this.writeNote}>Write a note</t-button>` : nothing}
+          <a href=${sitePath(this.site, "notes")}>Notes</a>
           <a href="/alarms">Alarms</a>
           <a href=${sitePath(this.site, "sightings")}>Sightings</a>
           <a href=${sitePath(this.site, "history")}>History</a>
@@ -140,9 +158,10 @@ export class PageLogbook extends LitElement {
       ${renderInfiniteList(this.list, {
         label: "Events",
         what: "the logbook",
-        row: (row) => this.renderRow(row),
+        row: (row) => ("note" in row ? this.renderNote(row.note) : this.renderRow(row)),
         nothing: () => this.renderEmpty(filter),
-      })}`;
+      })}
+      ${this.writer.renderDialog(this.site, this.sites.store?.zoneOf(this.site) ?? "UTC", this.detail.value ?? null)} ${renderNoteQuestion(this.removing)}`;
   }
 
   private renderEmpty(filter: LogbookFilter): TemplateResult {
@@ -151,6 +170,15 @@ export class PageLogbook extends LitElement {
       <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
       ${all ? nothing : html`<t-button @click=${this.form.clearFilter}>Show everything</t-button>`}
     </t-empty>`;
+  }
+
+  private get mayWrite(): boolean {
+    return this.detail.value?.devices.some(({ rights }) => rights.includes("use")) === true;
+  }
+
+  private renderNote(note: NoteShape): TemplateResult {
+    const zone = this.sites.store?.zoneOf(this.site) ?? "UTC";
+    return renderNoteRow(note, { site: this.site, zone, detail: this.detail.value, onChange: this.writer.draft.opener(draftOf(note)), onRemove: this.removing.opener(note) });
   }
 
   private renderRow(row: EventShape): TemplateResult {
@@ -181,9 +209,17 @@ export class PageLogbook extends LitElement {
         ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>Sightings</a>` : nothing}
         ${added === null || this.session.store?.person?.admin !== true ? nothing : html`<a href=${newSensorPath(added)}>Add it</a>`}
         ${row.kind.startsWith("alarm") ? html`<a href="/alarms">Alarms</a>` : nothing}
+        ${device?.rights.includes("use") === true || (row.device === "" && this.mayWrite)
+          ? html`<t-button kind="quiet" label=${`Note on ${row.kind.replaceAll("_", " ")}`} @click=${this.writer.draft.opener(draftAt(row.time_us, undefined, row.device))}>Note</t-button>`
+          : nothing}
       </div>
     </li>`;
   }
+
+  /** At the moment of the press; the dialog takes any other. */
+  private readonly writeNote = (event: Event): void => {
+    this.writer.draft.opener(draftAt(Date.now() * 1000))(event);
+  };
 
   private filter(): LogbookFilter {
     return readLogbookFilter(this.router.store?.search ?? "");

@@ -284,7 +284,7 @@ export class Navigation extends LitElement {
       (page === "live" && ["topics", "scene"].includes(this.page)) ||
       (page === "history" && this.page === "recordings") ||
       (page === "night" && ["forecast", "requests", "proposals", "alertrules"].includes(this.page)) ||
-      (page === "alarms" && ["logbook", "anomalies", "sightings"].includes(this.page))
+      (page === "alarms" && ["logbook", "notes", "anomalies", "sightings"].includes(this.page))
     );
   }
 

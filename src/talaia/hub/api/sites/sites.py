@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 __all__ = ["SitePages"]
 
+# The audit log's kinds about notes begin so.
+_NOTE = "note "
 # No database holds a NUL.
 _Text = Annotated[str | None, Query(max_length=200, pattern=r"^[^\x00]*$")]
 
@@ -150,6 +152,8 @@ class SitePages:
             device=device,
             text=text,
             good=good,
+            # A note stands at the moment that it is about, and not where somebody wrote it.
+            without=_NOTE,
             # Rows of other devices do not count for ``limit`` and ``more``, either.
             devices=devices,
         )

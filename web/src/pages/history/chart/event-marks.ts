@@ -3,7 +3,7 @@
 import type { EventShape } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 
-export type MarkKind = "alarm" | "stop" | "command" | "driving" | "anomaly" | "sighting" | "recording" | "link" | "other";
+export type MarkKind = "alarm" | "stop" | "command" | "driving" | "anomaly" | "sighting" | "recording" | "note" | "link" | "other";
 
 export interface EventMark {
   readonly timeUs: number;
@@ -15,6 +15,8 @@ export interface EventMark {
   readonly who: string;
   readonly message: string;
   readonly good: boolean;
+  /** It lasted until then. */
+  readonly untilUs?: number;
 }
 
 /** Marks that are too near to each other to be told apart. */
@@ -35,6 +37,7 @@ export const KINDS: readonly { readonly kind: MarkKind; readonly name: string }[
   { kind: "anomaly", name: "Anomalies" },
   { kind: "sighting", name: "Sightings" },
   { kind: "recording", name: "Recordings" },
+  { kind: "note", name: "Notes" },
   { kind: "link", name: "Connection" },
   { kind: "other", name: "Other events" },
 ];
@@ -55,18 +58,25 @@ export function eventMarks(events: readonly EventShape[], names: ReadonlyMap<str
     .sort((a, b) => a.timeUs - b.timeUs);
 }
 
+/** Both in the order of time. */
+export function mergeMarks(...lists: readonly (readonly EventMark[])[]): EventMark[] {
+  return lists.flat().sort((a, b) => a.timeUs - b.timeUs);
+}
+
 /** @param apart marks nearer than this part of the window are put together */
 export function clusterMarks(marks: readonly EventMark[], span: TimeSpan, apart: number): MarkCluster[] {
-  const found: EventMark[][] = [];
+  const found: { readonly us: number; readonly mark: EventMark }[][] = [];
   const within = apart * lengthOf(span);
   for (const mark of marks) {
-    if (mark.timeUs < span.fromUs || mark.timeUs > span.toUs) continue;
+    // What lasts into the window stands at its edge.
+    const us = mark.untilUs !== undefined && mark.untilUs >= span.fromUs ? Math.max(mark.timeUs, span.fromUs) : mark.timeUs;
+    if (us < span.fromUs || us > span.toUs) continue;
     const last = found.at(-1);
-    if (last?.[0] !== undefined && mark.timeUs - last[0].timeUs < within) last.push(mark);
-    else found.push([mark]);
+    if (last?.[0] !== undefined && us - last[0].us < within) last.push({ us, mark });
+    else found.push([{ us, mark }]);
   }
-  return found.map((own) => ({
-    timeUs: own.reduce((sum, { timeUs }) => sum + timeUs / own.length, 0),
+  return found.map((placed) => ({ timeUs: placed.reduce((sum, { us }) => sum + us / placed.length, 0), own: placed.map(({ mark }) => mark) })).map(({ timeUs, own }) => ({
+    timeUs,
     marks: own,
     kind: KINDS.find(({ kind }) => own.some((mark) => mark.kind === kind))?.kind ?? "other",
     good: own.every(({ good }) => good),

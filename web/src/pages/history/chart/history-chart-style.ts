@@ -69,6 +69,12 @@ export const historyChartStyle = css`
     min-inline-size: 11rem;
     font-weight: var(--t-weight-strong);
   }
+  .other {
+    color: var(--t-muted);
+  }
+  .rms {
+    white-space: nowrap;
+  }
   .then {
     display: block;
     color: var(--t-muted);

@@ -13,6 +13,7 @@ import { decimalsFor, formatNumber, NOTHING } from "../../../format/number.js";
 import { knownZone, timeText } from "../../../format/time.js";
 import { outlierText } from "../../../series/outlier-text.js";
 import { OutlierMemo, type Outliers } from "../../../series/outliers.js";
+import { compareRuns } from "../../../series/run-difference.js";
 import { summarize, type ColumnsSummary } from "../../../series/columns.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
@@ -48,6 +49,7 @@ export class HistoryChart extends LitElement {
   @property({ attribute: "ghost-name" }) ghostName = "";
   /** What the hub counted of the window. */
   @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsShape> = new Map();
+  @property({ attribute: false }) ghostNumbers: ReadonlyMap<string, StatisticsShape> = new Map();
   @property({ attribute: false }) marks: readonly EventMark[] = [];
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   @property({ type: Number }) outliers = 0;
@@ -180,6 +182,20 @@ export class HistoryChart extends LitElement {
       <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}${row.former ? ", no longer in the description" : ""}</span></th>
       <td class="at">${series === undefined ? NOTHING : html`${this.renderValue(series)} ${this.renderGhostValue(series)}`}</td>
       ${renderStatisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
+    </tr>
+    ${series?.ghost === undefined || series.states.length > 0 ? nothing : this.renderDifference(row, series, series.ghost)}`;
+  }
+
+  /** The other run's numbers under this one's, and how far the two lie apart. */
+  private renderDifference(row: ChannelRow, series: ChartSeries, { samples, shiftUs }: NonNullable<ChartSeries["ghost"]>): TemplateResult {
+    const { rms, count } = compareRuns(series.samples, samples, shiftUs, this.span);
+    const places = decimalsFor(row.unit, row.decimals) + 1;
+    const whole = this.data.get(row.address)?.exact === true && this.ghost.get(row.address)?.exact === true;
+    const words = count === 0 ? "no moment in common" : `RMS difference ${formatNumber(rms, places)}`;
+    return html`<tr class="other">
+      <th scope="row"><span class="muted">${this.ghostName || "the other run"}</span></th>
+      <td class="at" title=${whole ? "Of every sample" : "Of what is drawn: zoom in for every sample"}><span class="rms">${words}</span></td>
+      ${renderStatisticsCells(row, this.ghostNumbers.get(row.address), undefined)}
     </tr>`;
   }
 

@@ -23,6 +23,8 @@ export class WindowData {
   private readonly then: HistoryLoader;
   private readonly happened: EventsLoader;
   readonly statistics: StatisticsLoader;
+  /** Of the other day, or the other run. */
+  readonly ghostStatistics: StatisticsLoader;
   readonly outliers: OutliersLoader;
 
   constructor(api: WindowSource & EventsSource & StatisticsSource & OutliersSource, changed: () => void) {
@@ -30,6 +32,7 @@ export class WindowData {
     this.then = new HistoryLoader(api, changed);
     this.happened = new EventsLoader(api, changed);
     this.statistics = new StatisticsLoader(api, changed);
+    this.ghostStatistics = new StatisticsLoader(api, changed);
     this.outliers = new OutliersLoader(api, changed);
   }
 
@@ -57,6 +60,7 @@ export class WindowData {
     if (moving || this.now.state !== "ready") return;
     const addresses = channels.map(({ address }) => address);
     this.statistics.loadStatistics(site, addresses, span, following);
+    this.ghostStatistics.loadStatistics(site, ghostUs === 0 ? [] : addresses, panned(span, -ghostUs), following);
     // Where the chart holds every sample it counts by itself.
     const thinned = addresses.filter((address) => this.now.data.get(address)?.exact === false);
     this.outliers.loadOutliers(site, thinned, span, outliers, following);
@@ -69,6 +73,6 @@ export class WindowData {
   }
 
   close(): void {
-    for (const loader of [this.now, this.then, this.happened, this.statistics, this.outliers]) loader.close();
+    for (const loader of [this.now, this.then, this.happened, this.statistics, this.ghostStatistics, this.outliers]) loader.close();
   }
 }

@@ -12,13 +12,14 @@ function noon(day: string): { fromUs: number; toUs: number } {
 }
 describe("another day to compare with", () => {
   it("lies whole days away by the clock on the wall, also across summer time", () => {
-    expect(ghostUs(noon("2026-11-21"), 1, madrid)).toBe(24 * HOUR);
-    expect(ghostUs(noon("2026-11-21"), 7, madrid)).toBe(7 * 24 * HOUR);
+    expect(ghostUs(noon("2026-11-21"), { versus: 1, shiftUs: 0 }, madrid)).toBe(24 * HOUR);
+    expect(ghostUs(noon("2026-11-21"), { versus: 7, shiftUs: 0 }, madrid)).toBe(7 * 24 * HOUR);
     // The night to 25 October 2026 has an hour more, that to 29 March 2026 one less.
-    expect(ghostUs(noon("2026-10-25"), 1, madrid)).toBe(25 * HOUR);
-    expect(ghostUs(noon("2026-03-29"), 1, madrid)).toBe(23 * HOUR);
-    expect(ghostUs(noon("2026-11-21"), -1, madrid)).toBe(-24 * HOUR);
-    expect(ghostUs(noon("2026-11-21"), 0, madrid)).toBe(0);
+    expect(ghostUs(noon("2026-10-25"), { versus: 1, shiftUs: 0 }, madrid)).toBe(25 * HOUR);
+    expect(ghostUs(noon("2026-03-29"), { versus: 1, shiftUs: 0 }, madrid)).toBe(23 * HOUR);
+    expect(ghostUs(noon("2026-11-21"), { versus: -1, shiftUs: 0 }, madrid)).toBe(-24 * HOUR);
+    expect(ghostUs(noon("2026-11-21"), { versus: 0, shiftUs: 0 }, madrid)).toBe(0);
+    expect(ghostUs(noon("2026-11-21"), { versus: 1, shiftUs: 5 }, madrid)).toBe(5);
   });
 
   it("is said in words", () => {

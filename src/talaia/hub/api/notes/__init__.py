@@ -1,0 +1,1 @@
+"""Notes over HTTP: written, changed, searched, and taken away as a file."""
