@@ -12,6 +12,7 @@ const END = momentOf("2026-12-23T20:00:00");
 const WINDOW = { start: "2026-11-23T20:00:00", end: "2026-12-23T20:00:00", startUs: null, endUs: null };
 const ABILITIES: AbilitiesShape = {
   filters: ["R", "Ha"], types: ["LIGHT", "DARK", "BIAS"], exposure: { low: 0.01, high: 600 }, binning: { low: 1, high: 4 }, gain: { low: 0, high: 300 }, guides: false, field: null,
+  measures_seeing: false, measures_clouds: true,
 };
 const READING: DraftReading = { momentOf, nowUs: NOW, abilities: ABILITIES };
 
@@ -50,6 +51,7 @@ test.each([
   [{ way: "none" }, "way"],
   [{ minAltitude: "" }, "minAltitude"],
   [{ clouds: "101" }, "clouds"],
+  [{ seeing: "2" }, "seeing"],
   [{ phasePeriod: "2.5" }, "phaseEpoch"],
   [{ phaseEpoch: "yesterday", phasePeriod: "2.5", phaseStart: "0", phaseEnd: "1" }, "phaseEpoch"],
   [{ windows: [{ ...WINDOW, start: "" }] }, rowField("start", 0)],
