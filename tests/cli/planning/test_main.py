@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -59,17 +57,3 @@ def test_a_file_that_is_no_night_is_named_with_what_is_missing_in_it(tmp_path):
     (tmp_path / "no.json").write_text("{}")
     with pytest.raises(NotANight, match=r"no\.json: night: .*missing required field `site`"):
         main(["night", str(tmp_path / "no.json")])
-
-
-def test_a_reader_that_has_had_enough_ends_the_print_without_a_traceback():
-    command = [sys.executable, "-m", "talaia", "plan", "night", str(NIGHT)]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0
-    ) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        # As `| head -0` does.
-        process.stdout.close()
-        said = process.stderr.read()
-    assert said == b""
-    assert process.returncode == 0

@@ -179,15 +179,18 @@ def limit_problems(site: Site, **limits: float) -> list[str]:
 
 
 def test_a_limit_on_what_a_site_does_not_measure_is_refused_since_it_would_hold_nothing() -> None:
-    blind = site_with(clouds="", seeing="")
+    blind = site_with(clouds="", seeing="", centring=None)
     assert limit_problems(blind, max_clouds=20.0, max_seeing=2.0) == [
         "this site does not measure the seeing: leave its limit open",
         "this site does not measure clouds: leave their limit open",
     ]
-    measured = site_with(seeing="weather/wind")
-    assert limit_problems(measured, max_clouds=20.0, max_seeing=2.0) == []
-    told = site_abilities(blind), site_abilities(measured)
+    # The stars of each field that is centred, or an instrument of its own.
+    measured = [site_with(), site_with(centring=None, seeing="weather/wind")]
+    for site in measured:
+        assert limit_problems(site, max_clouds=20.0, max_seeing=2.0) == []
+    told = [site_abilities(site) for site in (blind, *measured)]
     assert [(one.measures_seeing, one.measures_clouds) for one in told if one is not None] == [
         (False, False),
+        (True, True),
         (True, True),
     ]

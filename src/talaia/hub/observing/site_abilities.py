@@ -74,7 +74,7 @@ def site_abilities(site: Site) -> SiteAbilities | None:
         gain=_range_of(_taken_by(site, light, light.gain, night.gain)),
         guides=night.guider is not None,
         field=night.field,
-        measures_seeing=bool(night.seeing),
+        measures_seeing=_measures_seeing(night),
         measures_clouds=bool(night.clouds),
     )
 
@@ -133,10 +133,15 @@ def _target_problems(request: Request) -> Iterator[str]:
 
 def _condition_problems(night: NightSection, constraints: Constraints) -> Iterator[str]:
     """A limit on what nobody measures would hold nothing back: better said than kept."""
-    if constraints.max_seeing is not None and not night.seeing:
+    if constraints.max_seeing is not None and not _measures_seeing(night):
         yield "this site does not measure the seeing: leave its limit open"
     if constraints.max_clouds is not None and not night.clouds:
         yield "this site does not measure clouds: leave their limit open"
+
+
+def _measures_seeing(night: NightSection) -> bool:
+    # By an instrument of its own, or by the stars of each field that is centred.
+    return bool(night.seeing) or night.centring is not None
 
 
 def _angle_problems(night: NightSection, request: Request) -> Iterator[str]:
