@@ -167,7 +167,7 @@ def test_a_light_frame_without_a_target_is_refused_and_what_needs_none_is_not() 
         assert problems(site, part(type=kind), target=False) == []
 
 
-def limit_problems(site: Site, **limits: float) -> list[str]:
+def limit_problems(site: Site, **limits: Any) -> list[str]:
     request = Request(
         id="r1",
         target=IcrsTarget(ra=10.0, dec=41.0),
