@@ -48,6 +48,7 @@ class SolvedFrame(NamedTuple):
         ra: of the middle (°, J2000); NaN when `problem` says why not.
         dec: (°, J2000).
         problem: in words; empty when it was solved.
+        fwhm: middle width of its stars at half their height (″); NaN where it was not solved.
         cards: for its header: quality, and the WCS where it was solved.
 
     """
@@ -55,6 +56,7 @@ class SolvedFrame(NamedTuple):
     ra: float = float("nan")
     dec: float = float("nan")
     problem: str = ""
+    fwhm: float = float("nan")
     cards: tuple[tuple[str, str | float, str], ...] = ()
 
 
@@ -99,7 +101,12 @@ def solve_frame(data: bytes, ra: float | None = None, dec: float | None = None) 
     cards = tuple(quality.header_cards())
     if solved.wcs is None:
         return SolvedFrame(problem=solved.problem, cards=cards)
-    return SolvedFrame(solved.wcs.ra, solved.wcs.dec, "", (*cards, *solved.wcs.header_cards()))
+    return SolvedFrame(
+        solved.wcs.ra,
+        solved.wcs.dec,
+        fwhm=quality.fwhm,
+        cards=(*cards, *solved.wcs.header_cards()),
+    )
 
 
 def frame_scale(frame: Frame) -> float | None:

@@ -172,7 +172,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
         start: done before the roof opens: the cooler.
         end: done after the roof has closed in the morning: the cooler off.
         clouds: address of the cloud cover (%), or empty.
-        seeing: address of the seeing (FWHM, ″), or empty.
+        seeing: address of the seeing (FWHM, ″), or empty; then it is that of the last field that
+            was centred, for an hour.
         sun: see `NightSun`.
         times: how long the telescope takes; see `Instrument`.
         step_tries: a step of a block that fails is tried so often in all.

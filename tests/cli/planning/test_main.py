@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.errors import BadFile
 from talaia.cli.planning.main import answer_lines, main
 from talaia.planner.errors import NotANight
 from talaia.planner.fairness import INDIFFERENT
@@ -50,5 +49,11 @@ def test_a_wrong_line_is_named_by_its_number():
 
 
 def test_a_file_that_is_not_there_is_an_error_in_words(tmp_path):
-    with pytest.raises(BadFile, match=r"none\.json"):
+    with pytest.raises(NotANight, match=r"none\.json: cannot be read: No such file or directory$"):
         main(["night", str(tmp_path / "none.json")])
+
+
+def test_a_file_that_is_no_night_is_named_with_what_is_missing_in_it(tmp_path):
+    (tmp_path / "no.json").write_text("{}")
+    with pytest.raises(NotANight, match=r"no\.json: night: .*missing required field `site`"):
+        main(["night", str(tmp_path / "no.json")])

@@ -14,6 +14,7 @@ from talaia.model.night_frames import NightField
 from talaia.model.night_section import NightGuider
 from talaia.model.observing.requests import (
     Configuration,
+    Constraints,
     Guiding,
     ImageType,
     Request,
@@ -157,3 +158,39 @@ def test_a_camera_with_a_rotator_takes_any_angle_and_its_field_is_told() -> None
     assert abilities is not None
     assert abilities.field is not None
     assert (abilities.field.width, abilities.field.rotator is not None) == (0.4238, True)
+
+
+def test_a_light_frame_without_a_target_is_refused_and_what_needs_none_is_not() -> None:
+    site = example("observatory")
+    assert problems(site, part(), target=False) == ["a LIGHT frame is of a target: name one"]
+    for kind in (ImageType.DARK, ImageType.SKY_FLAT):
+        assert problems(site, part(type=kind), target=False) == []
+
+
+def limit_problems(site: Site, **limits: Any) -> list[str]:
+    request = Request(
+        id="r1",
+        target=IcrsTarget(ra=10.0, dec=41.0),
+        configurations=(part(),),
+        constraints=Constraints(**limits),
+        windows=(Window(start=0.0, end=1.0),),
+    )
+    return site_problems(RequestGroup(id="g1", proposal="school", requests=(request,)), site)
+
+
+def test_a_limit_on_what_a_site_does_not_measure_is_refused_since_it_would_hold_nothing() -> None:
+    blind = site_with(clouds="", seeing="", centring=None)
+    assert limit_problems(blind, max_clouds=20.0, max_seeing=2.0) == [
+        "this site does not measure the seeing: leave its limit open",
+        "this site does not measure clouds: leave their limit open",
+    ]
+    # The stars of each field that is centred, or an instrument of its own.
+    measured = [site_with(), site_with(centring=None, seeing="weather/wind")]
+    for site in measured:
+        assert limit_problems(site, max_clouds=20.0, max_seeing=2.0) == []
+    told = [site_abilities(site) for site in (blind, *measured)]
+    assert [(one.measures_seeing, one.measures_clouds) for one in told if one is not None] == [
+        (False, False),
+        (True, True),
+        (True, True),
+    ]

@@ -1306,6 +1306,8 @@ export interface AbilitiesShape {
   readonly gain: SettingRangeShape | null;
   readonly guides: boolean;
   readonly field: FieldShape | null;
+  readonly measures_seeing: boolean;
+  readonly measures_clouds: boolean;
 }
 
 /** How much of the sky a picture shows (°). */

@@ -51,6 +51,11 @@ export function nightAround(ms: number, place: GeoPlace): SkySpan {
   return { from, to: from + DAY_MS };
 }
 
+/** The evening by whose day a night is called, also of a moment after midnight. */
+export function eveningOf({ from }: SkySpan): number {
+  return from + DAY_MS / 4;
+}
+
 /** Where it stands; both its airmass and its altitude are without refraction. */
 export function horizontalOf(target: SkyPlace, place: GeoPlace, ms: number): Horizontal {
   return "fixed" in target ? target.fixed : toHorizontal(target.at(ms), place, ms);

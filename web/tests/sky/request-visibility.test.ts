@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { precessedFromJ2000 } from "../../src/sky/coordinates.js";
 import {
-  airmassOf, bestNight, horizontalOf, nightAround, requestVisibility, requestVisibilityText, vetoAt, type SkyConstraints, type VisibilityQuestion,
+  airmassOf, bestNight, eveningOf, horizontalOf, nightAround, requestVisibility, requestVisibilityText, vetoAt, type SkyConstraints, type VisibilityQuestion,
 } from "../../src/sky/request-visibility.js";
 import { sunFrom } from "../../src/sky/sun-and-moon.js";
 
@@ -65,4 +65,10 @@ test("a fixed place above the horizon stands where it stands", () => {
   expect(requestVisibility(asked, nightAround(NOW, MONTSEC)).best).toBe(45);
   expect(airmassOf(30)).toBeCloseTo(2);
   expect(airmassOf(-1)).toBe(Number.POSITIVE_INFINITY);
+});
+
+test("a night is called by the day of its evening, also after midnight", () => {
+  for (const moment of ["2026-11-26T13:00:00Z", "2026-11-26T23:53:00Z", "2026-11-27T00:10:00Z", "2026-11-27T11:00:00Z"]) {
+    expect(WORDS.date(eveningOf(nightAround(Date.parse(moment), MONTSEC)))).toBe("2026-11-26");
+  }
 });

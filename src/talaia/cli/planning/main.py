@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.cli.errors import BadFile
+from talaia.cli.scripting.hub_options import quiet_pipe
 from talaia.planner.bound import bound_value
 from talaia.planner.drive import DrivenNight
 from talaia.planner.errors import NotANight
@@ -50,7 +50,8 @@ def main(argv: Sequence[str]) -> int:
     fairness = EVEN_HANDED if options.fair else INDIFFERENT
     if options.word == "drive":
         return answer_lines(sys.stdin.buffer, sys.stdout.buffer, fairness)
-    return print_night(options.file, fairness)
+    with quiet_pipe():
+        return print_night(options.file, fairness)
 
 
 def answer_lines(lines: BinaryIO, answers: BinaryIO, fairness: FairnessRule) -> int:
@@ -73,11 +74,18 @@ def answer_lines(lines: BinaryIO, answers: BinaryIO, fairness: FairnessRule) -> 
 
 
 def print_night(path: Path, fairness: FairnessRule) -> int:
-    """Print the plan of a night that stays clear, with reasons, the bound and the gap."""
+    """Print the plan of a night that stays clear, with reasons, the bound and the gap.
+
+    Raises:
+        NotANight: the file cannot be read, or is none; names it.
+
+    """
     try:
         night = read_night(path.read_bytes())
     except OSError as error:
-        raise BadFile(str(path), "", f"cannot be read: {error.strerror}") from error
+        raise NotANight(str(path), f"cannot be read: {error.strerror}") from error
+    except NotANight as error:
+        raise NotANight(str(path), f"{error.where}: {error.problem}", error.remedy) from error
     problem = make_problem(night)
     session = PlanningSession(problem, outlook=CERTAIN, fairness=fairness)
     session.improve(problem.start)

@@ -34,8 +34,11 @@ class NightReadings:
         self._rule = site.enclosures[site.night.enclosure]
         self._place, self._interlocks, self._clock = place, interlocks, clock
 
-    def look_now(self, person: str) -> NightView:
-        """Tell how things stand now; ``person`` is who acts on a device of the night."""
+    def look_now(self, person: str, seeing: float | None = None) -> NightView:
+        """Tell how things stand now; ``person`` is who acts on a device of the night.
+
+        ``seeing`` is what the night measured itself (″); it counts where no signal tells it.
+        """
         now_ns, time = self._clock.monotonic_ns(), self._clock.wall_ns() / SECOND
         night, rule = self._night, self._rule
         judge, enclosures = self._interlocks.conditions, self._interlocks.enclosures
@@ -52,7 +55,7 @@ class NightReadings:
             parked=parked,
             person=person,
             clouds=self._number(night.clouds, now_ns),
-            seeing=self._number(night.seeing, now_ns),
+            seeing=self._number(night.seeing, now_ns) if night.seeing else seeing,
             binning=self._number(night.binning.reading if night.binning else "", now_ns),
             gain=self._number(night.gain.reading if night.gain else "", now_ns),
             rotator=self._number(night.rotator.reading if night.rotator else "", now_ns),

@@ -324,7 +324,8 @@ class NightService:
         self._wake.set()
 
     def _view(self) -> NightView:
-        return self._readings.look_now(self._holds.person_at_work(self._clock.monotonic_ns()))
+        person = self._holds.person_at_work(self._clock.monotonic_ns())
+        return self._readings.look_now(person, self._parts.latest_seeing())
 
     def _attends(self, device: str) -> bool:
         """Tell whether the night looks after a device while the hub is away."""

@@ -146,7 +146,8 @@ def request_outlook(
     said = "" if len(nights) == 1 else f" in {len(good)} of {len(nights)} nights looked at"
     high = f", at {best.altitude[mark]:.0f}°" if request.target is not None else ""
     sentence = (
-        f"can be observed{said}; best on {_date(best.start, zone, now)}"
+        # Of the time itself: a night has the date of its evening, and 01:13 is another day.
+        f"can be observed{said}; best on {_date(time, zone, now)}"
         f" about {dt.datetime.fromtimestamp(time, zone):%H:%M}{high}"
     )
     return RequestOutlook(len(nights), len(good), time, sentence, _curve(best))
@@ -227,8 +228,9 @@ def _never(nights: Sequence[_Night], request: Request, instrument: Instrument) -
             )
             high = float(seen.max()) if seen.size else -90.0
             return _in_words(name, request, instrument, high)
-    longest = max(_longest_run(mask) for mask in left) * MARK_S / 60.0
-    return f"it does not fit: its windows leave {longest:.0f} minutes at a time at the most"
+    longest = round(max(_longest_run(mask) for mask in left) * MARK_S / 60.0)
+    minutes = "1 minute" if longest == 1 else f"{longest} minutes"
+    return f"it does not fit: its windows leave {minutes} at a time at the most"
 
 
 def _in_words(cause: str, request: Request, instrument: Instrument, high: float) -> str:

@@ -12,7 +12,12 @@ if TYPE_CHECKING:
 
     from talaia.model.night_frames import FrameCommand, NightField, SettingCommand
     from talaia.model.night_section import NightSection
-    from talaia.model.observing.requests import Configuration, Request, RequestGroup
+    from talaia.model.observing.requests import (
+        Configuration,
+        Constraints,
+        Request,
+        RequestGroup,
+    )
     from talaia.model.site import Argument, Site
 
 __all__ = ["SettingRange", "SiteAbilities", "site_abilities", "site_problems"]
@@ -38,6 +43,8 @@ class SiteAbilities(NamedTuple):
         gain: none: it cannot be chosen.
         guides: there is a guider.
         field: how much of the sky a picture shows; none: nobody has described it.
+        measures_seeing: its nights know the seeing, so a request may be held to it.
+        measures_clouds: likewise of clouds.
 
     """
 
@@ -48,6 +55,8 @@ class SiteAbilities(NamedTuple):
     gain: SettingRange | None
     guides: bool
     field: NightField | None
+    measures_seeing: bool
+    measures_clouds: bool
 
 
 def site_abilities(site: Site) -> SiteAbilities | None:
@@ -65,6 +74,8 @@ def site_abilities(site: Site) -> SiteAbilities | None:
         gain=_range_of(_taken_by(site, light, light.gain, night.gain)),
         guides=night.guider is not None,
         field=night.field,
+        measures_seeing=_measures_seeing(night),
+        measures_clouds=bool(night.clouds),
     )
 
 
@@ -84,7 +95,12 @@ def site_problems(group: RequestGroup, site: Site) -> list[str]:
         return []
     wanted = [part for request in group.requests for part in request.configurations]
     found = [problem for request in group.requests for problem in _mixture_problems(request)]
-    found += [problem for request in group.requests for problem in _angle_problems(night, request)]
+    for request in group.requests:
+        found += [
+            *_target_problems(request),
+            *_angle_problems(night, request),
+            *_condition_problems(night, request.constraints),
+        ]
     found += [
         problem
         for configuration in wanted
@@ -105,6 +121,27 @@ def _mixture_problems(request: Request) -> Iterator[str]:
             "one request has frames of a target (LIGHT), of the twilight (SKY_FLAT) or of a closed"
             " roof (DARK, BIAS), not of several of them"
         )
+
+
+def _target_problems(request: Request) -> Iterator[str]:
+    # Flats are of the sky opposite the Sun, darks and biases of none.
+    if request.target is None and any(
+        part.type is ImageType.LIGHT for part in request.configurations
+    ):
+        yield "a LIGHT frame is of a target: name one"
+
+
+def _condition_problems(night: NightSection, constraints: Constraints) -> Iterator[str]:
+    """A limit on what nobody measures would hold nothing back: better said than kept."""
+    if constraints.max_seeing is not None and not _measures_seeing(night):
+        yield "this site does not measure the seeing: leave its limit open"
+    if constraints.max_clouds is not None and not night.clouds:
+        yield "this site does not measure clouds: leave their limit open"
+
+
+def _measures_seeing(night: NightSection) -> bool:
+    # By an instrument of its own, or by the stars of each field that is centred.
+    return bool(night.seeing) or night.centring is not None
 
 
 def _angle_problems(night: NightSection, request: Request) -> Iterator[str]:

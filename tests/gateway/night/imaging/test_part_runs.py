@@ -6,7 +6,7 @@ import asyncio
 
 import pytest
 
-from talaia.clock import HandClock
+from talaia.clock import SECOND, HandClock
 from talaia.gateway.night.imaging.frame_reckoner import FrameReckoner
 from talaia.gateway.night.imaging.part_runs import PartRuns
 from talaia.gateway.night.imaging.star_parts import AbsentPart, FieldCentre, PartOutcome
@@ -60,8 +60,9 @@ class Sky(AbsentPart):
         return PartOutcome(good=True)
 
 
-def parts_of(sky: Sky, told: Told) -> PartRuns:
-    parts = PartRuns(clock=HandClock(), events=told, reckoner=FrameReckoner(), guider=sky)
+def parts_of(sky: Sky, told: Told, clock: HandClock | None = None) -> PartRuns:
+    clock = clock if clock is not None else HandClock()
+    parts = PartRuns(clock=clock, events=told, reckoner=FrameReckoner(), guider=sky)
     parts.add_focuser(sky, lambda: 7.0)
     parts.add_solver(sky)
     return parts
@@ -118,3 +119,15 @@ def test_blocks_have_the_parts_that_are_there() -> None:
     every = parts_of(sky, Told()).block_parts()
     assert (every.solves, every.guides, every.focus_due("R", 0.0)) == (True, True, True)
     assert sky.asked[0][:2] == ("R", 7.0)
+
+
+async def test_the_seeing_is_that_of_the_last_centred_field_for_an_hour() -> None:
+    clock = HandClock()
+    parts = parts_of(Sky(PartOutcome(good=True, seeing=2.4)), Told(), clock)
+    assert parts.latest_seeing() is None
+    await answer_of(parts, "centre")
+    clock.advance(3599 * SECOND)
+    assert parts.latest_seeing() == 2.4
+    clock.advance(2 * SECOND)
+    # Nobody knows any more, so nothing is held back by it.
+    assert parts.latest_seeing() is None

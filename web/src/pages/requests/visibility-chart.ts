@@ -10,7 +10,7 @@ import { clockOf } from "../../series/zone-clock.js";
 import type { GeoPlace } from "../../sky/coordinates.js";
 import { momentsBetween } from "../../sky/night-sky.js";
 import { bandsOf, type NightTrack, type Visibility } from "../../sky/night-visibility.js";
-import { bestNight, horizontalOf, nightAround, requestVisibility, requestVisibilityText, type RequestVisibility, type VisibilityQuestion } from "../../sky/request-visibility.js";
+import { bestNight, eveningOf, horizontalOf, nightAround, requestVisibility, requestVisibilityText, type RequestVisibility, type VisibilityQuestion } from "../../sky/request-visibility.js";
 import { moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
 import { targetPlace } from "../../sky/target-place.js";
 import "../../elements/forms/field.js";
@@ -64,6 +64,7 @@ export class VisibilityChart extends LitElement {
   override render(): TemplateResult {
     const { drawn } = this;
     if (drawn === null) return html`<p class="muted">${this.missingText()}</p>`;
+    const evening = this.day === "" ? eveningOf(drawn.night) : this.moment();
     return html`<p role="status">${drawn.words}</p>
       <t-night-curve
         .night=${drawn.night}
@@ -75,8 +76,8 @@ export class VisibilityChart extends LitElement {
         .zone=${this.zone}
         .words=${drawn.words}
       ></t-night-curve>
-      <t-field label="Night that begins on" hint=${`${this.zone}; UTC: ${formatDate(this.moment() * 1000, "UTC")}`}>
-        <input type="date" .value=${clockOf(this.zone).toInput(this.moment() * 1000).slice(0, 10)} @change=${this.onDay} />
+      <t-field label="Night that begins on" hint=${`${this.zone}; UTC: ${formatDate(evening * 1000, "UTC")}`}>
+        <input type="date" .value=${clockOf(this.zone).toInput(evening * 1000).slice(0, 10)} @change=${this.onDay} />
       </t-field>`;
   }
 

@@ -35,6 +35,9 @@ _ABSENT = AbsentPart()
 _OF_BOUND = 0.95
 _END_GUIDING_S = 30.0
 _MEASURE_S = 60.0
+# What the air was like longer ago says nothing of now (s). Then nobody knows, and what was held
+# back by it is tried, and measured, again.
+_SEEING_KEPT_S = 3600.0
 
 
 class PartRuns:
@@ -63,6 +66,8 @@ class PartRuns:
         self._task: asyncio.Task[None] | None = None
         self._ending: asyncio.Task[None] | None = None
         self._guides = False
+        # FWHM (″) of the last field that was centred, and when (s, monotonic).
+        self._seeing: tuple[float, float] | None = None
         # What was last wrong with each part: said once.
         self._problems: dict[str, str] = {}
 
@@ -117,6 +122,14 @@ class PartRuns:
         at = round((now - seen.ago) / 60.0) * 60.0
         return FocusNews(filter=seen.filter_name, at=at, every=seen.every, again=seen.again)
 
+    def latest_seeing(self) -> float | None:
+        """Give the FWHM of the last field that was centred (″); none: not within the hour."""
+        if self._seeing is None:
+            return None
+        fwhm, measured_at = self._seeing
+        old = self._clock.monotonic_ns() / SECOND - measured_at
+        return fwhm if old <= _SEEING_KEPT_S else None
+
     def begin_part(self, run: PartRun, answered: Callable[[StepAnswer], None]) -> None:
         """Begin a part; ``answered`` is told how it ended, unless it is broken off."""
         self.break_off()
@@ -153,6 +166,8 @@ class PartRuns:
             self.reckoner.end_process()
             log.warning("night: %s failed", run.part, exc_info=error)
             outcome = PartOutcome(good=False, message=str(error) or type(error).__name__)
+        if outcome.seeing is not None:
+            self._seeing = outcome.seeing, self._clock.monotonic_ns() / SECOND
         self._report_outcome(run.part, outcome)
         phase = CommandPhase.SUCCEEDED if outcome.good else CommandPhase.FAILED
         answered(StepAnswer(run.id, phase, outcome.message, outcome.place))

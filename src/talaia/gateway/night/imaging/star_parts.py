@@ -32,12 +32,14 @@ class PartOutcome(NamedTuple):
         good: it reached what it was for.
         message: in words: *focus at 12 450, FWHM 2.1″*, or why it failed.
         place: where the mount was sent (h, °, of date) for the field to be centred; none: it stood.
+        seeing: FWHM of the stars that it saw (″); none: it measured none.
 
     """
 
     good: bool
     message: str = ""
     place: tuple[float, float] | None = None
+    seeing: float | None = None
 
 
 class FieldCentre(NamedTuple):

@@ -7,6 +7,7 @@ of processes: the loop that drives and guards never waits for it.
 from __future__ import annotations
 
 import asyncio
+import math
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.gateway.night.imaging.star_parts import DeviceFailed, FocusOutlook, PartOutcome
@@ -96,7 +97,8 @@ class CentringSolver:
             step = centring.add_solution(solved.ra, solved.dec)
             if step.done:
                 words = f"centred to {step.error:.1f}″"
-                return PartOutcome(good=True, message=words, place=place)
+                seeing = solved.fwhm if math.isfinite(solved.fwhm) else None
+                return PartOutcome(good=True, message=words, place=place, seeing=seeing)
             if step.problem:
                 return PartOutcome(good=False, message=f"not centred: {step.problem}")
             jd = julian_day(self._clock.wall_ns() / 1e9)

@@ -32,7 +32,7 @@ class AbilitiesShape(Schema):
     """What can be asked of a site; a number without a range cannot be chosen.
 
     ``filters`` is none where there is no wheel: then any name is a note. ``exposure`` in s, of a
-    frame of a target.
+    frame of a target. Requests may be held to a limit of seeing or clouds where these are measured.
     """
 
     filters: list[str] | None
@@ -42,3 +42,5 @@ class AbilitiesShape(Schema):
     gain: SettingRangeShape | None
     guides: bool
     field: FieldShape | None
+    measures_seeing: bool
+    measures_clouds: bool

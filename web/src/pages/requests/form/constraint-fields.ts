@@ -27,7 +27,9 @@ export function renderConstraints(view: FormView): TemplateResult {
   const isPhased = [request.phasePeriod, request.phaseEpoch, request.phaseStart, request.phaseEnd].some((text) => text !== "");
   return html`<fieldset>
     <legend>What must hold</legend>
-    ${map(LIMITS, ([field, label, hint]) => renderRequestField(view, field, label, numberInput(field, request[field]), hint))}
+    ${map(LIMITS, ([field, label, hint]) =>
+      isMeasured(field, view) || request[field] !== "" ? renderRequestField(view, field, label, numberInput(field, request[field]), hint) : nothing,
+    )}
     <details class="wide" ?open=${view.opened.phase}>
       <summary>Only in a part of a period (variable stars, transits)</summary>
       <div class="inner">
@@ -45,4 +47,10 @@ export function renderConstraints(view: FormView): TemplateResult {
       ${isPhased ? nothing : html`<p class="muted">All four fields are empty: the phase does not matter.</p>`}
     </details>
   </fieldset>`;
+}
+
+/** A limit on what the site does not measure would hold nothing back, so it is not offered. */
+function isMeasured(field: LimitField, { abilities }: FormView): boolean {
+  if (field === "seeing") return abilities?.measures_seeing ?? true;
+  return field === "clouds" ? (abilities?.measures_clouds ?? true) : true;
 }

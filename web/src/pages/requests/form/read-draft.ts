@@ -66,7 +66,7 @@ export function readRequest(draft: RequestDraft, { momentOf, nowUs, abilities }:
   const fields = new FieldReader<RequestField>();
   const target = readTarget(draft, fields);
   const configurations = readFrames(draft, fields, abilities);
-  const constraints = readConstraints(draft, fields);
+  const constraints = readConstraints(draft, fields, abilities);
   const windows = draft.windows.map((window) => readWindow(window, momentOf));
   checkWindows(windows, fields, nowUs);
   return {
@@ -109,8 +109,10 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
   }
 }
 
-function readConstraints(draft: RequestDraft, fields: FieldReader<RequestField>): ReadConstraints {
+function readConstraints(draft: RequestDraft, fields: FieldReader<RequestField>, abilities: AbilitiesShape | null): ReadConstraints {
   const lit = fields.optional("moonLit", draft.moonLit, [0, 100], "Moon lit in %", null);
+  if (abilities?.measures_seeing === false && draft.seeing.trim() !== "") fields.problems.set("seeing", "This site does not measure the seeing: leave it empty.");
+  if (abilities?.measures_clouds === false && draft.clouds.trim() !== "") fields.problems.set("clouds", "This site does not measure clouds: leave it empty.");
   return {
     min_altitude: fields.number("minAltitude", draft.minAltitude, [0, 90], "Lowest altitude in °"),
     max_airmass: fields.optional("maxAirmass", draft.maxAirmass, [1, 40], "Airmass", 10),

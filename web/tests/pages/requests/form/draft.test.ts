@@ -12,6 +12,7 @@ const END = momentOf("2026-12-23T20:00:00");
 const WINDOW = { start: "2026-11-23T20:00:00", end: "2026-12-23T20:00:00", startUs: null, endUs: null };
 const ABILITIES: AbilitiesShape = {
   filters: ["R", "Ha"], types: ["LIGHT", "DARK", "BIAS"], exposure: { low: 0.01, high: 600 }, binning: { low: 1, high: 4 }, gain: { low: 0, high: 300 }, guides: false, field: null,
+  measures_seeing: true, measures_clouds: true,
 };
 const READING: DraftReading = { momentOf, nowUs: NOW, abilities: ABILITIES };
 
@@ -76,6 +77,14 @@ test("what a site cannot choose is refused where it is written, and is no questi
   const plain = { ...ABILITIES, filters: null, binning: null, gain: null };
   expect(readGroup(whole({ frames: ROW === undefined ? [] : [{ ...ROW, filter: "a note" }] }), { ...READING, abilities: plain }).asked).not.toBeNull();
   expect(readGroup(whole({ frames: ROW === undefined ? [] : [{ ...ROW, binning: "2" }] }), { ...READING, abilities: plain }).asked).toBeNull();
+});
+
+test("a limit on what a site does not measure would hold nothing back, and is refused at its field", () => {
+  const blind = { ...READING, abilities: { ...ABILITIES, measures_seeing: false, measures_clouds: false } };
+  const read = readGroup(whole({ seeing: "2.5", clouds: "20" }), blind);
+  expect(read.asked).toBeNull();
+  expect([...(read.requests[0]?.problems.keys() ?? [])]).toEqual(["seeing", "clouds"]);
+  expect(readGroup(whole(), blind).asked).not.toBeNull();
 });
 
 test("all of a group comes back into its form, and asks the same", () => {
