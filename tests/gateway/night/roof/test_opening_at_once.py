@@ -123,3 +123,19 @@ def test_what_is_required_is_waited_for_with_all_that_stands_before_it() -> None
     world.pass_time(2.0)
     assert len(world.asked("camera/cool")) == 3
     world.until(lambda: bool(world.frames))
+
+
+def test_filter_and_gain_of_the_first_frame_are_set_while_the_roof_opens() -> None:
+    world = PureObservatory()
+    world.ask(request("m31", frames=200, filter="R", gain=30.0))
+    world.choice = lambda _question: "m31"
+    world.faults["wheel/select"] = None
+    world.arm()
+    world.until(lambda: bool(world.asked("wheel/select")))
+    assert world.shutter != "opened"
+    # A wheel that hangs fails nothing yet: the block behind it asks again, and judges.
+    world.until(lambda: len(world.asked("wheel/select")) == 2)
+    assert world.shutter == "opened"
+    assert world.events == []
+    world.faults.clear()
+    world.until(lambda: bool(world.frames))
