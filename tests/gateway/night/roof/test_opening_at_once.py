@@ -88,7 +88,7 @@ def test_a_roof_that_does_not_open_is_a_fault_and_the_telescope_parks_again() ->
     assert (world.shutter, world.telescope) == ("closed", "parked")
 
 
-def starting(*required: bool) -> PureObservatory:
+def starting(required: list[bool]) -> PureObservatory:
     """Give one whose camera gets ready by such steps, which do not end by themselves."""
     steps = [Step(command="camera/cool", within=30.0, required=one) for one in required]
     world = PureObservatory(start=tuple(steps))
@@ -101,7 +101,7 @@ def starting(*required: bool) -> PureObservatory:
 
 
 def test_what_the_roof_need_not_wait_for_gets_ready_beside_it() -> None:
-    world = starting(False)
+    world = starting([False])
     world.pass_time(2.0)
     assert world.asked("dome/open")
     # Nothing is observed before it is ready, or has had its time.
@@ -114,7 +114,7 @@ def test_what_the_roof_need_not_wait_for_gets_ready_beside_it() -> None:
 
 
 def test_what_is_required_is_waited_for_with_all_that_stands_before_it() -> None:
-    world = starting(False, True, False)
+    world = starting([False, True, False])
     world.pass_time(20.0)
     assert not world.asked("dome/open")
     # Each has its time, then the roof opens, and the last gets ready beside it.

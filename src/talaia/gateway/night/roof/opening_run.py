@@ -3,8 +3,8 @@
 Where the description says that the telescope need not be parked before the roof moves (`order` of
 the enclosure), it is unparked and sent to its first target while the roof still opens: after rain
 that is the time of a slew. Where it does not, nothing moves below a roof that is not open. What the
-roof need not wait for (a cooler, and filter, binning and gain of the first frame) gets ready beside it,
-and is ready before anything is observed.
+roof need not wait for (a cooler, and filter, binning and gain of the first frame) gets ready beside
+it, and is ready before anything is observed.
 """
 
 from __future__ import annotations
