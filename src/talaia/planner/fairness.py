@@ -37,7 +37,7 @@ class FairnessRule(NamedTuple):
 
     slack: float = 0.09
     most: float = 4.0
-    early: float = 0.0
+    early: float = 0.4
 
     def ends_from(self, second: int, length_s: int) -> tuple[Ints, Floats]:
         """Give ends of the night that may come behind a second (s), and how likely each is."""
