@@ -75,13 +75,12 @@ class Field(NamedTuple):
 
     Attributes:
         rows: of the visits.
-        values: of each when complete.
+        worth: of each when complete, by the mark at which its block begins (n × marks).
         rents: of each, with the price of its allocation.
         blocks: (s).
         between: overhead from each to each; the last line: from where the telescope points.
         proposal: of each.
         left: of each proposal's allocation (s).
-        weights: of a value, by mark.
         prices: of time.
         after: index of the candidate that comes before in a sequence; -1: none.
         pauses: of the candidates' blocks.
@@ -89,13 +88,12 @@ class Field(NamedTuple):
     """
 
     rows: Ints
-    values: Floats
+    worth: Floats
     rents: Floats
     blocks: Ints
     between: Ints
     proposal: Ints
     left: Floats
-    weights: Floats
     prices: TimePrices
     after: Ints
     pauses: BlockPauses
@@ -105,9 +103,8 @@ def make_field(
     progress: NightProgress,
     rows: Ints,
     *,
-    values: Floats,
+    worth: Floats,
     rents: Floats,
-    weights: Floats,
     prices: TimePrices,
 ) -> Field:
     """Gather what a search needs of some visits."""
@@ -128,13 +125,12 @@ def make_field(
     limits = np.array([limit.seconds_left for limit in problem.proposals])
     return Field(
         rows=rows,
-        values=values,
+        worth=worth,
         rents=rents,
         blocks=table.block_s[rows],
         between=between,
         proposal=table.proposal[rows],
         left=limits - progress.used_s,
-        weights=weights,
         prices=prices,
         after=np.array(after, np.int64),
         pauses=BlockPauses(problem, rows),
@@ -231,6 +227,8 @@ class _Search:
         self._worth = np.zeros(most)
         # Candidates that wait for another one; mostly there are none, and nothing is looked up.
         self._in_order = np.flatnonzero(field.after >= 0)
+        # Where each candidate's row begins in `worth`, laid out flat.
+        self._offsets = np.arange(count) * field.worth.shape[1]
 
     def run(self, stopped: Callable[[], bool]) -> tuple[OrderedVisit, ...]:
         count = len(self._field.rows)
@@ -273,8 +271,8 @@ class _Search:
         self._used[number, visit] = True
         self._spent[number] = self._spent[parent]
         self._spent[number, self._field.proposal[visit]] += self._field.blocks[visit]
-        weight = self._field.weights.take(pool.start[bucket, chosen] // MARK_S)
-        self._worth[number] = self._worth[parent] + self._field.values[visit] * weight
+        mark = pool.start[bucket, chosen] // MARK_S
+        self._worth[number] = self._worth[parent] + self._field.worth[visit, mark]
         if not self._field.pauses.none:
             start, end = pool.start[bucket, chosen], pool.end[bucket, chosen]
             self._focus[number] = _focus_after(
@@ -316,7 +314,7 @@ class _Search:
         # Any mark that may be looked up; these are ruled out below.
         start[never] = 0
         paid = field.prices.until(finish) - field.prices.until(end)[:, None]
-        gain = field.values * field.weights.take(start // MARK_S) - field.rents - paid
+        gain = field.worth.take(self._offsets + start // MARK_S) - field.rents - paid
         never |= self._used[number]
         if self._in_order.size:
             before = field.after[self._in_order]
@@ -422,7 +420,7 @@ def score_order(
             continue
         if not field.pauses.none:
             focus = _focus_after(field, focus, np.array([index]), (starts[0], ends[0]))
-        worth += float(field.values[index] * field.weights[start // MARK_S])
+        worth += float(field.worth[index, start // MARK_S])
         rents += float(field.rents[index])
         left[field.proposal[index]] -= field.blocks[index]
         steps.append(OrderedVisit(row, start, end))

@@ -81,7 +81,9 @@ class TimePrices(NamedTuple):
         margins: the same, below zero where it earns nothing (n).
         bound: no plan is worth more, if every visit takes the typical overhead.
         pulls: prices of shares that are too much, and too little; see `ShareProblem`.
-        tilts: what a second of each proposal's shutter earns beside its priority.
+        tilts: what a second of each proposal's shutter earns beside its priority, by the end up to
+            which it counts; see `ShareProblem`.
+        ends: those (s).
 
     """
 
@@ -93,6 +95,7 @@ class TimePrices(NamedTuple):
     bound: float
     pulls: Floats
     tilts: Floats
+    ends: Ints
 
     def until(self, seconds: Ints) -> Floats:
         """Give the price of all time before the given seconds."""
@@ -123,9 +126,12 @@ def find_prices(
     else:
         slots = np.full(len(begins), _usual_rate(asked) * CELL_S)
         allocation = np.zeros(len(asked.seconds_left))
-    shares, pulls = asked.shares, np.zeros((2, len(allocation)))
-    if former is not None and shares is not None:
-        pulls = shares.moved(former.pulls, pulls)
+    shares = asked.shares
+    ends = 0 if shares is None else len(shares.ends)
+    pulls = np.zeros((2, ends, len(allocation)))
+    if former is not None and shares is not None and former.pulls.shape[1] >= ends > 0:
+        # Ends that are nearer than the night's own go by, the farthest of them first.
+        pulls = shares.moved(former.pulls[:, [*range(ends - 1), -1]], pulls)
     slots[gone] = 0.0
     best_bound, best = np.inf, (slots, allocation, pulls)
     ambition, since = _AMBITION, 0
@@ -175,7 +181,8 @@ def find_prices(
         margins=margins,
         bound=best_bound,
         pulls=pulls,
-        tilts=np.zeros(len(allocation)) if tilts is None else tilts,
+        tilts=np.zeros((1, len(allocation))) if tilts is None else tilts,
+        ends=places.ends,
     )
 
 
@@ -211,12 +218,16 @@ class _Places:
         self._weights = asked.weights[np.minimum(begin, len(asked.weights) - 1)]
         self._worth = np.where(fits, asked.values[:, None] * self._weights, -1e9)
         self._count = np.arange(len(asked.rows))
+        # The first end of the night that comes behind each place.
+        ends = np.zeros(1, np.int64) if asked.shares is None else asked.shares.ends
+        self._until = np.minimum(np.searchsorted(ends, begin * MARK_S, "right"), len(ends) - 1)
+        self.ends = ends
 
     def _gains(self, summed: Floats, allocation: Floats, tilts: Floats | None) -> Floats:
         gains = self._worth - summed.take(self._to) + summed.take(self._from)
         if tilts is not None:
-            earned = tilts[self._asked.proposal] * self._asked.shutters
-            gains += earned[:, None] * self._weights
+            earned = tilts[self._until, self._asked.proposal[:, None]]
+            gains += earned * self._asked.shutters[:, None] * self._weights
         gains -= (allocation[self._asked.proposal] * self._asked.blocks)[:, None]
         return np.asarray(gains)
 
@@ -228,12 +239,13 @@ class _Places:
     ) -> tuple[float, Floats, Floats, Floats]:
         """Give what all visits earn, and the demand for each cell less one.
 
-        The others are by proposal: what is spent of its allocation, and its shutter time (s).
+        The others are by proposal: what is spent of its allocation, and its shutter time up to each
+        end of the night (s).
         """
-        gains = self._gains(summed, allocation, tilts)
+        gains, count = self._gains(summed, allocation, tilts), len(allocation)
         if not gains.shape[1]:
-            nothing = np.zeros(len(allocation))
-            return 0.0, np.full(self.cells, -1.0), nothing, nothing
+            nothing = np.zeros((len(self.ends), count))
+            return 0.0, np.full(self.cells, -1.0), nothing[0], nothing
         place = gains.argmax(axis=1)
         earned = gains[self._count, place]
         rows = np.flatnonzero(earned > 0.0)
@@ -242,10 +254,10 @@ class _Places:
         demand -= np.bincount(end, minlength=self.cells + 1)
         payers = self._asked.proposal[rows]
 
-        def by_payer(seconds: Floats | Ints) -> Floats:
-            return np.bincount(payers, weights=seconds, minlength=len(allocation)).astype(float)
-
         # What lies behind a closing that may come is got only so likely.
         likely = self._asked.shutters[rows] * self._weights[rows, place[rows]]
-        spent, planned_s = by_payer(self._asked.blocks[rows]), by_payer(likely)
+        spent = np.bincount(payers, weights=self._asked.blocks[rows], minlength=count)
+        group = self._until[rows, place[rows]] * count + payers
+        by_end = np.bincount(group, weights=likely, minlength=len(self.ends) * count)
+        planned_s = np.cumsum(by_end.reshape(-1, count), axis=0)
         return float(earned[rows].sum()), np.cumsum(demand)[:-1] - 1.0, spent, planned_s

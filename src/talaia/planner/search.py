@@ -119,8 +119,8 @@ class NightSearch:
         prices = self._prices = self._find_prices(
             second, rows, values, weights, iterations=effort.iterations, stopped=stopped
         )
-        values = values + self._tilted(rows)
-        field = self._make_field(rows, values, weights, prices, most=effort.candidates)
+        worth = (values[:, None] + self._tilted(rows)) * weights
+        field = self._make_field(rows, worth, prices, most=effort.candidates)
         kept = tuple(step.row for step in self.plan)
         orders = [("kept", kept)]
         for shape in effort.shapes:
@@ -175,23 +175,34 @@ class NightSearch:
         return float(paid[1] - paid[0]) / (end - begin) * 60.0
 
     def _tilted(self, rows: Ints) -> Floats:
-        """Give what visits earn beside their priority, for the shares of their proposals."""
+        """Give what visits earn beside their priority, for the shares of their proposals.
+
+        By the mark at which they begin (visits × marks), or the same at all (visits × 1).
+        """
         table, prices = self._progress.problem.table, self._prices
         if prices is None or not prices.tilts.any():
-            return np.zeros(len(rows))
+            return np.zeros((len(rows), 1))
+        ends, known = prices.tilts.shape
         # One that has just come to the night has lacked nothing yet.
-        tilts = np.zeros(len(self._progress.problem.proposals))
-        tilts[: len(prices.tilts)] = prices.tilts
-        return np.asarray(tilts[table.proposal[rows]] * table.shutter_s[rows])
+        tilts = np.zeros((ends, len(self._progress.problem.proposals)))
+        tilts[:, :known] = prices.tilts
+        begins = np.arange(self._progress.feasibility.marks) * MARK_S
+        until = np.minimum(np.searchsorted(prices.ends, begins, "right"), ends - 1)
+        earned = tilts[:, table.proposal[rows]] * table.shutter_s[rows]
+        return np.asarray(earned.T[:, until] if ends > 1 else earned.T)
 
-    def _shares(self, rows: Ints, values: Floats) -> ShareProblem | None:
+    def _shares(self, second: int, rows: Ints, values: Floats) -> ShareProblem | None:
         rule, progress = self._fairness, self._progress
         shutter_s = float(progress.problem.table.shutter_s[rows].sum())
         if rule.most <= 0.0 or shutter_s <= 0.0:
             return None
         due = np.array([limit.share for limit in progress.problem.proposals])
         usual = float(values.sum()) / shutter_s
-        return ShareProblem(due, progress.shutter_s, rule.slack, rule.most * usual)
+        ends, likely = rule.ends_from(second, progress.problem.length_s)
+        # A difference of shares costs the same at each end: a second of it more at a near one.
+        whole = float(progress.shutter_s.sum()) + ends - second
+        most = rule.most * usual * likely * whole[-1] / np.maximum(whole, 1.0)
+        return ShareProblem(due, progress.shutter_s, rule.slack, most, ends)
 
     def _choose_rows(self, second: int) -> Ints:
         """Choose visits that could begin at all: for each half hour those worth most a minute."""
@@ -203,7 +214,7 @@ class NightSearch:
         begin = progress.feasibility.startable(rows, marks)
         fits = begin < marks[None, :] + _COVER_S // MARK_S
         table = progress.problem.table
-        rate = table.value[rows] + self._tilted(rows)
+        rate = table.value[rows] + self._tilted(rows)[:, 0]
         rate = rate / (table.block_s[rows] + self._usual_overhead())
         chosen = np.zeros(len(rows), np.bool_)
         for slot in range(len(marks)):
@@ -244,7 +255,7 @@ class NightSearch:
             second=second,
             overhead=self._usual_overhead(),
             shutters=table.shutter_s[rows],
-            shares=self._shares(rows, values),
+            shares=self._shares(second, rows, values),
         )
         former = self._prices
         if former is not None and len(former.proposals) != len(limits):
@@ -253,9 +264,7 @@ class NightSearch:
             progress.feasibility, asked, iterations=iterations, former=former, stopped=stopped
         )
 
-    def _make_field(
-        self, rows: Ints, values: Floats, weights: Floats, prices: TimePrices, *, most: int
-    ) -> Field:
+    def _make_field(self, rows: Ints, worth: Floats, prices: TimePrices, *, most: int) -> Field:
         """Leave the visits that come nearest to paying for their time, and those of the plan."""
         table = self._progress.problem.table
         blocks = table.block_s[rows]
@@ -267,8 +276,7 @@ class NightSearch:
         return make_field(
             self._progress,
             rows[best],
-            values=values[best],
+            worth=worth[best],
             rents=rents[best],
-            weights=weights,
             prices=prices,
         )

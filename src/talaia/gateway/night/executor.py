@@ -228,7 +228,7 @@ class NightExecutor:
             self._indoors.begun = True
             self.arming = replace(self.arming, opened=True)
             self._move(view, _P.OPENING, "")
-            self._steps = self._make_opening(target=first.request.target)
+            self._steps = self._make_opening(first=first.request)
 
     def _pass_twilight(self, view: NightView, why: str) -> None:
         """Let the day pass; while it is not quite day, requests that need no sky are served."""

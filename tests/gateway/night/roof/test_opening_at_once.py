@@ -6,6 +6,7 @@ import pytest
 from night_observatory import PureObservatory, request
 
 from talaia.model.interlocks.enclosure import ClosingOrder
+from talaia.model.interlocks.interlock import Step
 from talaia.wire.frames import CommandPhase, NightPhase
 
 pytestmark = pytest.mark.pure
@@ -85,3 +86,56 @@ def test_a_roof_that_does_not_open_is_a_fault_and_the_telescope_parks_again() ->
     world.until(lambda: world.executor.phase is P.FAULT)
     world.pass_time(60.0)
     assert (world.shutter, world.telescope) == ("closed", "parked")
+
+
+def starting(required: list[bool]) -> PureObservatory:
+    """Give one whose camera gets ready by such steps, which do not end by themselves."""
+    steps = [Step(command="camera/cool", within=30.0, required=one) for one in required]
+    world = PureObservatory(start=tuple(steps))
+    world.ask(request("m31", frames=200))
+    world.choice = lambda _question: "m31"
+    world.faults["camera/cool"] = None
+    world.arm()
+    world.until(lambda: bool(world.asked("camera/cool")))
+    return world
+
+
+def test_what_the_roof_need_not_wait_for_gets_ready_beside_it() -> None:
+    world = starting([False])
+    world.pass_time(2.0)
+    assert world.asked("dome/open")
+    # Nothing is observed before it is ready, or has had its time.
+    world.pass_time(25.0)
+    assert world.shutter == "opened"
+    assert world.asked("telescope/unpark")
+    assert not world.frames
+    world.until(lambda: bool(world.frames))
+    assert world.events == []
+
+
+def test_what_is_required_is_waited_for_with_all_that_stands_before_it() -> None:
+    world = starting([False, True, False])
+    world.pass_time(20.0)
+    assert not world.asked("dome/open")
+    # Each has its time, then the roof opens, and the last gets ready beside it.
+    world.until(lambda: bool(world.asked("dome/open")))
+    assert len(world.asked("camera/cool")) == 2
+    world.pass_time(2.0)
+    assert len(world.asked("camera/cool")) == 3
+    world.until(lambda: bool(world.frames))
+
+
+def test_filter_and_gain_of_the_first_frame_are_set_while_the_roof_opens() -> None:
+    world = PureObservatory()
+    world.ask(request("m31", frames=200, filter="R", gain=30.0))
+    world.choice = lambda _question: "m31"
+    world.faults["wheel/select"] = None
+    world.arm()
+    world.until(lambda: bool(world.asked("wheel/select")))
+    assert world.shutter != "opened"
+    # A wheel that hangs fails nothing yet: the block behind it asks again, and judges.
+    world.until(lambda: len(world.asked("wheel/select")) == 2)
+    assert world.shutter == "opened"
+    assert world.events == []
+    world.faults.clear()
+    world.until(lambda: bool(world.frames))

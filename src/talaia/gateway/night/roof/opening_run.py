@@ -2,14 +2,26 @@
 
 Where the description says that the telescope need not be parked before the roof moves (`order` of
 the enclosure), it is unparked and sent to its first target while the roof still opens: after rain
-that is the time of a slew. Where it does not, nothing moves below a roof that is not open.
+that is the time of a slew. Where it does not, nothing moves below a roof that is not open. What the
+roof need not wait for (a cooler, and filter, binning and gain of the first frame) gets ready beside
+it, and is ready before anything is observed.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from talaia.gateway.night.roof.roof_steps import OPENING, UNPARKING, opening_steps, unparking_step
+from talaia.gateway.night.frames.calibration_choice import is_of_flats
+from talaia.gateway.night.frames.frame_settings import FrameSettings
+from talaia.gateway.night.roof.roof_steps import (
+    GETTING_READY,
+    OPENING,
+    UNPARKING,
+    opening_steps,
+    steps_beside,
+    unparking_step,
+)
 from talaia.gateway.night.step_runner import NightStep, StepRunner, StepsState
 from talaia.gateway.night.target_place import place_of_date
 from talaia.model.interlocks.enclosure import ClosingOrder
@@ -21,7 +33,7 @@ if TYPE_CHECKING:
     from talaia.gateway.night.night_values import NightCommand, NightView, PartRun, StepAnswer
     from talaia.model.interlocks.enclosure import Enclosure, Place
     from talaia.model.night_section import NightSection
-    from talaia.model.observing.targets import Target
+    from talaia.model.observing.requests import Request
 
 __all__ = ["OpeningRun"]
 
@@ -36,7 +48,7 @@ class OpeningRun:
         place: Place,
         next_id: Callable[[], str],
         *,
-        target: Target | None,
+        first: Request,
     ) -> None:
         """Begin with the next `update_steps`.
 
@@ -45,14 +57,16 @@ class OpeningRun:
             enclosure: the roof.
             place: where it is.
             next_id: of commands.
-            target: what is observed first, as far as is known now; none: nobody knows.
+            first: what is observed first, as far as is known now.
 
         """
         self._night, self._place, self._next_id = night, place, next_id
         # Chosen before it opens; the block behind it is chosen anew, and mostly the same.
-        self._target = target
+        self._target = first.target
         at_once = enclosure.order is not ClosingOrder.MOUNT_FIRST
         steps = opening_steps(night)
+        beside = [*steps_beside(night), *_settings_ahead(night, first)]
+        self._beside = StepRunner(beside, next_id)
         # Unparking is the last of them.
         self._roof = StepRunner(steps[:-1] if at_once else steps, next_id)
         self._mount = StepRunner([unparking_step(night)] if at_once else [], next_id)
@@ -63,7 +77,8 @@ class OpeningRun:
     @property
     def words(self) -> str:
         """What is done now, for people."""
-        return self._roof.words or self._mount.words or (self._ahead.words if self._ahead else "")
+        ahead = self._ahead.words if self._ahead else ""
+        return self._roof.words or self._mount.words or ahead or self._beside.words
 
     @property
     def state(self) -> StepsState:
@@ -74,6 +89,8 @@ class OpeningRun:
             return self._mount.state if self._waited else StepsState.RUNNING
         ahead = self._ahead
         busy = ahead is not None and ahead.state is StepsState.RUNNING
+        # None of it is required: it ends, well or not.
+        busy = busy or self._beside.state is StepsState.RUNNING
         return StepsState.RUNNING if busy else StepsState.DONE
 
     @property
@@ -90,13 +107,16 @@ class OpeningRun:
 
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command ended."""
-        for runner in (self._roof, self._mount, self._ahead):
+        for runner in (self._roof, self._beside, self._mount, self._ahead):
             if runner is not None:
                 runner.take_answer(answer)
 
     def update_steps(self, view: NightView) -> list[NightCommand | PartRun]:
         """Go on; give what is to be asked now."""
-        asked = self._roof.update_steps(view)
+        # In the order of the description: not before what the roof waits for.
+        begins = self._roof.words != GETTING_READY
+        asked = self._beside.update_steps(view) if begins else []
+        asked += self._roof.update_steps(view)
         if not self._at_once or self._roof.state in {StepsState.FAILED, StepsState.REFUSED}:
             return asked
         # Not before the roof was asked for: what gets ready first (a cooler) is still under way.
@@ -139,3 +159,11 @@ class OpeningRun:
                 required=False,
             )
         ]
+
+
+def _settings_ahead(night: NightSection, first: Request) -> list[NightStep]:
+    """Give what the first frame wants set; its block asks again, which then takes no time."""
+    if is_of_flats(first):
+        return []
+    settings = FrameSettings(night).steps_for(first.configurations[0], night.light)
+    return [replace(step, tries=1, required=False) for step in settings]

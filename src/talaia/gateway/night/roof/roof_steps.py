@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from talaia.model.night_section import NightSection
 
 __all__ = [
+    "GETTING_READY",
     "OPENING",
     "UNPARKING",
     "LeaveReason",
@@ -27,6 +28,7 @@ __all__ = [
     "leave_reason",
     "opening_steps",
     "parking_steps",
+    "steps_beside",
     "steps_of",
     "unparking_step",
 ]
@@ -36,6 +38,7 @@ STEP_S = 120.0
 OPENING = "opening the roof"
 """What is done while the roof opens."""
 UNPARKING = "unparking the telescope"
+GETTING_READY = "getting ready"
 _P, _C = NightPhase, SuspensionCause
 
 
@@ -84,7 +87,7 @@ def opening_steps(night: NightSection) -> list[NightStep]:
         return view.opened is True
 
     return [
-        *steps_of(night.start, "getting ready"),
+        *steps_of(_split_start(night)[0], GETTING_READY),
         NightStep(
             words=OPENING,
             command=night.open.command,
@@ -95,6 +98,21 @@ def opening_steps(night: NightSection) -> list[NightStep]:
         ),
         unparking_step(night),
     ]
+
+
+def steps_beside(night: NightSection) -> list[NightStep]:
+    """Give what gets ready while the roof opens: nothing behind it needs it (a cooler)."""
+    return steps_of(_split_start(night)[1], GETTING_READY)
+
+
+def _split_start(night: NightSection) -> tuple[tuple[Step, ...], tuple[Step, ...]]:
+    """Give what the roof waits for, and what stands behind the last of that.
+
+    Order counts: power that is needed comes first, and so does all that was written before it.
+    """
+    needed = [index for index, step in enumerate(night.start) if step.required]
+    cut = needed[-1] + 1 if needed else 0
+    return night.start[:cut], night.start[cut:]
 
 
 def unparking_step(night: NightSection) -> NightStep:
