@@ -60,7 +60,12 @@ from talaia.wire.gateway_proof import (
     resume_answer,
 )
 
-from .chromium import PASSWORD, chromium  # noqa: F401 - a fixture of every test of the hub
+from .chromium import (  # noqa: F401 - fixtures of every test of the hub
+    PASSWORD,
+    _browser,
+    _function_scoped_runner,
+    chromium,
+)
 from .databases import (  # noqa: F401 - fixtures of every test of the hub
     database,
     database_url,
