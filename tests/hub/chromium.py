@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 
 import pytest
+import pytest_asyncio
 from browser_program import find_browser
 from patience import PATIENCE_MS
 
@@ -26,8 +28,9 @@ def program_or_skip(*names: str) -> str:
     return program or ""
 
 
-@pytest.fixture
-async def chromium():
+@pytest_asyncio.fixture(scope="session", loop_scope="session")
+async def _browser():
+    """One Chromium for all tests of a process: with what drives it, a start computes a second."""
     program = program_or_skip()
     clean = {key: value for key, value in os.environ.items() if key != "LD_LIBRARY_PATH"}
     # Most tests need no browser, and no program that drives one.
@@ -41,6 +44,37 @@ async def chromium():
         )
         yield running
         await running.close()
+
+
+@pytest.fixture
+def _function_scoped_runner(request):
+    """Run a test with a browser in the loop of that browser, and each other test in its own.
+
+    The name is pytest-asyncio's: by it all fixtures of one test follow.
+    """
+    if "chromium" not in request.fixturenames:
+        yield request.getfixturevalue("_function_scoped_runner")
+        return
+    runner = request.getfixturevalue("_session_scoped_runner")
+    request.getfixturevalue("_browser")
+    before = asyncio.all_tasks(runner.get_loop())
+    yield runner
+    # As at the end of a loop: what a test has left running meets no other test.
+    runner.run(_end_tasks(asyncio.all_tasks(runner.get_loop()) - before))
+
+
+async def _end_tasks(tasks: set[asyncio.Task]) -> None:
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
+@pytest.fixture
+async def chromium(_browser):
+    """The browser, with nothing open in it; what a test opens is closed behind it."""
+    yield _browser
+    for context in _browser.contexts:
+        await context.close()
 
 
 async def sign_in(chromium, hub, name: str, password: str = PASSWORD, script: str = ""):

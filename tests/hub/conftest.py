@@ -60,7 +60,12 @@ from talaia.wire.gateway_proof import (
     resume_answer,
 )
 
-from .chromium import PASSWORD, chromium  # noqa: F401 - a fixture of every test of the hub
+from .chromium import (  # noqa: F401 - fixtures of every test of the hub
+    PASSWORD,
+    _browser,
+    _function_scoped_runner,
+    chromium,
+)
 from .databases import (  # noqa: F401 - fixtures of every test of the hub
     database,
     database_url,
@@ -68,6 +73,9 @@ from .databases import (  # noqa: F401 - fixtures of every test of the hub
 )
 from .everyone.world import World
 from .kept_routes import _routes_are_read_once  # noqa: F401 - a fixture of every test of the hub
+from .kept_statements import (  # noqa: F401 - a fixture of every test of the hub
+    _statements_are_written_once,
+)
 from .mailbox import mailbox  # noqa: F401 - a fixture of tests of messages
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()

@@ -10,11 +10,18 @@ import dataclasses
 import functools
 import inspect
 
+import fastapi.dependencies.models
 import fastapi.routing
 import pytest
 from fastapi.dependencies.models import Dependant
 from fastapi.dependencies.utils import get_dependant, get_typed_return_annotation
 
+# Whether a function is a coroutine's, a generator's: asked of each route, forgotten with each hub.
+_KINDS = (
+    "_is_gen_callable_cached",
+    "_is_async_gen_callable_cached",
+    "_is_coroutine_callable_cached",
+)
 _LISTS = [field.name for field in dataclasses.fields(Dependant) if field.default_factory is list]
 
 
@@ -51,6 +58,23 @@ def _annotation_of(call):
     )
 
 
+def _kept_judgement(judge):
+    """Answer of a method what is true of its function, without asking again."""
+    kept: dict[object, bool] = {}
+
+    def answer(identity) -> bool:
+        call = identity.call
+        if not inspect.ismethod(call):
+            return judge(identity)
+        if (function := call.__func__) not in kept:
+            kept[function] = judge(identity)
+        return kept[function]
+
+    # By this all that is remembered of hubs is forgotten; functions are no hub's.
+    answer.cache_clear = judge.cache_clear
+    return answer
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _routes_are_read_once():
     """Spare half of what it takes to start a hub."""
@@ -59,4 +83,7 @@ def _routes_are_read_once():
         patch.setattr(fastapi.routing, "get_typed_return_annotation", _annotation_of)
         for name in ("create_model_field", "compile_path"):
             patch.setattr(fastapi.routing, name, functools.cache(getattr(fastapi.routing, name)))
+        models = fastapi.dependencies.models
+        for name in _KINDS:
+            patch.setattr(models, name, _kept_judgement(getattr(models, name)))
         yield
