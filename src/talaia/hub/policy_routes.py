@@ -325,6 +325,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/openapi.json"): AccessNeed.ADMIN,
         # Lists what is open to the person, and no more.
         ("GET", "/api/devices"): AccessNeed.SESSION,
+        ("GET", "/api/commands"): AccessNeed.SESSION,
         ("GET", "/api/sites"): AccessNeed.SESSION,
         ("GET", "/api/sites/{site}"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/events"): AccessNeed.SEE,

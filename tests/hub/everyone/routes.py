@@ -803,6 +803,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("PUT", "/api/roles/{role}/factor"): _of_role(json={"required": True}),
     ("GET", "/api/openapi.json"): Recipe(plain()),
     ("GET", "/api/devices"): Recipe(plain()),
+    ("GET", "/api/commands"): Recipe(plain()),
     ("GET", "/api/sites/{site}/alarms"): of_site(),
     ("GET", "/api/sites/{site}/alarms/{alarm}/history"): _of_alarm("view"),
     ("POST", "/api/sites/{site}/alarms/{alarm}/act"): _of_alarm(

@@ -276,6 +276,7 @@ export interface SiteSummary {
   readonly heading: number | null;
   readonly driver: string;
   readonly stream: string;
+  readonly stops: readonly string[];
 }
 
 /** A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for. */
@@ -1960,6 +1961,20 @@ export interface ExtensionShape {
   readonly package: string;
   readonly summary: string;
   readonly keys: readonly ExtensionKeyShape[];
+}
+
+/** The commands of all sites that are open to you, those that most of them have first. */
+export interface SharedCommandList {
+  readonly commands: readonly SharedCommandShape[];
+}
+
+/** A command that some sites have in common, with the narrowest limits of them. */
+export interface SharedCommandShape {
+  readonly device: string;
+  readonly device_name: string;
+  readonly command: CommandShape;
+  readonly sites: readonly string[];
+  readonly barred: readonly string[];
 }
 
 /** One of your rules. */

@@ -17,6 +17,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   oidc: { tag: "t-page-oidc", title: "Sign in", load: () => import("./sign-in/page-oidc.js") },
   setup: { tag: "t-page-setup", title: "Set up", load: () => import("./setup/page-setup.js") },
   home: { tag: "t-page-home", title: "Home", load: () => import("./home/page-home.js") },
+  fleet: { tag: "t-page-fleet", title: "Fleet", load: () => import("./fleet/page-fleet.js") },
   map: { tag: "t-page-map", title: "Map", load: () => import("./map/page-map.js") },
   devices: { tag: "t-page-devices", title: "Devices", load: () => import("./devices/page-devices.js") },
   device: { tag: "t-page-device", title: "Device", load: () => import("./device/page-device.js") },
@@ -70,7 +71,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night" || page === "forecast") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night" || page === "forecast" || page === "fleet") return !seesOnlyPublic(person);
   return true;
 }
 

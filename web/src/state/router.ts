@@ -9,6 +9,7 @@ export type PageName =
   | "oidc"
   | "setup"
   | "home"
+  | "fleet"
   | "map"
   | "devices"
   | "public"
@@ -62,6 +63,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/oidc": "oidc",
   "/setup": "setup",
   "/map": "map",
+  "/fleet": "fleet",
   "/devices": "devices",
   "/public": "public",
   "/boards": "boards",
