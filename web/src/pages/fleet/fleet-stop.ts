@@ -19,10 +19,14 @@ export class FleetStop extends LitElement {
   static override styles = [
     base,
     css`
+      /* Its parts stand in the page's own grid, so that the button stays in reach while the page is long. */
       :host {
-        display: grid;
-        gap: var(--t-space-3);
-        min-inline-size: 0;
+        display: contents;
+      }
+      t-stop-button {
+        position: sticky;
+        inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
+        z-index: 10;
       }
       ul {
         display: grid;

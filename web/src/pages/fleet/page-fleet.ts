@@ -1,7 +1,7 @@
 /** Several sites at once: STOP for them, and one command that they share. Never driving. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { GroupCommandClient } from "../../controllers/drive/group-command-client.js";
@@ -33,18 +33,6 @@ export class PageFleet extends LitElement {
   static override styles = [
     base,
     sheets,
-    css`
-      /* STOP stays in reach while the list is long. */
-      t-fleet-stop {
-        position: sticky;
-        inset-block-start: 0;
-        z-index: 1;
-        max-block-size: 60vh;
-        padding-block: var(--t-space-2);
-        overflow-y: auto;
-        background: var(--t-bg);
-      }
-    `,
   ];
 
   @state() private chosen: ReadonlySet<string> = new Set();

@@ -105,21 +105,15 @@ def heartbeat_commands(site: Site) -> frozenset[str]:
 
     They are the gateway's business: sent by a person one would hide that nobody supervises.
     """
-    return frozenset(
-        roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat
-    )
+    return frozenset(roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat)
 
 
-def describe_command(
-    site: Site, device_id: str, command_id: str, grants: Grants
-) -> CommandShape:
+def describe_command(site: Site, device_id: str, command_id: str, grants: Grants) -> CommandShape:
     """Describe one command of a device."""
     device = site.devices[device_id]
     command = device.commands[command_id]
     role = roles_of(device).commands.get(command_id)
-    return _command_schema(
-        command_id, command, role, state_need(site, device_id, command, grants)
-    )
+    return _command_schema(command_id, command, role, state_need(site, device_id, command, grants))
 
 
 def summarise_site(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
