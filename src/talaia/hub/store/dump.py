@@ -13,6 +13,7 @@ from talaia.hub.store import (
     board_tables as _board_tables,
     history_tables as _history_tables,
     map_tables as _map_tables,
+    mission_tables as _mission_tables,
     observing_tables as _observing_tables,
     witness_tables as _witness_tables,
 )
@@ -35,6 +36,7 @@ _ = (
     _board_tables,
     _history_tables,
     _map_tables,
+    _mission_tables,
     _observing_tables,
     _witness_tables,
 )
