@@ -34,8 +34,8 @@ from talaia.hub.store.accounts.displays import Displays
 from talaia.hub.store.accounts.failed_logins import FailedLogins
 from talaia.hub.store.accounts.identities import Identities
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
-from talaia.hub.store.accounts.mission_accounts import MissionAccounts
 from talaia.hub.store.accounts.mfa import SecondFactors
+from talaia.hub.store.accounts.mission_accounts import MissionAccounts
 from talaia.hub.store.accounts.passkeys import Passkeys
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
@@ -81,9 +81,7 @@ class PeopleFeature(Feature):
         self.tokens = ApiTokens(database, clock)
         self.displays = Displays(database, clock)
         self.mission_accounts = MissionAccounts(database)
-        credentials = Credentials(
-            self.sessions, self.tokens, self.displays, self.mission_accounts
-        )
+        credentials = Credentials(self.sessions, self.tokens, self.displays, self.mission_accounts)
         self.seats = SocketSessions(credentials, clock, settings)
         self.access = Access(
             sessions=self.sessions,

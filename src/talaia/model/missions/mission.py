@@ -49,7 +49,9 @@ class MissionStep(Shape, frozen=True, kw_only=True):
         name: what people call it; what it does gives the name where this is left out.
         device: command: of which device.
         command: command: which of its commands.
-        args: command: its arguments by name, in the units of the description.
+        args: command: its arguments by name.
+        units: command: the units that they were written in; another than the description has when
+            the step begins is refused.
         condition: until: what has to hold, written as an alarm's expression; what is unknown or
             too old does not.
         seconds: pause: for how long. The others: for so long at the most, 0 for an hour.
@@ -62,6 +64,7 @@ class MissionStep(Shape, frozen=True, kw_only=True):
     device: str = ""
     command: str = ""
     args: dict[str, MissionArgument] = {}
+    units: dict[str, str] = {}
     condition: str = ""
     seconds: float = 0.0
     goes_on: bool = False

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from talaia.model.alarms.expression import ExpressionError, parse_condition
-from talaia.model.arguments import fields_of
+from talaia.model.arguments import fields_of, unit_problem
 from talaia.model.checks.identifiers import Finding, name_fits
 from talaia.model.derivation.plan import channel_kinds
 from talaia.model.missions.mission import DAYS, LONGEST_S, MOST_STEPS, StepKind
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.model.missions.mission import Mission, MissionSchedule, MissionStep
     from talaia.model.site import Site
 
-__all__ = ["mission_findings", "site_findings"]
+__all__ = ["mission_findings", "site_findings", "with_units"]
 
 _LONGEST_NOTE = 1000
 # Keys that only one kind of step has.
@@ -25,6 +27,7 @@ _OWN = {
     "device": StepKind.COMMAND,
     "command": StepKind.COMMAND,
     "args": StepKind.COMMAND,
+    "units": StepKind.COMMAND,
     "condition": StepKind.UNTIL,
 }
 
@@ -99,3 +102,20 @@ def _command_findings(where: str, step: MissionStep, site: Site) -> Iterator[Fin
     fields = fields_of(command, step.args)
     if isinstance(fields, str):
         yield Finding(f"{where}.args", fields)
+    elif problem := unit_problem(command, step.units):
+        yield Finding(f"{where}.units", problem.partition(";")[0])
+
+
+def with_units(mission: Mission, site: Site) -> Mission:
+    """Note in each command the units that its arguments have at ``site`` now."""
+    return replace(mission, steps=tuple(_noted(step, site) for step in mission.steps))
+
+
+def _noted(step: MissionStep, site: Site) -> MissionStep:
+    device = site.devices.get(step.device)
+    command = None if device is None else device.commands.get(step.command)
+    if command is None:
+        return step
+    units = {name: command.arguments[name].unit for name in step.args if name in command.arguments}
+    # What was noted before stands: it says what the person meant then.
+    return replace(step, units={**units, **step.units})

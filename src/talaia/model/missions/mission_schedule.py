@@ -52,7 +52,7 @@ def _moment_us(day: date, at: time, place: ZoneInfo) -> int:
 def read_time(text: str) -> time | None:
     """Read ``HH:MM``; None where it is none."""
     hours, colon, minutes = text.partition(":")
-    if not colon or len(text) != 5 or not (hours + minutes).isascii():  # noqa: PLR2004 - HH:MM
+    if not colon or len(text) != 5 or not (hours + minutes).isascii():
         return None
     try:
         return time(int(hours), int(minutes))

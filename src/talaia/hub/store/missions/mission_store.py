@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import delete, func, insert, select, update
 
@@ -14,7 +14,7 @@ from talaia.hub.store.tables import users
 from talaia.model.missions.mission_file import read_mission_json, write_mission_json
 
 if TYPE_CHECKING:
-    from sqlalchemy import Row
+    from sqlalchemy import Row, Select
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
@@ -176,9 +176,7 @@ class MissionStore:
         """Write down how a run stands."""
         async with self._database.write() as connection:
             await connection.execute(
-                update(mission_runs)
-                .where(mission_runs.c.id == run.id)
-                .values(**_run_columns(run))
+                update(mission_runs).where(mission_runs.c.id == run.id).values(**_run_columns(run))
             )
 
     async def list_runs(self, site: str, limit: int) -> list[RunRecord]:
@@ -208,13 +206,13 @@ class MissionStore:
         }
 
 
-def _select_missions():  # type: ignore[no-untyped-def]  # noqa: ANN202
+def _select_missions() -> Select[Any]:
     return select(missions, users.c.name.label("owner")).join(
         users, users.c.id == missions.c.owner_id
     )
 
 
-def _mission_of(row: Row[tuple[object, ...]]) -> KeptMission:
+def _mission_of(row: Row[Any]) -> KeptMission:
     return KeptMission(
         row.id,
         row.site,
@@ -245,7 +243,7 @@ def _run_columns(run: RunRecord) -> dict[str, object]:
     }
 
 
-def _run_of(row: Row[tuple[object, ...]]) -> RunRecord:
+def _run_of(row: Row[Any]) -> RunRecord:
     return RunRecord(
         site=row.site,
         mission_id=row.mission_id,
