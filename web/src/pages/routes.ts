@@ -45,6 +45,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
     title: "Recordings",
     load: () => import("./recordings/page-recordings.js"),
   },
+  missions: { tag: "t-page-missions", title: "Missions", load: () => import("./missions/page-missions.js") },
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
   anomalies: { tag: "t-page-anomalies", title: "Anomalies", load: () => import("./anomalies/page-anomalies.js") },
@@ -71,7 +72,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night" || page === "forecast" || page === "fleet") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
   return true;
 }
 
