@@ -15,6 +15,8 @@ from talaia.wire import frames
 from talaia.wire.browser import PageStop
 from talaia.wire.frames import CommandPhase
 
+from ...conftest import DESCRIPTION
+
 NOW = 1_700_000_000_000_000
 AT = "/api/sites/agv/missions"
 EMPTY = {
@@ -75,11 +77,24 @@ async def end_command(gateway, asked, phase: CommandPhase, message: str = "") ->
     )
 
 
+# What was heard stays fresh for as long as a test takes, however busy the machine is.
+LASTING = DESCRIPTION.replace(
+    "role: vehicle.speed\n", "role: vehicle.speed\n        max_age: 9999\n", 1
+)
+
+
+@pytest.fixture
+async def gateway(hub):
+    made = await hub.gateway()
+    await made.hello(LASTING)
+    return made
+
+
 @pytest.fixture
 async def operator(hub, gateway):
     """Sign an operator in, at a robot that was just heard."""
-    await gateway.samples(("base/speed", NOW, 0.0))
     client = await hub.client("operator")
+    await gateway.samples(("base/speed", NOW, 0.0))
     async with asyncio.timeout(PATIENCE_S):
         while (site := (await client.get("/api/sites")).json()[0])["stale"] == site["signals"]:
             pass
