@@ -30,6 +30,7 @@ from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.notes import NotesFeature
+from talaia.hub.features.records.missions import MissionsFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -156,6 +157,14 @@ class Hub(AssembledHub):
             audit=log,
         )
         service = self.connections.service
+        self.missions = MissionsFeature(
+            core,
+            accounts=self.people.mission_accounts,
+            pages=service,
+            reporting=self.robot_events.reporting,
+            deliver=self.notifications.wake_up,
+            audit=log,
+        )
         # Before each of the protocols, which it lets clients in for.
         self.client_protocols = ClientProtocolsFeature(
             core, people=self.people, service=service, audit=log

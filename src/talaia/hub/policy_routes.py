@@ -324,6 +324,20 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # What everybody sees, guests and screens too, an admin puts there.
         ("PUT", "/api/boards/{board}/public"): AccessNeed.ADMIN,
     },
+    "missions": {
+        # Of the whole site: a mission may use several devices, and each of its commands is looked
+        # at besides. No script begins one or saves one: a run has all rights of its account.
+        ("GET", "/api/sites/{site}/missions"): AccessNeed.VIEW,
+        ("POST", "/api/sites/{site}/missions"): AccessNeed.USE,
+        # Nothing is kept by this.
+        ("POST", "/api/sites/{site}/missions/reading"): AccessNeed.USE,
+        ("PUT", "/api/sites/{site}/missions/{mission}"): AccessNeed.USE,
+        ("DELETE", "/api/sites/{site}/missions/{mission}"): AccessNeed.USE,
+        ("GET", "/api/sites/{site}/missions/{mission}/text"): AccessNeed.VIEW,
+        ("POST", "/api/sites/{site}/missions/{mission}/start"): AccessNeed.USE,
+        ("GET", "/api/sites/{site}/mission-runs"): AccessNeed.VIEW,
+        ("POST", "/api/sites/{site}/mission-runs/act"): AccessNeed.USE,
+    },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,
@@ -336,6 +350,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/openapi.json"): AccessNeed.ADMIN,
         # Lists what is open to the person, and no more.
         ("GET", "/api/devices"): AccessNeed.SESSION,
+        ("GET", "/api/commands"): AccessNeed.SESSION,
         ("GET", "/api/sites"): AccessNeed.SESSION,
         ("GET", "/api/sites/{site}"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/events"): AccessNeed.SEE,

@@ -20,6 +20,7 @@ from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
 from .boards import BOARD, changes_board, kept_board, reads_board, shares_board
 from .notes import NOTED, VIEWED, kept_note, manages_noted, note_of, uses_noted
+from .missions import MISSION, kept_mission
 from .observing import (
     ALERT_RULE,
     ASKED,
@@ -130,6 +131,16 @@ async def _last(world: World, client: httpx.AsyncClient, about: str) -> Ask:
 async def _export(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     ask = await _history(world, client, about)
     return Ask(ask.params, {**ask.query, "format": "csv"})
+
+
+def of_mission(done: int = 204, **ask: object) -> Recipe:
+    """Ask about a mission of both sites."""
+
+    async def make(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+        params = {"site": about, "mission": await kept_mission(world, about)}
+        return Ask(params=params, done=(done,), **ask)
+
+    return Recipe(make, ("agv", "moon"))
 
 
 _NUMBERS = itertools.count()
@@ -656,6 +667,17 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
         plain(params={"protocol": "foxglove"}, json={"open": False}, done=(204,))
     ),
     ("PUT", "/api/client-drivers"): Recipe(_client_driver),
+    ("GET", "/api/sites/{site}/missions"): of_site(),
+    ("POST", "/api/sites/{site}/missions"): of_site(json=MISSION),
+    ("POST", "/api/sites/{site}/missions/reading"): of_site(json={"text": "mission: 1"}),
+    ("PUT", "/api/sites/{site}/missions/{mission}"): of_mission(json=MISSION),
+    ("DELETE", "/api/sites/{site}/missions/{mission}"): of_mission(),
+    ("GET", "/api/sites/{site}/missions/{mission}/text"): of_mission(200),
+    # Nothing is heard of its device.
+    ("POST", "/api/sites/{site}/missions/{mission}/start"): of_mission(409, json={"first": 0}),
+    ("GET", "/api/sites/{site}/mission-runs"): of_site(),
+    # None goes on there.
+    ("POST", "/api/sites/{site}/mission-runs/act"): of_site(json={"act": "pause"}, done=(409,)),
     ("GET", "/api/storage"): Recipe(plain()),
     ("GET", "/api/sites/{site}/anomalies"): of_site(),
     # No detector is at work there, which only those are told who may say it.
@@ -821,6 +843,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("PUT", "/api/roles/{role}/factor"): _of_role(json={"required": True}),
     ("GET", "/api/openapi.json"): Recipe(plain()),
     ("GET", "/api/devices"): Recipe(plain()),
+    ("GET", "/api/commands"): Recipe(plain()),
     ("GET", "/api/sites/{site}/alarms"): of_site(),
     ("GET", "/api/sites/{site}/alarms/{alarm}/history"): _of_alarm("view"),
     ("POST", "/api/sites/{site}/alarms/{alarm}/act"): _of_alarm(

@@ -276,6 +276,7 @@ export interface SiteSummary {
   readonly heading: number | null;
   readonly driver: string;
   readonly stream: string;
+  readonly stops: readonly string[];
 }
 
 /** A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for. */
@@ -1964,6 +1965,125 @@ export interface ExtensionShape {
   readonly keys: readonly ExtensionKeyShape[];
 }
 
+/** The commands of all sites that are open to you, those that most of them have first. */
+export interface SharedCommandList {
+  readonly commands: readonly SharedCommandShape[];
+}
+
+/** A command that some sites have in common, with the narrowest limits of them. */
+export interface SharedCommandShape {
+  readonly device: string;
+  readonly device_name: string;
+  readonly command: CommandShape;
+  readonly sites: readonly string[];
+  readonly barred: readonly string[];
+}
+
+/** A mission to be kept; from now on its schedule has your rights. */
+export interface MissionAsk {
+  readonly mission: MissionShape;
+}
+
+/** The missions of a site, and the run that goes on there. */
+export interface MissionList {
+  readonly missions: readonly MissionRow[];
+  readonly run: MissionRunShape | null;
+}
+
+/** What a file says: a mission, or what is wrong with it and where. */
+export interface MissionReading {
+  readonly mission: MissionShape | null;
+  readonly where: string;
+  readonly problem: string;
+  readonly remedy: string;
+}
+
+/** A mission that is kept. ``owner``: saved it last, and its schedule has their rights. */
+export interface MissionRow {
+  readonly id: string;
+  readonly mission: MissionShape;
+  readonly owner: string;
+  readonly due_us: number;
+  readonly changed_us: number;
+  readonly problem: string;
+}
+
+/** The runs of a site, the newest first. */
+export interface MissionRunList {
+  readonly runs: readonly MissionRunShape[];
+}
+
+/** One run. ``who``: whose rights it has; ``begun_by``: a person, or ``schedule``. */
+export interface MissionRunShape {
+  readonly id: string;
+  readonly mission: string;
+  readonly name: string;
+  readonly who: string;
+  readonly begun_by: string;
+  readonly state: string;
+  readonly why: string;
+  readonly began_us: number;
+  readonly ended_us: number;
+  readonly steps: readonly MissionStepRow[];
+}
+
+/** It is kept under this number. */
+export interface MissionSaved {
+  readonly id: string;
+}
+
+/** When it begins by itself, in the site's time: ``HH:MM``, on days of the week or on a date. */
+export interface MissionScheduleShape {
+  readonly at: string;
+  readonly days: readonly string[];
+  readonly date: string;
+}
+
+/** A mission. */
+export interface MissionShape {
+  readonly name: string;
+  readonly note: string;
+  readonly steps: readonly MissionStepShape[];
+  readonly schedule: MissionScheduleShape | null;
+}
+
+/** Begin it, at this step (counted from 0). */
+export interface MissionStartAsk {
+  readonly first?: number;
+}
+
+/** What became of a step: ``waiting``, ``running``, ``skipped``, or how it ended. */
+export interface MissionStepRow {
+  readonly name: string;
+  readonly state: string;
+  readonly message: string;
+  readonly began_us: number;
+  readonly ended_us: number;
+}
+
+/** One step. ``seconds``: of a pause; else for so long at the most, 0 for an hour. */
+export interface MissionStepShape {
+  readonly kind: StepKind;
+  readonly name: string;
+  readonly device: string;
+  readonly command: string;
+  readonly args: Readonly<Record<string, boolean | number | string>>;
+  readonly units: Readonly<Record<string, string>>;
+  readonly condition: string;
+  readonly seconds: number;
+  readonly goes_on: boolean;
+}
+
+/** A mission as the text of a file. */
+export interface MissionText {
+  readonly text: string;
+}
+
+/** What is to become of the run that goes on. */
+export interface RunActAsk {
+  readonly act: "pause" | "resume" | "cancel";
+}
+
 /** One of your rules. */
 export interface NoticeRuleShape {
   readonly site: string;
@@ -2798,6 +2918,12 @@ export type StateMeaning =
   | "warning"
   | "unsafe"
   | "normal";
+
+/** What a step does. */
+export type StepKind =
+  | "command"
+  | "until"
+  | "pause";
 
 /** The right that a person needs to have a raw topic. */
 export type TopicRight =

@@ -17,6 +17,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   oidc: { tag: "t-page-oidc", title: "Sign in", load: () => import("./sign-in/page-oidc.js") },
   setup: { tag: "t-page-setup", title: "Set up", load: () => import("./setup/page-setup.js") },
   home: { tag: "t-page-home", title: "Home", load: () => import("./home/page-home.js") },
+  fleet: { tag: "t-page-fleet", title: "Fleet", load: () => import("./fleet/page-fleet.js") },
   map: { tag: "t-page-map", title: "Map", load: () => import("./map/page-map.js") },
   devices: { tag: "t-page-devices", title: "Devices", load: () => import("./devices/page-devices.js") },
   device: { tag: "t-page-device", title: "Device", load: () => import("./device/page-device.js") },
@@ -44,6 +45,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
     title: "Recordings",
     load: () => import("./recordings/page-recordings.js"),
   },
+  missions: { tag: "t-page-missions", title: "Missions", load: () => import("./missions/page-missions.js") },
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
   notes: { tag: "t-page-notes", title: "Notes", load: () => import("./notes/page-notes.js") },
@@ -71,7 +73,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "notes" || page === "night" || page === "forecast") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
   return true;
 }
 

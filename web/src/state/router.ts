@@ -9,6 +9,7 @@ export type PageName =
   | "oidc"
   | "setup"
   | "home"
+  | "fleet"
   | "map"
   | "devices"
   | "public"
@@ -21,6 +22,7 @@ export type PageName =
   | "scene"
   | "history"
   | "recordings"
+  | "missions"
   | "drive"
   | "alarms"
   | "logbook"
@@ -53,7 +55,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "notes", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "missions", "drive", "archive", "cameras", "logbook", "notes", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -63,6 +65,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/oidc": "oidc",
   "/setup": "setup",
   "/map": "map",
+  "/fleet": "fleet",
   "/devices": "devices",
   "/public": "public",
   "/boards": "boards",
@@ -118,7 +121,7 @@ export function boardKeyOf(path: string): string {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "notes" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
+  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "missions" | "drive" | "archive" | "cameras" | "logbook" | "notes" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }

@@ -7,7 +7,7 @@ import { HubApi } from "../../src/wire/hub-api.js";
 const json = (value: unknown, status = 200): Response => new Response(JSON.stringify(value), { status });
 const row: SiteSummary = {
   site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, devices: 1, signals: 2,
-  why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0, group: "", tags: [], state: "", battery: null, latitude: null, longitude: null, moving: false, heading: null, driver: "", stream: "",
+  why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0, group: "", tags: [], state: "", battery: null, latitude: null, longitude: null, moving: false, heading: null, driver: "", stream: "", stops: [],
 };
 const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
 const detail: SiteShape = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], shown_units: {}, map: null, devices: [] };

@@ -79,6 +79,13 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="of the simulated world (default: 1)")
     parser.add_argument("--data", type=Path, help="keep accounts and history in this folder")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
+    parser.add_argument(
+        "--vehicles",
+        type=int,
+        choices=range(1, 5),
+        default=1,
+        help="how many vehicles, each in a house of its own (default: 1)",
+    )
     parser.add_argument("--no-camera", action="store_true", help="simulate without pictures")
     parser.add_argument("--no-observatory", action="store_true", help="only the vehicle")
     parser.add_argument(
@@ -96,7 +103,7 @@ async def _start_robots(
     port = free_port(options.port)
     address = f"http://localhost:{port}"
     # Simulators first: they start while the accounts are made.
-    robots = [_start_vehicle(options, data)]
+    robots = [_start_vehicle(options, data, number) for number in range(1, options.vehicles + 1)]
     if not options.no_observatory:
         robots.append(_start_observatory(options, data))
     for robot in robots:
@@ -172,21 +179,32 @@ class _Robot(NamedTuple):
     environment: dict[str, str]
 
 
-def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
+def _start_vehicle(options: argparse.Namespace, data: Path, number: int = 1) -> _Robot:
+    """Start the first one, or one beside it: a site of its own with another seed."""
+    suffix = "" if number == 1 else str(number)
+    site = f"{VEHICLE}{suffix}"
     world = ros_domain.reserve_domain().domain  # kept until this process ends
-    words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
-    words += ["--log", str(data / "actuations.jsonl")]
+    words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed + number - 1)]
+    words += ["--log", str(data / f"actuations{suffix}.jsonl")]
     words += ["--no-camera"] if options.no_camera else []
     # A copy: it may be changed from the page, and is then somebody's work.
-    description = data / "agv.yaml"
+    description = data / f"{site}.yaml"
     changed = is_changed(description)
     if not changed:
         text = find_example(VEHICLE).read_text()
         # Without them its gateway would not start: what is to be recorded must be.
         text += RECORDING if find_spec("mcap") and find_spec("av") else ""
-        write_description(description, _without_detections(text) if options.no_camera else text)
+        text = _without_detections(text) if options.no_camera else text
+        write_description(description, text if number == 1 else _renamed(text, site, number))
     here = ros_domain.domain_environment(world)
-    return _Robot(VEHICLE, description, changed, "vehicle", words, "sim.log", world, here)
+    log = f"sim{suffix}.log"
+    return _Robot(site, description, changed, f"vehicle {suffix}".strip(), words, log, world, here)
+
+
+def _renamed(text: str, site: str, number: int) -> str:
+    """Give one of several vehicles a name of its own."""
+    described = load_site(text)
+    return save_into_text(text, replace(described, site=site, name=f"{described.name} {number}"))
 
 
 def _without_detections(text: str) -> str:

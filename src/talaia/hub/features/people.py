@@ -35,6 +35,7 @@ from talaia.hub.store.accounts.failed_logins import FailedLogins
 from talaia.hub.store.accounts.identities import Identities
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
 from talaia.hub.store.accounts.mfa import SecondFactors
+from talaia.hub.store.accounts.mission_accounts import MissionAccounts
 from talaia.hub.store.accounts.passkeys import Passkeys
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
@@ -57,6 +58,7 @@ class PeopleFeature(Feature):
         sessions: who is signed in.
         tokens: what scripts sign in with.
         displays: screens that show some sites.
+        mission_accounts: with whose rights missions run.
         seats: the sockets that people have open.
         access: guards every route by the policy table.
         limits: how much each may ask.
@@ -78,7 +80,8 @@ class PeopleFeature(Feature):
         self.sessions = Sessions(database, clock, settings)
         self.tokens = ApiTokens(database, clock)
         self.displays = Displays(database, clock)
-        credentials = Credentials(self.sessions, self.tokens, self.displays)
+        self.mission_accounts = MissionAccounts(database)
+        credentials = Credentials(self.sessions, self.tokens, self.displays, self.mission_accounts)
         self.seats = SocketSessions(credentials, clock, settings)
         self.access = Access(
             sessions=self.sessions,

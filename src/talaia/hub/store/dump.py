@@ -14,6 +14,7 @@ from talaia.hub.store import (
     history_tables as _history_tables,
     map_tables as _map_tables,
     note_tables as _note_tables,
+    mission_tables as _mission_tables,
     observing_tables as _observing_tables,
     witness_tables as _witness_tables,
 )
@@ -37,6 +38,7 @@ _ = (
     _history_tables,
     _map_tables,
     _note_tables,
+    _mission_tables,
     _observing_tables,
     _witness_tables,
 )

@@ -98,6 +98,8 @@ export class StopButton extends LitElement {
 
   @property({ attribute: false }) stop: StopShown = { phase: "unknown" };
   @property({ type: Boolean }) online = true;
+  /** What is said in place of how one device stands: it is of a group. */
+  @property() label = "";
   @property({ type: Boolean, reflect: true }) engaged = false;
 
   override willUpdate(): void {
@@ -105,7 +107,7 @@ export class StopButton extends LitElement {
   }
 
   override render(): TemplateResult {
-    const line = stopLabel(this.stop, this.online);
+    const line = this.label === "" ? stopLabel(this.stop, this.online) : this.label;
     return html`<button type="button" @pointerdown=${this.onPointerDown} @click=${this.onClick}>
       <span class="word">STOP <small>(software)</small></span>
       ${line === "" ? nothing : html`<span class="state" role="status">${line}</span>`}

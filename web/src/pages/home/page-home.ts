@@ -7,8 +7,10 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { RefreshController } from "../../controllers/refresh.js";
 import { base, plainList } from "../../elements/base/base-style.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { sitesContext } from "../../state/contexts.js";
+import { sessionContext, sitesContext } from "../../state/contexts.js";
+import { seesOnlyPublic } from "../../state/rights.js";
 import type { Sites } from "../../state/sites.js";
+import type { Me } from "../../generated/api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
@@ -52,6 +54,7 @@ export class PageHome extends LitElement {
   ];
 
   private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
   protected readonly refresh = new RefreshController(this, EVERY_MS, () => {
     // A load that failed is asked for by its button.
     if (this.sites.store?.status === "ready") void this.sites.store.load();
@@ -65,6 +68,7 @@ export class PageHome extends LitElement {
         <h1>Sites</h1>
         ${sites.list.length === 0 ? nothing : html`<p class="muted">${sitesSummary(sites)}</p>`}
         ${sites.list.some(({ latitude }) => latitude !== null) ? html`<a href="/map">Map of all robots</a>` : nothing}
+        ${sites.list.length > 1 && mayOpenFleet(this.session.store?.person) ? html`<a href="/fleet">Commands and STOP for several</a>` : nothing}
       </div>
       ${this.renderProblem(sites)} ${this.renderContent(sites)}
     `;
@@ -103,6 +107,10 @@ export class PageHome extends LitElement {
   private readonly retry = (): void => {
     void this.sites.store?.load();
   };
+}
+
+function mayOpenFleet(person: Me | null | undefined): boolean {
+  return person !== null && person !== undefined && person.role !== "display" && !seesOnlyPublic(person);
 }
 
 function sitesSummary(sites: Sites): string {

@@ -7,7 +7,7 @@ import { troublesOf } from "../../../src/tiles/site-trouble.js";
 
 const row = (site: string, more: Partial<SiteSummary> = {}): SiteSummary => ({
   site, name: site, zone: "UTC", online: true, since_us: 0, last_seen_us: 0, why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, devices: 1, signals: 1, stale: 0,
-  group: "", tags: [], state: "", battery: null, latitude: null, longitude: null, moving: false, heading: null, driver: "", stream: "", ...more,
+  group: "", tags: [], state: "", battery: null, latitude: null, longitude: null, moving: false, heading: null, driver: "", stream: "", stops: [], ...more,
 });
 const ALL = { words: "", tag: "", order: "name" } as const;
 const sites = (rows: readonly SiteSummary[], query: Parameters<typeof fleetGroups>[1], troubles: Parameters<typeof fleetGroups>[2] = new Map()): string[] =>

@@ -187,6 +187,7 @@ class SiteSummary(Schema):
     heading: float | None  # of the robot, clockwise from true north (°)
     driver: str  # who drives something of it; empty for nobody
     stream: str  # a camera of it, ``device/stream``; empty for none
+    stops: list[str]  # devices of it that have STOP (software) and that you may stop
 
 
 class ShownUnitShape(Schema):

@@ -59,7 +59,13 @@ if TYPE_CHECKING:
     from talaia.model.site import Command, Device, Drive, Signal, Site
     from talaia.model.units.conversion import Conversion
 
-__all__ = ["describe_site", "list_devices", "summarise_site"]
+__all__ = [
+    "describe_command",
+    "describe_site",
+    "heartbeat_commands",
+    "list_devices",
+    "summarise_site",
+]
 
 _AS_STORED: Mapping[str, Conversion] = MappingProxyType({})
 # Sees only what is public.
@@ -72,8 +78,7 @@ def describe_site(
     """Describe a site, leaving out what is not open to the person; ``shown`` is by stored unit."""
     site = live.description
     ways = ShownSignals(site, shown)
-    # Addresses of the commands that keep a roof's own supervision quiet.
-    heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
+    heartbeats = heartbeat_commands(site)
     return SiteShape(
         site=site.site,
         name=site.name,
@@ -93,6 +98,22 @@ def describe_site(
         shown_units={unit: ShownUnitShape(**way._asdict()) for unit, way in shown.items()},
         map=describe_map(site, grants),
     )
+
+
+def heartbeat_commands(site: Site) -> frozenset[str]:
+    """Give the addresses of the commands that keep a roof's own supervision quiet.
+
+    They are the gateway's business: sent by a person one would hide that nobody supervises.
+    """
+    return frozenset(roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat)
+
+
+def describe_command(site: Site, device_id: str, command_id: str, grants: Grants) -> CommandShape:
+    """Describe one command of a device."""
+    device = site.devices[device_id]
+    command = device.commands[command_id]
+    role = roles_of(device).commands.get(command_id)
+    return _command_schema(command_id, command, role, state_need(site, device_id, command, grants))
 
 
 def summarise_site(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
@@ -124,6 +145,11 @@ def summarise_site(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
         heading=glance.heading,
         driver=glance.driver,
         stream=glance.stream,
+        stops=[
+            device_id
+            for device_id, device in site.devices.items()
+            if device.drive and grants.has_right(Right.VIEW, site.site, device_id)
+        ],
     )
 
 
@@ -222,7 +248,6 @@ def _device_schema(
                 state_need(site, device_id, command, grants),
             )
             for command_id, command in device.commands.items()
-            # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
         ],
         drive=_drive_schema(device.drive, shown.by_unit) if device.drive and views else None,

@@ -339,7 +339,10 @@ class RobotEvents:
             what = "stop released"
             if state.latched:
                 what = "stop confirmed by the robot" if state.confirmed else "stop latched"
-            self._gateway_log.append_row(live, what, state.who, device=state.device)
+            # The id of the press that this answers, as the row of the press has it.
+            self._gateway_log.append_row(
+                live, what, state.who, device=state.device, message=state.id
+            )
 
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
         # Who asked is known by the hub, or nobody has asked it.

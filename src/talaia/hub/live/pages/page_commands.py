@@ -77,7 +77,10 @@ class PageCommands:
                 live.link.send(stop)
                 # Of two gateways with one key either may be the one that moves the robot.
                 self._held_stops.send_stop(live, stop)
-                self._append_record(live, "stop pressed", browser.signature, asked.device)
+                # By its id the log joins the presses of a group, which begin alike.
+                self._append_record(
+                    live, "stop pressed", browser.signature, asked.device, message=asked.id
+                )
             case page.PageReset():
                 live.link.send(
                     frames.ResetRequest(

@@ -1,0 +1,1 @@
+"""Missions that run: at the hub, each with the rights of an account."""

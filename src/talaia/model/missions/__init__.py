@@ -1,0 +1,1 @@
+"""Missions: what a robot does step by step, as values."""

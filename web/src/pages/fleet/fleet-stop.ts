@@ -1,0 +1,133 @@
+/** STOP (software) for a group or for all, and how far it got at each robot. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import type { GroupStopClient, GroupStopRow } from "../../controllers/drive/group-stop-client.js";
+import { StoreController } from "../../controllers/store-controller.js";
+import { base, plainList, quietText } from "../../elements/base/base-style.js";
+import type { SiteSummary } from "../../generated/api.js";
+import { sitePath } from "../../state/router.js";
+import { nameList } from "./group-preview.js";
+import { stopSummary, stopWords } from "./group-stop-text.js";
+import "../../elements/feedback/status.js";
+import "../../elements/forms/button.js";
+import "../../elements/stop/stop-button.js";
+
+@customElement("t-fleet-stop")
+export class FleetStop extends LitElement {
+  static override styles = [
+    base,
+    css`
+      /* Its parts stand in the page's own grid, so that the button stays in reach while the page is long. */
+      :host {
+        display: contents;
+      }
+      t-stop-button {
+        position: sticky;
+        inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
+        z-index: 10;
+      }
+      ul {
+        display: grid;
+        ${plainList}
+      }
+      li {
+        display: grid;
+        grid-template-columns: minmax(8rem, 1fr) 7rem minmax(0, 3fr) auto;
+        align-items: center;
+        gap: 0 var(--t-space-4);
+        padding-block: var(--t-space-2);
+        border-block-start: 1px solid var(--t-line);
+        overflow-wrap: anywhere;
+      }
+      @media (max-width: 45rem) {
+        li {
+          grid-template-columns: minmax(0, 1fr) auto;
+        }
+        .text {
+          grid-column: 1 / -1;
+        }
+      }
+      .name {
+        font-weight: var(--t-weight-strong);
+      }
+      .text,
+      .note {
+        ${quietText}
+      }
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        justify-content: space-between;
+        gap: var(--t-space-2);
+      }
+    `,
+  ];
+
+  /** Sites that it is for. */
+  @property({ attribute: false }) rows: readonly SiteSummary[] = [];
+  /** They were chosen; else they are all that there are. */
+  @property({ type: Boolean }) partial = false;
+  @property({ attribute: false }) line: GroupStopClient | null = null;
+  private readonly watched = new StoreController(this);
+
+  override willUpdate(): void {
+    this.watched.setStore(this.line);
+  }
+
+  override render(): TemplateResult {
+    const able = this.rows.filter(({ stops }) => stops.length > 0);
+    const without = this.rows.filter(({ stops }) => stops.length === 0);
+    const pressed = this.line?.rows ?? [];
+    const which = this.partial ? "chosen " : "";
+    const label = able.length === 0 ? "None of these has STOP" : able.length === 1 ? `The one ${which}robot that has it: ${able[0]?.name ?? ""}` : `All ${String(able.length)} ${which}robots, at one press`;
+    return html`
+      <t-stop-button .label=${label} @t-stop=${this.pressStop}></t-stop-button>
+      ${without.length === 0 ? nothing : html`<p class="note">Not stopped by it, since nothing of them is driven from here, or you may not view it: ${nameList(without.map(({ name }) => name))}.</p>`}
+      ${pressed.length === 0 ? html`<p class="note">No emergency stop: each robot needs a hardware stop. STOP is released robot by robot, on its own page.</p>` : this.renderPressed(pressed)}
+    `;
+  }
+
+  /** STOP, from the button or the Escape key. */
+  readonly pressStop = (): void => {
+    const targets = this.rows.flatMap(({ site, stops }) => stops.map((device) => ({ site, device })));
+    const away = this.rows.filter(({ online }) => !online).map(({ site }) => site);
+    this.line?.pressStop(targets, away);
+  };
+
+  private renderPressed(rows: readonly GroupStopRow[]): TemplateResult {
+    return html`
+      <div class="head">
+        <p role="status"><strong>${stopSummary(rows)}</strong></p>
+        <t-button @click=${this.onForget}>Close the list</t-button>
+      </div>
+      <ul aria-label="How far STOP got">
+        ${repeat(rows, ({ site, device }) => `${site}/${device}`, (row) => this.renderRow(row, rows))}
+      </ul>
+    `;
+  }
+
+  private renderRow(row: GroupStopRow, rows: readonly GroupStopRow[]): TemplateResult {
+    const { kind, word, text } = stopWords(row);
+    const name = this.rows.find(({ site }) => site === row.site)?.name ?? row.site;
+    const several = rows.some(({ site, device }) => site === row.site && device !== row.device);
+    return html`<li>
+      <span class="name">${name}${several ? `: ${row.device}` : ""}</span>
+      <t-status kind=${kind} .word=${word}></t-status>
+      <span class="text">${text}${row.who === "" ? "" : ` Pressed by ${row.who}.`}</span>
+      <a href=${sitePath(row.site, "drive")} aria-label=${`Open ${name}`}>Open</a>
+    </li>`;
+  }
+
+  private readonly onForget = (): void => {
+    this.line?.forgetRows();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-fleet-stop": FleetStop;
+  }
+}
