@@ -616,6 +616,8 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/frames/{frame}/preview"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/sightings"): of_site(),
     ("GET", "/api/sites/{site}/sightings/labels"): of_site(),
+    ("GET", "/api/sites/{site}/sightings/days"): of_site(),
+    ("POST", "/api/sites/{site}/sightings/seen"): of_site(json={"ids": ["1"]}),
     ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Recipe(_sighting, PICTURED),
     ("GET", "/api/sites/{site}/descriptions"): of_site(),
     ("GET", "/api/sites/{site}/descriptions/{number}"): of_version(),

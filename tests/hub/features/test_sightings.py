@@ -81,6 +81,7 @@ async def test_a_person_is_seen_and_gone_on_pages_in_the_list_and_in_the_logbook
             "began_us": BEGAN,
             "ended_us": None,
             "picture": True,
+            "seen": False,
             "story": None,
         }
     ]

@@ -464,3 +464,21 @@ sightings = Table(
     Index("ix_sightings_site_began_us", "site", "began_us"),
     Index("ix_sightings_site_noted_us", "site", "noted_us"),
 )
+# Which sightings a person has looked at.
+seen_sightings = Table(
+    "seen_sightings",
+    metadata,
+    Column("user_id", ROW_ID, nullable=False),
+    Column("sighting_id", ROW_ID, nullable=False),
+    PrimaryKeyConstraint("user_id", "sighting_id", name="pk_seen_sightings"),
+    ForeignKeyConstraint(
+        ["user_id"], ["users.id"], name="fk_seen_sightings_user_id", ondelete="CASCADE"
+    ),
+    ForeignKeyConstraint(
+        ["sighting_id"],
+        ["sightings.id"],
+        name="fk_seen_sightings_sighting_id",
+        ondelete="CASCADE",
+    ),
+    Index("ix_seen_sightings_sighting_id", "sighting_id"),
+)
