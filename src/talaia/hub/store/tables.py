@@ -50,6 +50,7 @@ __all__ = [
     "recovery_codes",
     "role_permissions",
     "roles",
+    "seen_sightings",
     "sessions",
     "setup_tokens",
     "sightings",
@@ -468,17 +469,7 @@ sightings = Table(
 seen_sightings = Table(
     "seen_sightings",
     metadata,
-    Column("user_id", ROW_ID, nullable=False),
-    Column("sighting_id", ROW_ID, nullable=False),
-    PrimaryKeyConstraint("user_id", "sighting_id", name="pk_seen_sightings"),
-    ForeignKeyConstraint(
-        ["user_id"], ["users.id"], name="fk_seen_sightings_user_id", ondelete="CASCADE"
-    ),
-    ForeignKeyConstraint(
-        ["sighting_id"],
-        ["sightings.id"],
-        name="fk_seen_sightings_sighting_id",
-        ondelete="CASCADE",
-    ),
+    Column("user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), primary_key=True),
+    Column("sighting_id", ROW_ID, ForeignKey("sightings.id", ondelete="CASCADE"), primary_key=True),
     Index("ix_seen_sightings_sighting_id", "sighting_id"),
 )
