@@ -84,7 +84,12 @@ class Gateway:
                 taps=taps,
             ),
             detection := DetectionPart(
-                base=base, description=description, samples=samples, video=video, adapters=adapters
+                base=base,
+                description=description,
+                samples=samples,
+                video=video,
+                recording=recording,
+                adapters=adapters,
             ),
             actuation := ActuationPart(
                 base=base, description=description, adapters=adapters, detection=detection
