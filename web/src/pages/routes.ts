@@ -48,6 +48,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
   anomalies: { tag: "t-page-anomalies", title: "Anomalies", load: () => import("./anomalies/page-anomalies.js") },
   sightings: { tag: "t-page-sightings", title: "Sightings", load: () => import("./sightings/page-sightings.js") },
+  review: { tag: "t-page-review", title: "Review", load: () => import("./review/page-review.js") },
   zones: { tag: "t-page-zones", title: "Zones and lines", load: () => import("./zones/page-zones.js") },
   ways: { tag: "t-page-ways", title: "Notification", load: () => import("./notification-channels/page-notification-channels.js") },
   drive: { tag: "t-page-drive", title: "Actuate", load: () => import("./drive/page-drive.js") },

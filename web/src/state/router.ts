@@ -26,6 +26,7 @@ export type PageName =
   | "logbook"
   | "sightings"
   | "zones"
+  | "review"
   | "device"
   | "archive"
   | "cameras"
@@ -53,7 +54,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "zones", "night", "forecast", "requests", "proposals", "alertrules"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "drive", "archive", "cameras", "logbook", "sightings", "zones", "review", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -118,7 +119,7 @@ export function boardKeyOf(path: string): string {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "zones" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
+  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "drive" | "archive" | "cameras" | "logbook" | "sightings" | "zones" | "review" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
