@@ -18,9 +18,7 @@ def clips_of(site: Site) -> dict[str, Clip]:
     if site.recording is None:
         return {}
     return {
-        camera: detect.clip
-        for camera, detect in detecting_cameras(site)
-        if detect.clip is not None
+        camera: detect.clip for camera, detect in detecting_cameras(site) if detect.clip is not None
     }
 
 

@@ -33,6 +33,7 @@ class Filmed:
     """Notes what is to be filmed."""
 
     def __init__(self) -> None:
+        """Film nothing yet."""
         self.begun: list[tuple[str, float, str]] = []
 
     def begin_film(self, who: str, why: str, for_s: float, stream: str = "") -> None:

@@ -64,7 +64,10 @@ class AlarmPictures:
         )
         found, _ = await self._store.find_sightings(notice.site, asked, _MOST)
         for kept in found:
-            read = await self._store.sighting_picture(notice.site, kept.id) if kept.pictured else None
+            if not kept.pictured:
+                continue
+            read = await self._store.sighting_picture(notice.site, kept.id)
             if read is not None and read[1]:
-                return AlarmPicture(read[1], f"/api/sites/{notice.site}/sightings/{kept.id}/picture")
+                path = f"/api/sites/{notice.site}/sightings/{kept.id}/picture"
+                return AlarmPicture(read[1], path)
         return None
