@@ -11,12 +11,22 @@ are Euclidean, not Mahalanobis: the decision page says what both measure.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import AnomalyDetector, Floats, clamp_value, format_number
+from talaia.hub.anomaly.base import (
+    LARGEST,
+    AnomalyDetector,
+    Floats,
+    clamp_value,
+    format_number,
+)
 from talaia.hub.anomaly.rarity import Rarity
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["Nearest"]
 
@@ -24,6 +34,10 @@ __all__ = ["Nearest"]
 _LENGTH, _NEIGHBOURS, _STRETCHES, _LEAST = 19, 3, 1000, 40
 _KEPT = _STRETCHES + 2 * _LENGTH
 _MOST_FORGIVEN = 50
+# The stretch that is compared with and begins earliest does so that much before the newest one.
+_FARTHEST = _LENGTH + _STRETCHES - 1
+# Samples that are scored at once, and lags that are: what they take fits a processor's cache.
+_BLOCK, _LAGS = 128, 125
 
 
 class Nearest(AnomalyDetector, kw_only=True):
@@ -62,6 +76,41 @@ class Nearest(AnomalyDetector, kw_only=True):
             self.strange = self.values[self.end - _LENGTH : self.end].copy()
         return self.score
 
+    def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
+        scores, at = np.empty(len(values)), 0
+        while at < len(values):
+            room = len(self.values) - self.end
+            have = self.end - 2 * _LENGTH + 1
+            # Until there are as many stretches as ever; and before the array is moved down.
+            if have < _STRETCHES or room == 0 or len(self.forgiven):
+                scores[at] = self.see(int(times[at]), float(values[at]))
+                at += 1
+                continue
+            upto = min(len(values), at + room, at + _BLOCK)
+            scores[at:upto] = self._see_block(values[at:upto])
+            at = upto
+        return scores
+
+    def _see_block(self, values: Floats) -> Floats:
+        first, many = self.end, len(values)
+        self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
+        self.end += many
+        apart = _lagged_distances(self.values[first - _LENGTH + 1 - _FARTHEST : self.end], many)
+        nearest = np.sqrt(np.partition(apart, _NEIGHBOURS - 1, axis=1)[:, :_NEIGHBOURS])
+        distances = nearest.sum(axis=1) / _NEIGHBOURS
+        scores = self.rarity.rate_many(distances)
+        self.score, self.distance = float(scores[-1]), float(distances[-1])
+        strangest = -1
+        for place, distance in enumerate(distances.tolist()):
+            self.strangest *= 0.98
+            if distance >= self.strangest:
+                self.strangest, strangest = distance, place
+        if strangest >= 0:
+            end = first + strangest + 1
+            self.strange = self.values[end - _LENGTH : end].copy()
+        return scores
+
     def _nearest_distance(self, have: int) -> float:
         newest = self.values[self.end - _LENGTH : self.end]
         last = self.end - _LENGTH
@@ -98,3 +147,31 @@ def _squared_distances(stretches: Floats, newest: Floats) -> Floats:
     off = stretches - newest
     squares: Floats = np.einsum("ij,ij->i", off, off)
     return squares
+
+
+def _lagged_distances(values: Floats, many: int) -> Floats:
+    """Give the squared distances of the newest stretches to all those before them.
+
+    Args:
+        values: the newest stretches (``many``, each a sample later), and `_FARTHEST` before them.
+        many: how many stretches.
+
+    Returns:
+        many × `_STRETCHES`, by the lag.
+
+    """
+    apart = np.empty((many, _STRETCHES))
+    newest = values[_FARTHEST:]
+    # Row i of it: what lies i + 1 … samples behind the farthest.
+    lagged = np.lib.stride_tricks.sliding_window_view(values, len(newest))
+    for lag in range(0, _STRETCHES, _LAGS):
+        # Lags × samples: the squares of single samples, then of stretches of 2, 4, 8 and 16.
+        one = np.square(newest - lagged[lag : lag + _LAGS])
+        two = one[:, 1:] + one[:, :-1]
+        four = two[:, 2:] + two[:, :-2]
+        eight = four[:, 4:] + four[:, :-4]
+        sixteen = eight[:, 8:] + eight[:, :-8]
+        # 16 + 2 + 1 samples are a stretch; only sums, so nothing small is lost beside the great.
+        stretch = sixteen[:, :many] + two[:, 16 : 16 + many] + one[:, 18 : 18 + many]
+        apart[:, lag : lag + _LAGS] = stretch.T
+    return apart
