@@ -81,13 +81,12 @@ class Rarity(msgspec.Struct, kw_only=True):
             return np.array([self.rate_magnitude(float(one)) for one in magnitudes])
         at, own = _bin_indices(magnitudes), weights[:many]
         from_here = np.append(np.cumsum(self.bins[::-1])[::-1], 0.0)
-        # What came before in this block: one row for each, those before it in the columns.
-        steps = at[None, :] - at[:, None]
-        counted = (np.where(steps > 0, 1.0, 0.0) + np.where(steps == 0, 0.5, 0.0)) * _BEFORE[
-            :many, :many
-        ]
-        above = from_here[at + 1] + 0.5 * self.bins[at] + counted @ own
-        total = (from_here[0] + np.append(0.0, np.cumsum(own)[:-1])) / own
+        sums = np.append(0.0, np.cumsum(own)[:-1])
+        # What came before in this block, one row for each and those before it in the columns: 1
+        # where it was greater, 0 where alike and -1 where less; of alike ones the half counts.
+        signs = np.sign(at[None, :] - at[:, None]) * _BEFORE[:many, :many]
+        above = from_here[at + 1] + 0.5 * (self.bins[at] + sums + signs @ own)
+        total = (from_here[0] + sums) / own
         rarities: Floats = np.log((total + 1.0) / (above / own + 1.0))
         with np.errstate(divide="ignore", invalid="ignore"):
             rarities /= np.log(total + 1.0)
