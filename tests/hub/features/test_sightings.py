@@ -12,6 +12,7 @@ import simplejpeg
 from hypothesis import given, strategies as st
 from msgspec import structs
 from patience import PATIENCE_S
+from sqlalchemy import insert
 from sqlalchemy.exc import DataError
 
 from talaia.hub.alarms.state_machine import What
@@ -21,6 +22,7 @@ from talaia.hub.live.detection.sightings import KIND, OWN
 from talaia.hub.live.pictures.jpeg_validator import NotAPicture, bare_jpeg
 from talaia.hub.store.alarms.notification_outbox import OutboxMessage, OutboxNotice
 from talaia.hub.store.sites.sightings import Sighted
+from talaia.hub.store.tables import sightings
 from talaia.model.alarms.alarm import Severity
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire import browser as page_wire, frames
@@ -214,14 +216,13 @@ async def test_each_person_looks_through_what_is_new_to_them_by_day_and_camera(h
 
 
 async def test_ten_thousand_sightings_are_counted_by_day_in_a_moment(hub, gateway):
-    store = hub.hub.sightings.store
-    told = [
-        Sighted(
-            "agv", FRONT, "person", BEGAN + at * MINUTE, BEGAN + at * MINUTE + 1, 1, 0.9, 1, "b"
-        )
+    one = Sighted("agv", FRONT, "person", BEGAN, BEGAN + 1, 1, 0.9, BEGAN, "boot")._asdict()
+    rows = [
+        {**one, "began_us": BEGAN + at * MINUTE, "noted_us": 0, "pictured": False}
         for at in range(10_000)
     ]
-    await store.save_sightings(told, lambda _: None)
+    async with hub.hub.core.database.write() as connection:
+        await connection.execute(insert(sightings), rows)
     client = await hub.client("operator")
     began_s = time.process_time()
     answer = (await client.get(PATH + "/days")).json()["days"]
@@ -229,8 +230,8 @@ async def test_ten_thousand_sightings_are_counted_by_day_in_a_moment(hub, gatewa
     spent_s = time.process_time() - began_s
     assert sum(each["count"] for each in answer) == 10_000
     assert (len(first["sightings"]), first["more"]) == (60, True)
-    print(f"10 000 sightings: days and a page took {spent_s:.3f} s of the processor")
-    assert spent_s < 2.0
+    # Both together, on a machine that does other things as well.
+    assert spent_s < 2.0, f"{spent_s:.2f} s of the processor"
 
 
 @pytest.mark.parametrize("pictured", [True, False])

@@ -240,7 +240,7 @@ export class CameraView extends LitElement {
       ${this.drawn && this.things.length > 0
         ? html`<t-boxes .things=${this.things} ?earlier=${this.earlier} .picture=${this.picture} .zoom=${this.zoom}></t-boxes>`
         : nothing}
-      ${live || exposure ? nothing : this.renderPlaceholder()}
+      ${live || exposure || (this.editing && this.drawn) ? nothing : this.renderPlaceholder()}
       ${this.editing ? html`<slot name="over"></slot>` : html`<div class="head"><slot name="top"></slot></div>`}
       <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.editing ? nothing : this.renderTools()}</div>
     </div>`;

@@ -55,9 +55,8 @@ export function nameSpot(kind: PictureMark["kind"], points: readonly ViewPoint[]
   return points[0] ?? { x: 0, y: 0 };
 }
 
-/** Beside the middle of a line, so far off: where its left and its right side are, seen from its first point to its last. */
-export function sideSpots(points: readonly ViewPoint[], away: number): { readonly left: ViewPoint; readonly right: ViewPoint } {
-  const middle = nameSpot("line", points);
+/** Beside a place of a line, so far off: where its left and its right side are, seen from its first point to its last. */
+export function sideSpots(points: readonly ViewPoint[], away: number, middle: ViewPoint): { readonly left: ViewPoint; readonly right: ViewPoint } {
   const [first, last] = [points[0] ?? middle, points.at(-1) ?? middle];
   const length = Math.max(1, Math.hypot(last.x - first.x, last.y - first.y));
   // Rows run downwards, so left of the way is up where the way leads to the right.

@@ -32,6 +32,8 @@ export type ShapeEdit =
 const ARROW_PX = 12;
 /** From a line's middle, its sides are named so far off (px). */
 const SIDE_PX = 26;
+/** The name of a chosen line is out of the way of what can be pressed on it (px). */
+const NAME_PX = 34;
 /** One press of an arrow key moves so far (parts of the picture), and with Shift. */
 const STEP = 0.005;
 const LONG_STEP = 0.05;
@@ -245,7 +247,7 @@ export class ShapeHandles extends LitElement {
       class="name ${chosen ? "chosen" : ""}"
       aria-pressed=${chosen ? "true" : "false"}
       aria-label=${chosen ? `${name}, chosen; arrow keys move all of it` : `Choose ${name}`}
-      ${styled(placeOf(nameSpot(kind, points)))}
+      ${styled(placeOf(chosen && kind === "line" ? sideSpots(points, NAME_PX, nameSpot(kind, points)).right : nameSpot(kind, points)))}
       @click=${choose}
       @keydown=${press}
       @pointerdown=${hold}
@@ -256,7 +258,8 @@ export class ShapeHandles extends LitElement {
   }
 
   private renderHandles(shape: HandledShape, points: readonly ViewPoint[]): TemplateResult {
-    const sides = shape.kind === "line" ? sideSpots(points, SIDE_PX) : null;
+    // Near the arrow: in the middle a point may be added, and the name stands beside that.
+    const sides = shape.kind === "line" ? sideSpots(points, SIDE_PX, nearEnd(points)) : null;
     return html`${sides === null
         ? nothing
         : html`<span class="side" aria-hidden="true" ${styled(placeOf(sides.left))}>left</span>
@@ -365,6 +368,12 @@ export class ShapeHandles extends LitElement {
   private report(edit: ShapeEdit): void {
     this.dispatchEvent(new CustomEvent<ShapeEdit>("t-shape-edit", { detail: edit }));
   }
+}
+
+/** On the last piece of a line, a third of it before its end. */
+function nearEnd(points: readonly ViewPoint[]): ViewPoint {
+  const [from, to] = [points.at(-2) ?? { x: 0, y: 0 }, points.at(-1) ?? { x: 0, y: 0 }];
+  return { x: to.x + (from.x - to.x) * 0.3, y: to.y + (from.y - to.y) * 0.3 };
 }
 
 function placeOf({ x, y }: ViewPoint): { left: string; top: string } {

@@ -42,6 +42,10 @@ export const reviewStyle = css`
     gap: var(--t-space-3);
     min-inline-size: 0;
   }
+  /* What can be done with it stays in view. */
+  .stage t-sighting-clip {
+    max-block-size: max(16rem, 56vh);
+  }
   .strip {
     display: grid;
     grid-template-columns: repeat(auto-fill, minmax(9rem, 1fr));

@@ -80,7 +80,7 @@ describe("a place of the view", () => {
   });
 
   it("says left above a way to the right", () => {
-    const sides = sideSpots([{ x: 0, y: 50 }, { x: 100, y: 50 }], 20);
+    const sides = sideSpots([{ x: 0, y: 50 }, { x: 100, y: 50 }], 20, { x: 50, y: 50 });
     expect([sides.left.y, sides.right.y]).toEqual([30, 70]);
   });
 });
