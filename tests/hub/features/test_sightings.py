@@ -185,7 +185,7 @@ async def test_each_person_looks_through_what_is_new_to_them_by_day_and_camera(h
 
     async def days() -> list[tuple[str, int, int]]:
         answer = (await client.get(PATH + "/days")).json()["days"]
-        assert {each["camera"] for each in answer} == {FRONT}
+        assert {each["camera"] for each in answer} <= {FRONT}
         return [(each["day"], each["count"], each["unseen"]) for each in answer]
 
     assert await days() == [("2023-11-15", 2, 2), ("2023-11-14", 1, 1)]
