@@ -155,6 +155,7 @@ async def test_a_day_is_looked_through_by_keys_and_what_was_seen_stays_seen(
     await page.get_by_label("Also what I have seen").uncheck()
     await expect(rows).to_have_count(4)
     await page.get_by_role("button", name="All of these seen").click()
+    await expect(days.get_by_role("link").first).to_contain_text("all seen")
     # Of another day there is something left.
     await page.reload()
     await expect(rows).to_have_count(1)

@@ -7,7 +7,7 @@ judged together keeps a single noisy sample from counting for much.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 import numpy as np
@@ -37,6 +37,7 @@ _KEPT = _PACES[-1] * (_BEFORE + 1)
 class ChangePointDetector(AnomalyDetector, kw_only=True):
     """Scores how unusual the newest changes of level are, for this signal."""
 
+    faster_many: ClassVar[bool] = True
     rarities: list[Rarity] = msgspec.field(default_factory=lambda: [Rarity() for _ in _PACES])
     # Twice as long as needed, so that it is moved down once in a while only.
     values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))

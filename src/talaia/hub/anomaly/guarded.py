@@ -37,6 +37,8 @@ class GuardedDetector:
 
     """
 
+    faster_many = False
+
     def __init__(self, detector: AnomalyDetector, fail: Callable[[str], None]) -> None:
         """Tell ``fail`` in words what goes wrong."""
         self.detector = detector

@@ -11,7 +11,7 @@ are Euclidean, not Mahalanobis: the decision page says what both measure.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 import numpy as np
@@ -43,6 +43,7 @@ _BLOCK, _LAGS = 128, 125
 class Nearest(AnomalyDetector, kw_only=True):
     """Scores how unlike any stretch of before the newest stretch is."""
 
+    faster_many: ClassVar[bool] = True
     rarity: Rarity = msgspec.field(default_factory=Rarity)
     # Twice as long as needed, so that it is moved down once in a while only.
     values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))

@@ -24,7 +24,7 @@ _STEP = math.log(1.1)
 _HALF, _BINS = 363, 727
 _RESCALE = 1e100
 # So many are rated at once: each is held against all before it in its block.
-_BLOCK = 64
+_BLOCK = 128
 _BEFORE = np.tri(_BLOCK, k=-1)
 
 

@@ -8,7 +8,7 @@ when it should move, differs from every one of the days before.
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 import numpy as np
@@ -51,6 +51,7 @@ def _empty_slots() -> Floats:
 class Season(AnomalyDetector, kw_only=True):
     """Scores how far the newest hours are from the same hours of each of the days before."""
 
+    faster_many: ClassVar[bool] = True
     rarity: Rarity = msgspec.field(default_factory=Rarity)
     # The mean of each slot, in a ring; NaN where nothing came.
     means: Floats = msgspec.field(default_factory=_empty_slots)

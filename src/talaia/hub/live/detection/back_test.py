@@ -46,7 +46,7 @@ _MOST_ANOMALIES, _PARTS = 200, 300
 # It computes so long and lets all else have as long: half of a core at the most.
 _SLICE_S = 0.001
 # Rows that are looked at between two glances at the clock.
-_ROWS = 128
+_ROWS = 256
 
 
 class TestState(StrEnum):
@@ -135,7 +135,8 @@ class GroupTrial:
         self, times: NDArray[np.int64], rows: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
         """See `PastTrial.see_rows`."""
-        scores, turns = np.empty(len(times)), []
+        scores = np.empty(len(times))
+        turns: list[AnomalyBegan | AnomalyEnded] = []
         for at, (time_us, row) in enumerate(zip(times.tolist(), rows.tolist(), strict=True)):
             turn = self._see_row(time_us, row)
             turns += [] if turn is None else [turn]
