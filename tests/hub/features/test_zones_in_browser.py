@@ -103,7 +103,7 @@ async def keep(page, name: str) -> None:
         for scheme in ("light", "dark"):
             await page.emulate_media(color_scheme=scheme)
             path = Path(folder) / f"{name}-{width}-{scheme}.png"
-            await page.screenshot(path=path, full_page=True)
+            await page.screenshot(path=path)
     await page.set_viewport_size({"width": 1440, "height": 900})
     await page.emulate_media(color_scheme="light")
 
@@ -165,7 +165,7 @@ async def test_an_admin_draws_a_zone_and_a_line_and_the_gateway_goes_by_them(hub
         await expect(dialog).to_contain_text("zones")
         await keep(page, "zones-review")
         going = asyncio.create_task(apply_change(gateway))
-        await dialog.get_by_role("button", name="Apply").click()
+        await page.get_by_role("button", name="Apply", exact=True).click()
         text = await going
         await expect(dialog).to_be_hidden()
         # What counts at them is there at once, and waits for its first value.
