@@ -36,8 +36,8 @@ _KEPT = _STRETCHES + 2 * _LENGTH
 _MOST_FORGIVEN = 50
 # The stretch that is compared with and begins earliest does so that much before the newest one.
 _FARTHEST = _LENGTH + _STRETCHES - 1
-# Samples that are scored at once, and lags that are: what they take fits a processor's cache.
-_BLOCK, _LAGS = 128, 125
+# So many samples are scored at once, and so many lags: what that takes fits a processor's cache.
+_BLOCK, _LAGS = 128, 100
 
 
 class Nearest(AnomalyDetector, kw_only=True):
