@@ -21,6 +21,7 @@ from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, FilePiece, Fi
 
 from ..chromium import sign_in
 from ..seeing import seeing
+from .test_pages_in_browser import AXE, RUN, WIDTH
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 
@@ -130,6 +131,11 @@ async def test_a_day_is_looked_through_by_keys_and_what_was_seen_stays_seen(
     assert await video.evaluate(playing)
     await page.keyboard.press("Space")
     assert await video.evaluate("video => video.paused")
+    await page.evaluate(AXE.read_text())
+    assert await page.evaluate(RUN) == []
+    await page.set_viewport_size({"width": 390, "height": 900})
+    assert await page.evaluate(WIDTH) <= 390
+    await page.set_viewport_size({"width": 1440, "height": 900})
     await keep(page, "review")
 
     await page.keyboard.press("j")
