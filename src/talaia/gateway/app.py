@@ -84,12 +84,7 @@ class Gateway:
                 taps=taps,
             ),
             detection := DetectionPart(
-                base=base,
-                description=description,
-                samples=samples,
-                video=video,
-                recording=recording,
-                adapters=adapters,
+                base=base, description=description, samples=samples, video=video, adapters=adapters
             ),
             actuation := ActuationPart(
                 base=base, description=description, adapters=adapters, detection=detection

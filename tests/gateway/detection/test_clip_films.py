@@ -6,7 +6,7 @@ import msgspec
 
 from talaia.gateway.detection.clip_films import ClipFilms
 from talaia.model.checks.site_checks import check_site
-from talaia.model.clips import clip_lengths
+from talaia.model.derived_signals import clip_lengths
 from talaia.model.yaml_text.load import load_site
 from talaia.objects.camera_objects import SightingNews
 from talaia.objects.sightings import ObjectSighting

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.adapters import AdaptersPart
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
-    from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.samples import SamplesPart
     from talaia.gateway.assembly.video import VideoPart
     from talaia.model.site import Site
@@ -46,13 +45,12 @@ class DetectionPart(GatewayPart):
         description: DescriptionPart,
         samples: SamplesPart,
         video: VideoPart,
-        recording: RecordingPart,
         adapters: AdaptersPart,
     ) -> None:
         """Take up the sightings that an earlier run left."""
         site, settings = description.site, base.settings
         self.reporter = DetectionReporter(settings.data / "sightings", base.lanes, base.file_thread)
-        self._clips = ClipFilms(site, recording.films, self.reporter.report_sighting)
+        self._clips = ClipFilms(site, video.films, self.reporter.report_sighting)
         self.detection = ObjectDetection(
             site=site,
             numbers=description.numbering.numbers_of(site),

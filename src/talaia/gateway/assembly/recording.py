@@ -12,7 +12,7 @@ from talaia.gateway.recording.recorders import TriggeredRecorder
 from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.video.camera import can_film
-from talaia.model.clips import clip_lengths
+from talaia.model.derived_signals import clip_lengths
 from talaia.model.topics import blurred_cameras
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from talaia.model.clips import clips_of
+from talaia.model.derived_signals import clips_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.model.clips import clip_lengths
+from talaia.model.derived_signals import clip_lengths
 from talaia.model.topics import blurred_cameras
 from talaia.wire.frames import RecorderState
 

@@ -126,7 +126,7 @@ class SightingPages:
 
     async def mark(self, request: Request, site: str, asked: SeenAsk) -> SeenMarks:
         """Mark sightings as looked at, or as not; the marks are the person's own."""
-        numbers = {int(each) for each in asked.ids}
+        numbers = {int(number) for number in asked.ids}
         found = await self._reviews.find_cameras(site, numbers)
         mine = sorted(number for number, at in found.items() if _may_see(request, at))
         await self._reviews.mark_seen(who_of(request).user, mine, seen=asked.seen)
