@@ -1,4 +1,7 @@
-"""What a detector would have said of stored history, tried before it is switched on."""
+"""What a detector would have said of stored history, tried before it is switched on.
+
+Long, because what is tried, how far a test is, and what it may take of the machine is one matter.
+"""
 
 from __future__ import annotations
 
