@@ -161,11 +161,11 @@ async def test_a_day_is_looked_through_by_keys_and_what_was_seen_stays_seen(
     await page.get_by_label("Also what I have seen").uncheck()
     await expect(rows).to_have_count(4)
     await page.get_by_role("button", name="All of these seen").click()
-    await expect(days.get_by_role("link").first).to_contain_text("all seen")
+    await expect(days.get_by_role("link").first).to_contain_text("all 5 seen")
     # Of another day there is something left.
     await page.reload()
     await expect(rows).to_have_count(1)
-    await days.get_by_role("link", name=re.compile("all seen")).click()
+    await days.get_by_role("link", name=re.compile("all 5 seen")).click()
     await expect(page.get_by_text("You have seen everything")).to_be_visible()
     await keep(page, "review-done")
     assert page.errors == []

@@ -223,7 +223,8 @@ export class ShapeHandles extends LitElement {
     const held = svg`<polyline class="hit ${is}" points=${kind === "zone" ? pointsText([...points, ...points.slice(0, 1)]) : text}
       @pointerdown=${hold} @pointermove=${this.onDrag} @pointerup=${this.onDrop} @pointercancel=${this.onDrop}></polyline>`;
     if (kind === "zone") return svg`<polygon class="under" points=${text}></polygon><polygon class="over ${is}" points=${text}></polygon>${held}`;
-    const head = pointsText(arrowHead(points, ARROW_PX));
+    // Before the end, where a handle would lie on it.
+    const head = pointsText(arrowHead([...points.slice(0, -1), nearEnd(points)], ARROW_PX));
     return svg`<polyline class="under" points=${text}></polyline><polyline class="under" points=${head}></polyline>
       <polyline class="over ${is}" points=${text}></polyline><polyline class="over" points=${head}></polyline>${held}`;
   }

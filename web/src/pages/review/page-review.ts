@@ -148,11 +148,12 @@ export class PageReview extends LitElement {
     }
     const day = this.day();
     return html`<nav class="days" aria-label="Days">
-        ${map(days, (each) => {
-          const path = withQuery(sitePath(this.site, "review"), writeReviewFilter({ ...this.filter(), day: each.day, sighting: "", until: "" }));
-          return html`<a href=${path} aria-current=${each.day === day ? "date" : "false"}>
-            <span>${each.day}</span>
-            <span class="many">${each.unseen > 0 ? `${String(each.unseen)} new` : "all seen"} of ${each.count}</span>
+        ${map(days, (other) => {
+          const path = withQuery(sitePath(this.site, "review"), writeReviewFilter({ ...this.filter(), day: other.day, sighting: "", until: "" }));
+          const { count, unseen } = other;
+          return html`<a href=${path} aria-current=${other.day === day ? "date" : "false"}>
+            <span>${other.day}</span>
+            <span class="many">${unseen > 0 ? `${String(unseen)} new of ${String(count)}` : `all ${String(count)} seen`}</span>
           </a>`;
         })}
       </nav>

@@ -118,7 +118,7 @@ export function withShapes(described: JsonObject, camera: string, shapes: readon
   const [device = "", stream = ""] = camera.split("/");
   for (const kind of ["zone", "line"] as const) {
     const things: Record<string, Json> = {};
-    for (const shape of shapes.filter((one) => one.kind === kind)) {
+    for (const shape of shapes.filter((drawn) => drawn.kind === kind)) {
       const id = shape.id === "" ? freeName(things, idOf(shape.name, kind, shapes)) : shape.id;
       things[id] = { name: shape.name.trim(), points: shape.points.map(([x, y]) => [roundedPart(x), roundedPart(y)]) };
       kept.add(`${kind}/${id}`);
