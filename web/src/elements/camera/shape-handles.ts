@@ -1,7 +1,7 @@
 /** Zones and lines over a camera's picture, with handles to drag their points by pointer and keyboard. */
 
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, queryAll } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ElementSizeController } from "../../controllers/element-size.js";
 import { styled } from "../base/style-directive.js";
@@ -191,13 +191,14 @@ export class ShapeHandles extends LitElement {
   @property({ attribute: false }) picture: PixelSize = { width: 4, height: 3 };
   @property({ attribute: false }) zoom: Zoom = WHOLE;
 
+  @queryAll(".point") private readonly points!: NodeListOf<HTMLElement>;
   private readonly view = new ElementSizeController(this);
   private drag: Drag | null = null;
 
   /** Puts the keyboard on a point of the chosen shape. */
   focusPoint(index: number): void {
     void this.updateComplete.then(() => {
-      this.renderRoot.querySelector<HTMLElement>(`.point[data-point="${String(index)}"]`)?.focus();
+      [...this.points].find(({ dataset }) => dataset["point"] === String(index))?.focus();
     });
   }
 

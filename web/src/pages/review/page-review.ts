@@ -2,7 +2,7 @@
 
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query, state } from "lit/decorators.js";
+import { customElement, property, query, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
@@ -53,6 +53,7 @@ export class PageReview extends LitElement {
   @state() private marks: ReadonlyMap<string, boolean> = new Map();
 
   @query("t-sighting-clip") private readonly clip!: SightingClip | null;
+  @queryAll("li[data-sighting]") private readonly thumbs!: NodeListOf<HTMLElement>;
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new ContextStoreController(this, routerContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
@@ -314,7 +315,7 @@ export class PageReview extends LitElement {
     if (to === undefined) return;
     this.shownId = to.id;
     void this.updateComplete.then(() => {
-      this.renderRoot.querySelector(`li[data-sighting="${to.id}"]`)?.scrollIntoView({ block: "nearest" });
+      [...this.thumbs].find(({ dataset }) => dataset["sighting"] === to.id)?.scrollIntoView({ block: "nearest" });
     });
   }
 
