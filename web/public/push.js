@@ -2,7 +2,7 @@
 const ALARMS = "/alarms";
 
 self.addEventListener("push", (event) => {
-  let said = { key: "", title: "Talaia", body: "", open: ALARMS };
+  let said = { key: "", title: "Talaia", body: "", open: ALARMS, picture: "" };
   try {
     said = { ...said, ...event.data.json() };
   } catch {
@@ -14,6 +14,7 @@ self.addEventListener("push", (event) => {
       // The same message once more takes the place of the first.
       tag: said.key,
       icon: "/icon.svg",
+      ...pictureOf(said.picture),
       requireInteraction: said.severity === "critical",
       data: { open: said.open },
     }),
@@ -35,6 +36,14 @@ async function show(path) {
   }
   await open.focus();
   open.postMessage({ open: path });
+}
+
+/** Only a picture of a sighting at this very hub, which gives it to who is signed in and may see it. */
+function pictureOf(path) {
+  if (typeof path !== "string" || path === "") return {};
+  const url = new URL(path, self.location.origin);
+  const ours = url.origin === self.location.origin && /^\/api\/sites\/[^/]+\/sightings\/\d+\/picture$/.test(url.pathname);
+  return ours ? { image: url.pathname } : {};
 }
 
 /** Only a page of alarms of this very hub is opened, whatever a message says. */

@@ -29,8 +29,8 @@ from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
-from talaia.hub.features.records.notes import NotesFeature
 from talaia.hub.features.records.missions import MissionsFeature
+from talaia.hub.features.records.notes import NotesFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature

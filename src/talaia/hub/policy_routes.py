@@ -175,6 +175,9 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # Each camera is looked at besides; what may not be seen is as if it were not there.
         ("GET", "/api/sites/{site}/sightings"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/sightings/labels"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/sightings/days"): AccessNeed.SEE,
+        # A person's own marks; nobody else's change by it.
+        ("POST", "/api/sites/{site}/sightings/seen"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): AccessNeed.SEE,
     },
     "archive": {

@@ -17,13 +17,15 @@ from talaia.model.site import Signal
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import ObjectModel, SkyLens
+    from talaia.model.detection import Clip, ObjectModel, SkyLens
     from talaia.model.site import Device, Site, Source, Stream
 
 __all__ = [
     "DetectionSetup",
     "camera_meaning",
     "classes_of",
+    "clip_lengths",
+    "clips_of",
     "counts_of",
     "detect_of",
     "detecting_cameras",
@@ -175,3 +177,17 @@ def _count_signal(stream_id: str, stream: Stream, label: str, detect: Detect) ->
         # Who may not see the camera may not learn what it sees.
         visibility=stream.visibility,
     )
+
+
+def clips_of(site: Site) -> dict[str, Clip]:
+    """Give the clips by camera (``device/stream``); none where the site records nothing."""
+    if site.recording is None:
+        return {}
+    return {
+        camera: detect.clip for camera, detect in detecting_cameras(site) if detect.clip is not None
+    }
+
+
+def clip_lengths(site: Site) -> dict[str, float]:
+    """Give how much of before each clip wants (s), by camera."""
+    return {camera: clip.before for camera, clip in clips_of(site).items()}

@@ -9,6 +9,7 @@ from talaia.model.base import Shape, SourceShape
 __all__ = [
     "CLOUDS",
     "Blur",
+    "Clip",
     "Detect",
     "DetectAt",
     "DetectionSource",
@@ -97,6 +98,21 @@ class FloorPoints(Shape, frozen=True, kw_only=True):
     metres: tuple[PicturePoint, PicturePoint, PicturePoint, PicturePoint]
 
 
+class Clip(Shape, frozen=True, kw_only=True):
+    """A film of a few seconds around the moment at which something came into sight.
+
+    It goes the way of all films: see `Recording`, which the site needs for it.
+
+    Attributes:
+        before: so much of before is in it (s); the camera is encoded all the time for that.
+        after: it ends so long after the last one came into sight (s).
+
+    """
+
+    before: float = 5.0
+    after: float = 10.0
+
+
 class Detect(Shape, frozen=True, kw_only=True):
     """Object detection on one camera.
 
@@ -113,6 +129,7 @@ class Detect(Shape, frozen=True, kw_only=True):
         zones: parts of the picture in which signals count, by the names that their sources use.
         lines: lines at which signals count who crosses them, in the same way.
         floor: four points by which speed is known in metres a second.
+        clip: films what comes into sight.
 
     """
 
@@ -125,6 +142,7 @@ class Detect(Shape, frozen=True, kw_only=True):
     zones: dict[str, PictureZone] = {}
     lines: dict[str, PictureLine] = {}
     floor: FloorPoints | None = None
+    clip: Clip | None = None
 
 
 class Blur(Shape, frozen=True, kw_only=True):

@@ -63,7 +63,13 @@ def numbers_in(path: Path) -> list[int]:
 class Bench:
     """Films with all that they tell, and a camera whose pictures have a number."""
 
-    def __init__(self, folder: Path, cameras: tuple[str, ...] = (), **plan: object) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        cameras: tuple[str, ...] = (),
+        clips: dict[str, float] | None = None,
+        **plan: object,
+    ) -> None:
         """Begin; ``plan`` is of `Recording`."""
         self.clock = HandClock()
         self.shelf = RecordingStore(folder, 10**9, 0, FILM)
@@ -73,6 +79,7 @@ class Bench:
         self.films = FilmRecorder(
             plan=Recording(**plan),
             cameras=cameras,
+            clips=clips or {},
             shelf=self.shelf,
             clock=self.clock,
             events=self,
@@ -109,6 +116,22 @@ class Bench:
 
     def paths(self) -> list[Path]:
         return [self.shelf.whole_path(each.id) for each in self.shelf.list_waiting()]
+
+
+def test_a_camera_of_clips_is_filmed_from_its_own_seconds_before_on_and_for_no_longer(tmp_path):
+    bench = Bench(tmp_path, clips={CAMERA: 2.0}, before=0)
+    assert bench.films.wanted_cameras() == {CAMERA}
+    bench.send(200)
+    bench.films.begin_film("", "person in sight", 1.0, CAMERA)
+    bench.send(60)
+    bench.wait()
+    [path] = bench.paths()
+    numbers = numbers_in(path)
+    # 20 pictures a second: two seconds before, at the most a key picture earlier, and one after.
+    assert 100 <= numbers[0] <= 160
+    assert 215 <= numbers[-1] <= 225
+    bench.films.redescribe((), {})
+    assert bench.films.wanted_cameras() == frozenset()
 
 
 PICTURES = st.builds(
@@ -365,7 +388,7 @@ class Events:
 shelf = RecordingStore(Path({folder!r}), 10**9, 0, FILM)
 shelf.open(recover_film)
 films = FilmRecorder(
-    plan=Recording(), cameras=(), shelf=shelf, clock=SystemClock(), events=Events(),
+    plan=Recording(), cameras=(), clips={}, shelf=shelf, clock=SystemClock(), events=Events(),
     finished=lambda: None, changed=lambda: None,
 )
 films.start()

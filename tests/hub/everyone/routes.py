@@ -19,8 +19,8 @@ from talaia.model.observing.states import RequestState
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
 from .boards import BOARD, changes_board, kept_board, reads_board, shares_board
-from .notes import NOTED, VIEWED, kept_note, manages_noted, note_of, uses_noted
 from .missions import MISSION, kept_mission
+from .notes import NOTED, VIEWED, kept_note, manages_noted, note_of, uses_noted
 from .observing import (
     ALERT_RULE,
     ASKED,
@@ -640,6 +640,8 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/frames/{frame}/preview"): _OF_PICTURE,
     ("GET", "/api/sites/{site}/sightings"): of_site(),
     ("GET", "/api/sites/{site}/sightings/labels"): of_site(),
+    ("GET", "/api/sites/{site}/sightings/days"): of_site(),
+    ("POST", "/api/sites/{site}/sightings/seen"): of_site(json={"ids": ["1"]}),
     ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Recipe(_sighting, PICTURED),
     ("GET", "/api/sites/{site}/descriptions"): of_site(),
     ("GET", "/api/sites/{site}/descriptions/{number}"): of_version(),

@@ -12,12 +12,18 @@ import simplejpeg
 from hypothesis import given, strategies as st
 from msgspec import structs
 from patience import PATIENCE_S
+from sqlalchemy import insert
 from sqlalchemy.exc import DataError
 
+from talaia.hub.alarms.state_machine import What
 from talaia.hub.errors import StoreDown
+from talaia.hub.live.alarms.alarm_pictures import AlarmPictures
 from talaia.hub.live.detection.sightings import KIND, OWN
 from talaia.hub.live.pictures.jpeg_validator import NotAPicture, bare_jpeg
+from talaia.hub.store.alarms.notification_outbox import OutboxMessage, OutboxNotice
 from talaia.hub.store.sites.sightings import Sighted
+from talaia.hub.store.tables import sightings
+from talaia.model.alarms.alarm import Severity
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.browser import EventUpdate, SightingUpdate
@@ -81,6 +87,7 @@ async def test_a_person_is_seen_and_gone_on_pages_in_the_list_and_in_the_logbook
             "began_us": BEGAN,
             "ended_us": None,
             "picture": True,
+            "seen": False,
             "story": None,
         }
     ]
@@ -164,6 +171,101 @@ async def test_sightings_are_found_by_time_camera_and_class_and_page_by_page(hub
         {"camera": FRONT, "label": "dog"},
         {"camera": FRONT, "label": "person"},
     ]
+
+
+async def test_each_person_looks_through_what_is_new_to_them_by_day_and_camera(hub, gateway):
+    page = await hub.page("operator")
+    # The last of the site's own day, and the first two of the next one.
+    midnight = 1_700_002_800_000_000
+    stay = frames.ZoneStay(zone='Mat "A"', entries=1, dwell_s=2.0)
+    for began, stays in ((midnight - 1, []), (midnight, [stay]), (midnight + MINUTE, [])):
+        await gateway.say(seen(began_us=began, ended_us=began + 1, stays=stays))
+    await page.hear(SightingUpdate, lambda news: news.began_us == midnight + MINUTE)
+    client = await hub.client("operator")
+
+    async def days() -> list[tuple[str, int, int]]:
+        answer = (await client.get(PATH + "/days")).json()["days"]
+        assert {each["camera"] for each in answer} <= {FRONT}
+        return [(each["day"], each["count"], each["unseen"]) for each in answer]
+
+    assert await days() == [("2023-11-15", 2, 2), ("2023-11-14", 1, 1)]
+    newest, matted, _ = await listed(hub)
+    for seen_twice in (True, True):
+        asked = {"ids": [matted["id"], "999"], "seen": seen_twice}
+        answer = await client.post(PATH + "/seen", json=asked)
+        assert answer.json() == {"ids": [matted["id"]]}
+    assert await days() == [("2023-11-15", 2, 1), ("2023-11-14", 1, 1)]
+    assert [each["seen"] for each in await listed(hub)] == [False, True, False]
+    assert matted["id"] not in [each["id"] for each in await listed(hub, unseen=True)]
+    assert [each["id"] for each in await listed(hub, zone='Mat "A"')] == [matted["id"]]
+    assert await listed(hub, zone="Mat") == []
+    # Another person has seen none of it.
+    admin = await hub.client("admin")
+    assert len((await admin.get(PATH, params={"unseen": True})).json()["sightings"]) == 3
+    await client.post(PATH + "/seen", json={"ids": [matted["id"]], "seen": False})
+    assert await days() == [("2023-11-15", 2, 2), ("2023-11-14", 1, 1)]
+    # Whoever may not see the camera marks nothing, and is not told what there is.
+    guest = await hub.client("guest")
+    answer = await guest.post(PATH + "/seen", json={"ids": [newest["id"]]})
+    assert answer.json() == {"ids": []}
+    assert (await guest.get(PATH + "/days")).json() == {"days": []}
+    # Marks go with their sighting.
+    await client.post(PATH + "/seen", json={"ids": [matted["id"]]})
+    assert await hub.hub.sightings.store.delete_old(2**52, 0) == 3
+    assert await days() == []
+
+
+async def test_ten_thousand_sightings_are_counted_by_day_in_a_moment(hub, gateway):
+    one = Sighted("agv", FRONT, "person", BEGAN, BEGAN + 1, 1, 0.9, BEGAN, "boot")._asdict()
+    rows = [
+        {**one, "began_us": BEGAN + at * MINUTE, "noted_us": 0, "pictured": False}
+        for at in range(10_000)
+    ]
+    async with hub.hub.core.database.write() as connection:
+        await connection.execute(insert(sightings), rows)
+    client = await hub.client("operator")
+    began_s = time.process_time()
+    answer = (await client.get(PATH + "/days")).json()["days"]
+    first = (await client.get(PATH, params={"unseen": True, "limit": 60})).json()
+    spent_s = time.process_time() - began_s
+    assert sum(each["count"] for each in answer) == 10_000
+    assert (len(first["sightings"]), first["more"]) == (60, True)
+    # Both together, on a machine that does other things as well.
+    assert spent_s < 2.0, f"{spent_s:.2f} s of the processor"
+
+
+@pytest.mark.parametrize("pictured", [True, False])
+async def test_a_message_about_a_person_carries_the_picture_of_that_person(hub, pictured):
+    gateway, page = await hub.gateway(), await hub.page("operator")
+    text = (
+        "\nalarms:\n  guest: {name: Guest, kind: detection, stream: camera/front, label: person}\n"
+        "  late: {name: Late, kind: stale, signal: base/speed}\n"
+    )
+    await gateway.hello(WATCHED + text)
+    picture = jpeg()
+    await gateway.say(seen(thumbnail=picture if pictured else b""))
+    news = await page.hear(SightingUpdate)
+    pictures = AlarmPictures(hub.hub.core.sites, hub.hub.sightings.store)
+
+    async def found(alarm: str, what: What = What.RAISED, device: str = "camera"):
+        line = OutboxNotice(
+            1, "agv", alarm, what, Severity.WARNING, "Guest", "seen", BEGAN + 1, device
+        )
+        return await pictures.find_picture(OutboxMessage("k", 1, 1, 1, "", "UTC", 1, (line,)))
+
+    shown = await found("guest")
+    if not pictured:
+        assert shown is None
+        return
+    assert shown is not None
+    assert simplejpeg.decode_jpeg(shown.jpeg).shape == (48, 64, 3)
+    client = await hub.client("operator")
+    assert (await client.get(shown.path)).content == shown.jpeg
+    assert shown.path == f"{PATH}/{news.id}/picture"
+    # Not of what is over, nor of another kind of alarm, nor to who was asked about another device.
+    assert await found("guest", What.CLEARED) is None
+    assert await found("late") is None
+    assert await found("guest", device="base") is None
 
 
 @pytest.mark.parametrize("public", [False, True])

@@ -12,7 +12,7 @@ import pytest
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
-from talaia.hub.notify.message import AlarmMessage
+from talaia.hub.notify.message import AlarmMessage, AlarmPicture
 from talaia.hub.notify.senders import Outcome, Sender
 from talaia.hub.store.alarms.notification_channels import PushBrowser, Way, WayKind
 
@@ -45,7 +45,21 @@ async def test_webhook_gets_the_message_with_its_key(peer) -> None:
     expected = {**SAID._asdict(), "sites": ["agv"]}
     # A path says nothing to who is not at the hub.
     del expected["open"]
+    # Nor is there a picture of what no camera saw.
+    del expected["picture"], expected["picture_path"]
     assert json.loads(body) == expected
+
+
+async def test_webhook_gets_the_picture_of_what_was_seen(peer) -> None:
+    way = Way(1, "way", WayKind.WEBHOOK, {}, ())
+    shown = SAID.with_picture(AlarmPicture(b"jpeg", "/api/sites/agv/sightings/7/picture"))
+    secrets = {"url": f"http://127.0.0.1:{peer.port}/hook"}
+    went = await Sender(LOOPBACK).send_message(way, secrets, target="", message=shown)
+    assert went.outcome is Outcome.SENT
+    document = json.loads(peer.asked[0][2])
+    assert base64.b64decode(document["picture"]) == b"jpeg"
+    # Only who is signed in at the hub gets it there.
+    assert "picture_path" not in document
 
 
 @pytest.mark.parametrize(

@@ -2242,6 +2242,30 @@ export interface PicturePlace {
   readonly y: number;
 }
 
+/** What a camera saw on a day. */
+export interface ReviewDay {
+  readonly day: string;
+  readonly camera: string;
+  readonly count: number;
+  readonly unseen: number;
+}
+
+/** The newest day first, and cameras by their addresses. */
+export interface ReviewDays {
+  readonly days: readonly ReviewDay[];
+}
+
+/** Mark sightings as looked at, or as not, for the person who asks. */
+export interface SeenAsk {
+  readonly ids: readonly string[];
+  readonly seen?: boolean;
+}
+
+/** The sightings that were marked: those of the ones asked for whose camera may be seen. */
+export interface SeenMarks {
+  readonly ids: readonly string[];
+}
+
 /** Something that a camera saw. */
 export interface SeenShape {
   readonly id: string;
@@ -2252,6 +2276,7 @@ export interface SeenShape {
   readonly began_us: number;
   readonly ended_us: number | null;
   readonly picture: boolean;
+  readonly seen?: boolean;
   readonly story: StoryShape | null;
 }
 

@@ -141,6 +141,11 @@ export function mayUse(person: { readonly permissions: readonly PermissionShape[
   return levelRank(levelAt(person?.permissions ?? [], { site, device: device || ANY })) >= levelRank("use");
 }
 
+/** Whether somebody is an admin of a whole site. The hub checks it once more. */
+export function isSiteAdmin(person: { readonly admin: boolean; readonly permissions: readonly PermissionShape[] } | null | undefined, site: string): boolean {
+  return person?.admin === true || levelAt(person?.permissions ?? [], { site, device: ANY }) === "admin";
+}
+
 /** Whether somebody holds no right at all, and so sees what is public only. */
 export function seesOnlyPublic(person: { readonly admin: boolean; readonly permissions: readonly PermissionShape[] }): boolean {
   return !person.admin && person.permissions.length === 0;

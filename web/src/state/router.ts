@@ -28,6 +28,8 @@ export type PageName =
   | "logbook"
   | "sightings"
   | "notes"
+  | "zones"
+  | "review"
   | "device"
   | "archive"
   | "cameras"
@@ -55,7 +57,7 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "missions", "drive", "archive", "cameras", "logbook", "notes", "sightings", "night", "forecast", "requests", "proposals", "alertrules"];
+const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "missions", "drive", "archive", "cameras", "logbook", "notes", "sightings", "zones", "review", "night", "forecast", "requests", "proposals", "alertrules"];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -121,7 +123,7 @@ export function boardKeyOf(path: string): string {
 /** The path of a site's page. */
 export function sitePath(
   site: string,
-  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "missions" | "drive" | "archive" | "cameras" | "logbook" | "notes" | "sightings" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
+  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "missions" | "drive" | "archive" | "cameras" | "logbook" | "notes" | "sightings" | "zones" | "review" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
 ): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
 }
@@ -149,6 +151,11 @@ export function alarmPath(alarm: { readonly site: string; readonly alarm: string
 /** The path of a device's own page. */
 export function devicePath(site: string, device: string): string {
   return `/sites/${encodeURIComponent(site)}/devices/${encodeURIComponent(device)}`;
+}
+
+/** The path of the page on which a camera's zones and lines are drawn. */
+export function zonesPath(site: string, camera: string): string {
+  return `${sitePath(site, "zones")}?${new URLSearchParams({ camera }).toString().replaceAll("%2F", "/")}`;
 }
 
 /** Where to go after signing in. Only a path on this very hub is believed. */

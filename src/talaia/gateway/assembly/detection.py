@@ -10,6 +10,7 @@ from talaia.gateway.detection.camera_detection import (
     ObjectDetection,
     ReadingsWithDetections,
 )
+from talaia.gateway.detection.clip_films import ClipFilms
 from talaia.gateway.detection.sighting_reports import DetectionReporter
 from talaia.gateway.detection.sky_watch import SkyWatch
 from talaia.objects.worker import Worker
@@ -49,6 +50,7 @@ class DetectionPart(GatewayPart):
         """Take up the sightings that an earlier run left."""
         site, settings = description.site, base.settings
         self.reporter = DetectionReporter(settings.data / "sightings", base.lanes, base.file_thread)
+        self._clips = ClipFilms(site, video.films, self.reporter.report_sighting)
         self.detection = ObjectDetection(
             site=site,
             numbers=description.numbering.numbers_of(site),
@@ -57,7 +59,7 @@ class DetectionPart(GatewayPart):
             outlet=DetectionOutputs(
                 samples=samples.sink,
                 boxes=video.pictures.boxes,
-                sightings=self.reporter.report_sighting,
+                sightings=self._clips.report_sighting,
                 events=base.events,
             ),
             clock=base.clock,
@@ -77,6 +79,7 @@ class DetectionPart(GatewayPart):
         """Look at the cameras of another description."""
         numbers = self._numbering.numbers_of(site)
         self._blur_detectors.redescribe(site)
+        self._clips.redescribe(site)
         self.detection.redescribe(site, numbers)
         self._sky.redescribe(site, numbers)
 

@@ -12,6 +12,7 @@ from talaia.gateway.recording.recorders import TriggeredRecorder
 from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.video.camera import can_film
+from talaia.model.derived_signals import clip_lengths
 from talaia.model.topics import blurred_cameras
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ class RecordingPart(GatewayPart):
     ) -> FilmRecorder | None:
         if not can_film():
             # Only cameras are missing then: messages are recorded all the same.
-            if site.filmed_cameras():
+            if site.filmed_cameras() or clip_lengths(site):
                 log.warning("cameras cannot be filmed here: install talaia[camera]")
             return None
         from talaia.gateway.recording.film_file import recover_film
@@ -148,6 +149,7 @@ class RecordingPart(GatewayPart):
         return FilmRecorder(
             plan=plan,
             cameras=site.filmed_cameras(),
+            clips=clip_lengths(site),
             shelf=store,
             clock=base.clock,
             events=base.events,

@@ -28,6 +28,7 @@ class VideoPart(GatewayPart):
     Attributes:
         frames: gives pixels to whoever looks at cameras here, such as a detector.
         pictures: encoded, to the hub and to films.
+        films: takes encoded pictures of cameras; none where nothing is filmed.
         blur_detectors: find what is blurred before a picture leaves.
         outbox: whole FITS files that wait for the hub's archive.
         frame_taker: takes pictures for the archive in pieces.
@@ -50,11 +51,12 @@ class VideoPart(GatewayPart):
         self.blur_detectors = BlurDetectors(
             lambda on_status: Worker(site.object_models, settings.folder, on_status)
         )
+        self.films = recording.films
         self.pictures = PictureUplink(
             base.loop,
             base.clock,
             frames=self.frames,
-            films=recording.films,
+            films=self.films,
             taps=taps.outbox,
             detectors=self.blur_detectors,
         )

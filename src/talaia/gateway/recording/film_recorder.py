@@ -17,7 +17,7 @@ from talaia.gateway.recording.film_writer import CameraReel, FilmWriter
 from talaia.gateway.recording.recording_store import NoRoom
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Mapping
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
@@ -40,6 +40,7 @@ class FilmRecorder:
         *,
         plan: Recording,
         cameras: Collection[str],
+        clips: Mapping[str, float],
         shelf: RecordingStore,
         clock: Clock,
         events: EventSink,
@@ -51,6 +52,7 @@ class FilmRecorder:
         Args:
             plan: see `Recording`.
             cameras: filmed with each recording (``device/stream``).
+            clips: cameras whose last seconds are held for clips of sightings, and how many (s).
             shelf: where films go.
             clock: monotonic for every decision; the pictures' own times for the record.
             events: told what is worth writing down.
@@ -85,6 +87,8 @@ class FilmRecorder:
         self._looked_ns = 0
         # Filmed with each recording.
         self._cameras = frozenset(cameras)
+        # Held for clips, and how long (s).
+        self._clips = dict(clips)
         self._thread = threading.Thread(target=self._write_loop, name="talaia-films", daemon=True)
 
     @property
@@ -104,10 +108,12 @@ class FilmRecorder:
         if self._thread.is_alive():
             self._thread.join()
 
-    def redescribe(self, cameras: Collection[str]) -> None:
-        """Film other cameras with each recording from now on."""
+    def redescribe(self, cameras: Collection[str], clips: Mapping[str, float]) -> None:
+        """Film other cameras with each recording, and hold others for clips, from now on."""
         with self._wake:
-            self._cameras = frozenset(cameras)
+            self._cameras, self._clips = frozenset(cameras), dict(clips)
+            for name, reel in self._reels.items():
+                reel.ring.resize(round(self._held_s(name) * 1e6), self._ring_share())
         self._changed()
 
     # ── what is asked for ──
@@ -115,8 +121,8 @@ class FilmRecorder:
     def wanted_cameras(self) -> frozenset[str]:
         """Name the cameras that must be read for films."""
         with self._wake:
-            held = self._cameras if self._plan.before > 0 else frozenset()
-            return held | {name for name, reel in self._reels.items() if reel.rolling}
+            held = {name for name in self._cameras | self._clips.keys() if self._held_s(name) > 0}
+            return frozenset(held) | {name for name, reel in self._reels.items() if reel.rolling}
 
     def rolling_cameras(self) -> list[str]:
         """Name the cameras that are being filmed."""
@@ -148,11 +154,18 @@ class FilmRecorder:
     def _reel_of(self, stream: str) -> CameraReel:
         reel = self._reels.get(stream)
         if reel is None:
-            # All cameras together take no more than is allowed.
-            share = round(self._plan.ring_mb * _MB / max(1, len(self._cameras)))
-            ring = FilmRing(round(self._plan.before * 1e6), share)
+            ring = FilmRing(round(self._held_s(stream) * 1e6), self._ring_share())
             reel = self._reels[stream] = CameraReel(stream, ring)
         return reel
+
+    def _held_s(self, stream: str) -> float:
+        """Say how much of a camera is held while it is not filmed (s)."""
+        filmed = self._plan.before if stream in self._cameras else 0.0
+        return max(filmed, self._clips.get(stream, 0.0))
+
+    def _ring_share(self) -> int:
+        """Say how many bytes a camera may hold: all together take no more than is allowed."""
+        return round(self._plan.ring_mb * _MB / max(1, len(self._cameras | self._clips.keys())))
 
     def _start_reel(self, reel: CameraReel, who: str, why: str, until_ns: int) -> None:
         if reel.rolling:
@@ -183,7 +196,7 @@ class FilmRecorder:
         """
         with self._wake:
             reel = self._reels.get(stream)
-            held = stream in self._cameras and self._plan.before > 0
+            held = self._held_s(stream) > 0
             if not held and (reel is None or not reel.rolling):
                 return Filming.NO
             reel = reel or self._reel_of(stream)

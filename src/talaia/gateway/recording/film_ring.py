@@ -28,6 +28,10 @@ class FilmRing:
         self._runs: deque[list[PictureFrame]] = deque()
         self.bytes = 0  # Data and overhead of all that is held.
 
+    def resize(self, keep_us: int, max_bytes: int) -> None:
+        """Hold another length from here on; what is too much goes with the next picture."""
+        self._keep_us, self._max_bytes = keep_us, max_bytes
+
     def __len__(self) -> int:
         """Count the pictures."""
         return sum(map(len, self._runs))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.derived_signals import clip_lengths
 from talaia.model.topics import blurred_cameras
 from talaia.wire.frames import RecorderState
 
@@ -62,7 +63,7 @@ class TriggeredRecorder:
             self.recorder.topics = frozenset(site.recorded_topics())
             self.recorder.hides_pictures = bool(blurred_cameras(site))
         if self.films is not None:
-            self.films.redescribe(site.filmed_cameras())
+            self.films.redescribe(site.filmed_cameras(), clip_lengths(site))
 
     def begin_recording(self, who: str, why: str = "", stream: str = "") -> None:
         """Record until `end_recording` or the longest time; with ``stream`` only its film."""

@@ -7,18 +7,24 @@ judged together keeps a single noisy sample from counting for much.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 import numpy as np
 
 from talaia.hub.anomaly.base import (
+    LARGEST,
     AnomalyDetector,
     Floats,
     clamp_value,
+    fading_peak,
     format_duration,
     format_number,
 )
 from talaia.hub.anomaly.rarity import Rarity
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["ChangePointDetector"]
 
@@ -31,6 +37,7 @@ _KEPT = _PACES[-1] * (_BEFORE + 1)
 class ChangePointDetector(AnomalyDetector, kw_only=True):
     """Scores how unusual the newest changes of level are, for this signal."""
 
+    faster_many: ClassVar[bool] = True
     rarities: list[Rarity] = msgspec.field(default_factory=lambda: [Rarity() for _ in _PACES])
     # Twice as long as needed, so that it is moved down once in a while only.
     values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
@@ -60,6 +67,39 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
             # What it was forgiven for is the greatest of late.
             self.peak[at] = max(abs(newest - before), self.peak[at] * 0.98)
         return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
+
+    def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
+        scores, at = np.empty(len(values)), 0
+        while at < len(values):
+            room = len(self.values) - self.end
+            # At the beginning paces join in one by one; and before the arrays are moved down.
+            if self.end < _KEPT or room == 0:
+                scores[at] = self.see(int(times[at]), float(values[at]))
+                at += 1
+                continue
+            upto = min(len(values), at + room)
+            scores[at:upto] = self._see_block(times[at:upto], values[at:upto])
+            at = upto
+        return scores
+
+    def _see_block(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        first, many = self.end, len(values)
+        self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
+        self.times[first : first + many] = times
+        self.end += many
+        squares = np.zeros(many)
+        for at, pace in enumerate(_PACES):
+            kept = self.values[first - pace * (_BEFORE + 1) + 1 : self.end]
+            newest = _moving_sums(kept[pace * _BEFORE :], pace) / pace
+            before = _moving_sums(kept[: len(kept) - pace], pace * _BEFORE) / (pace * _BEFORE)
+            changes = newest - before
+            rarities = self.rarities[at].rate_many(np.abs(changes))
+            squares += rarities * rarities
+            self.changes[at], self.scores[at] = float(changes[-1]), float(rarities[-1])
+            self.peak[at] = fading_peak(self.peak[at], np.abs(changes))
+        scores: Floats = np.sqrt(squares / len(_PACES))
+        return scores
 
     def _mean_levels(self, pace: int) -> tuple[float, float]:
         split = self.end - pace
@@ -94,3 +134,11 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
         for rarity, peak in zip(self.rarities, self.peak, strict=True):
             rarity.learn_magnitude(peak)
         return True
+
+
+def _moving_sums(values: Floats, length: int) -> Floats:
+    """Give the sum of each stretch of so many values."""
+    if length == 1:
+        return values
+    sums: Floats = np.lib.stride_tricks.sliding_window_view(values, length).sum(axis=1)
+    return sums

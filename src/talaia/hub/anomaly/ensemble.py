@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
+import numpy as np
 
-from talaia.hub.anomaly.base import AnomalyDetector
+from talaia.hub.anomaly.base import AnomalyDetector, Floats
 from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.knn_cad import Nearest
 from talaia.hub.anomaly.seasonal import Season
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 __all__ = ["Together"]
 
@@ -22,6 +27,7 @@ _SEASON_LESS = 0.30
 class Together(AnomalyDetector, kw_only=True):
     """Scores by three detectors: the first two in the mean, the third where it is sure."""
 
+    faster_many: ClassVar[bool] = True
     change: ChangePointDetector = msgspec.field(default_factory=ChangePointDetector)
     nearest: Nearest = msgspec.field(default_factory=Nearest)
     season: Season = msgspec.field(default_factory=Season)
@@ -40,6 +46,16 @@ class Together(AnomalyDetector, kw_only=True):
         self.scores = [change, nearest, season]
         both = math.sqrt((change * change + _SHARE * nearest * nearest) / (1.0 + _SHARE))
         return max(both, season)
+
+    def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
+        change = self.change.see_many(times, values)
+        nearest = self.nearest.see_many(times, values)
+        season = np.maximum(0.0, self.season.see_many(times, values) - _SEASON_LESS)
+        self.scores = [float(one[-1]) for one in (change, nearest, season)]
+        both = np.sqrt((change * change + _SHARE * nearest * nearest) / (1.0 + _SHARE))
+        scores: Floats = np.maximum(both, season)
+        return scores
 
     def why(self) -> str:
         """Give the words of the one that speaks loudest."""

@@ -77,6 +77,11 @@ class Episodes(msgspec.Struct, kw_only=True):
             return math.inf
         return self.bar + _STRICTER if self.learning > 0 else self.bar
 
+    def would_begin(self, score: float) -> bool:
+        """Tell whether an anomaly would begin with the next score."""
+        free = self.began_us < 0 and self.since + 1 >= self.rest
+        return free and score >= self.bar and score >= self._start_score()
+
     def end_episode(self) -> tuple[int, int, float]:
         """End the anomaly that is on: when it began, its last high sample, its greatest score."""
         # It ended when it was last high, not when that was noticed.

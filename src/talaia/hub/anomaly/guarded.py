@@ -6,13 +6,17 @@ import math
 from typing import TYPE_CHECKING
 
 import msgspec
+import numpy as np
 
 from talaia.hub.anomaly.base import AnomalyDetector
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from numpy.typing import NDArray
+
     from talaia.extensions.declarations import DetectorExtension
+    from talaia.hub.anomaly.base import Floats
     from talaia.model.alarms.anomaly import Watch
 
 __all__ = ["MOST_FAILURES", "SLOW_S", "GuardedDetector", "extension_detector"]
@@ -33,6 +37,8 @@ class GuardedDetector:
 
     """
 
+    faster_many = False
+
     def __init__(self, detector: AnomalyDetector, fail: Callable[[str], None]) -> None:
         """Tell ``fail`` in words what goes wrong."""
         self.detector = detector
@@ -45,6 +51,11 @@ class GuardedDetector:
     def see(self, time_us: int, value: float) -> float:
         """See `AnomalyDetector.see`; 0 while it cannot say."""
         return self._guarded_score(lambda: self.detector.see(time_us, value))
+
+    def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """See `AnomalyDetector.see_many`: one by one, for each is bounded by itself."""
+        pairs = zip(times.tolist(), values.tolist(), strict=True)
+        return np.array([self.see(time_us, value) for time_us, value in pairs])
 
     def idle(self, time_us: int) -> float:
         """See `AnomalyDetector.idle`; 0 while it cannot say."""

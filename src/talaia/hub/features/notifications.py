@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.notifications import NotifyPages
 from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.live.alarms.alarm_pictures import AlarmPictures
 from talaia.hub.notify.delivery_worker import DeliveryWorker
 from talaia.hub.notify.senders import Sender
 from talaia.hub.store.alarms.notification_channels import NotifyStore
+from talaia.hub.store.sites.sightings import SightingStore
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -44,6 +46,7 @@ class NotificationsFeature(Feature):
             sender=self.sender,
             clock=core.clock,
             told=alarms.refresh_troubles,
+            pictures=AlarmPictures(core.sites, SightingStore(core.database)),
         )
         # So a message goes out at once, and not at the next look at the outbox.
         self.wake_up = self._delivering.wake_up

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.records.sightings import SightingPages
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.detection.sightings import SightingJournal
+from talaia.hub.store.sites.sighting_reviews import SightingReviews
 from talaia.hub.store.sites.sightings import SightingStore
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ class SightingsFeature(Feature):
         )
         # The journal tells each sighting once, also where a gateway reports it again.
         self.journal.add_listener(alarms)
-        self.routers = [SightingPages(self.store).make_router()]
+        self.routers = [SightingPages(self.store, SightingReviews(core.database)).make_router()]
         self.tasks = [BackgroundTask(name="keep", run=self.journal.run, stop=self.journal.stop)]
 
     async def open(self) -> None:

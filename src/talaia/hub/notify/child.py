@@ -11,6 +11,7 @@ Long, because every way out is here, behind the same guard.
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import http.client
 import ipaddress
@@ -163,6 +164,9 @@ def _send_mail(job: Job, left: _Left) -> Outcome:
     # RFC 3834: no holiday notice answers it.
     message["Auto-Submitted"] = "auto-generated"
     message.set_content(job["body"])
+    if job.get("picture"):
+        data = base64.b64decode(job["picture"])
+        message.add_attachment(data, maintype="image", subtype="jpeg", filename="seen.jpg")
     if job.get("file"):
         name, text = job["file"]
         # As base64: no server on the way wraps its lines or changes their ends.
@@ -249,6 +253,9 @@ def _send_webhook(job: Job, left: _Left) -> Outcome:
     keys = ("key", "title", "body", "severity", "sites")
     # A document that is no message goes as it is.
     document = job.get("document") or {key: job[key] for key in keys}
+    if job.get("picture"):
+        # JPEG as base64; a webhook that shows none passes it over.
+        document["picture"] = job["picture"]
     body = json.dumps(document).encode()
     headers = {
         "Content-Type": "application/json",
@@ -331,6 +338,9 @@ def _send_push(job: Job, left: _Left) -> Outcome:
         said = {key: job[key] for key in ("key", "title", "body", "severity", "open")}
         # A push service need not take more than 4096 bytes, sealed (RFC 8030, 7.2).
         said["body"] = said["body"][:1500]
+        # The picture itself would not fit: the browser asks the hub for it, as its person.
+        if job.get("picture_path"):
+            said["picture"] = job["picture_path"]
         try:
             webpush(
                 subscription_info={

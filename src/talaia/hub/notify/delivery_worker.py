@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping, Sequence
 
     from talaia.clock import Clock
-    from talaia.hub.notify.message import AlarmMessage
+    from talaia.hub.notify.message import AlarmMessage, AlarmPicture
     from talaia.hub.store.alarms.notification_channels import NotifyStore, PushBrowser, Way
     from talaia.hub.store.alarms.notification_outbox import NotificationOutbox, OutboxMessage
 
-__all__ = ["DeliveryWorker", "Sends"]
+__all__ = ["DeliveryWorker", "PictureSource", "Sends"]
 
 _LOG = logging.getLogger(__name__)
 _SECOND_US = 1_000_000
@@ -49,6 +49,14 @@ class Sends(Protocol):
         ...
 
 
+class PictureSource(Protocol):
+    """Whoever has pictures of what messages are about."""
+
+    async def find_picture(self, message: OutboxMessage) -> AlarmPicture | None:
+        """Find one that the person may see."""
+        ...
+
+
 class DeliveryWorker:
     """Delivers what waits in the outbox, some at once, each by itself."""
 
@@ -60,8 +68,11 @@ class DeliveryWorker:
         sender: Sends,
         clock: Clock,
         told: Callable[[], Awaitable[None]],
+        pictures: PictureSource | None = None,
     ) -> None:
         """Call ``told`` whenever it has changed which alarms could not be delivered."""
+        # Without it messages are words alone.
+        self._pictures = pictures
         # What waits, and what became of it; the database is the only queue.
         self._notices = notices
         # The ways, their secrets and the browsers of people, read anew for each message.
@@ -160,6 +171,8 @@ class DeliveryWorker:
         push = way.kind is WayKind.PUSH
         browsers = await self._store.browsers_of(parcel.user) if push else []
         message = compose_message(parcel.key, parcel.notices, parcel.zone)
+        if self._pictures is not None:
+            message = message.with_picture(await self._pictures.find_picture(parcel))
         went = await self._sender.send_message(
             way, secrets, target=parcel.target, message=message, browsers=browsers
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import datetime as dt
 from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import ZoneInfo
@@ -14,11 +15,24 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.alarms.notification_outbox import OutboxNotice
 
-__all__ = ["AlarmMessage", "compose_message", "compose_test_message"]
+__all__ = ["AlarmMessage", "AlarmPicture", "compose_message", "compose_test_message"]
 
 _ALARMS = "/alarms"  # path of the page of all alarms
 _START = "/"
 _WORDS = {What.CLEARED: "over: ", What.REMINDED: "still: "}
+
+
+class AlarmPicture(NamedTuple):
+    """What a camera saw.
+
+    Attributes:
+        jpeg: the picture itself.
+        path: where the hub shows it to those who may see it.
+
+    """
+
+    jpeg: bytes
+    path: str
 
 
 class AlarmMessage(NamedTuple):
@@ -29,6 +43,8 @@ class AlarmMessage(NamedTuple):
         severity: of the worst in it.
         sites: whom it is about.
         open: path of the hub's page that shows it.
+        picture: of what a camera saw, JPEG as base64; empty for none.
+        picture_path: where the hub shows it to those who may see it.
 
     """
 
@@ -38,6 +54,15 @@ class AlarmMessage(NamedTuple):
     severity: str
     sites: tuple[str, ...]
     open: str = _ALARMS
+    picture: str = ""
+    picture_path: str = ""
+
+    def with_picture(self, picture: AlarmPicture | None) -> AlarmMessage:
+        """Give the message with a picture, if there is one."""
+        if picture is None:
+            return self
+        text = base64.b64encode(picture.jpeg).decode()
+        return self._replace(picture=text, picture_path=picture.path)
 
 
 def compose_message(key: str, notices: Sequence[OutboxNotice], zone: str) -> AlarmMessage:

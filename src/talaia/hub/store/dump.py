@@ -13,8 +13,8 @@ from talaia.hub.store import (
     board_tables as _board_tables,
     history_tables as _history_tables,
     map_tables as _map_tables,
-    note_tables as _note_tables,
     mission_tables as _mission_tables,
+    note_tables as _note_tables,
     observing_tables as _observing_tables,
     witness_tables as _witness_tables,
 )

@@ -50,6 +50,7 @@ __all__ = [
     "recovery_codes",
     "role_permissions",
     "roles",
+    "seen_sightings",
     "sessions",
     "setup_tokens",
     "sightings",
@@ -463,4 +464,12 @@ sightings = Table(
     UniqueConstraint("site", "camera", "label", "began_us", name="uq_sightings_site"),
     Index("ix_sightings_site_began_us", "site", "began_us"),
     Index("ix_sightings_site_noted_us", "site", "noted_us"),
+)
+# Which sightings a person has looked at.
+seen_sightings = Table(
+    "seen_sightings",
+    metadata,
+    Column("user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), primary_key=True),
+    Column("sighting_id", ROW_ID, ForeignKey("sightings.id", ondelete="CASCADE"), primary_key=True),
+    Index("ix_seen_sightings_sighting_id", "sighting_id"),
 )

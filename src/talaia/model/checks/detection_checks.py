@@ -15,7 +15,7 @@ from talaia.model.errors import UnknownWord
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import ObjectModel, SkyLens
+    from talaia.model.detection import Detect, ObjectModel, SkyLens
     from talaia.model.interlocks.interlock import Condition
     from talaia.model.site import Device, Signal, Site, Stream
 
@@ -30,6 +30,7 @@ __all__ = [
 
 _MOST_RATE = 60.0
 _LONGEST_HOLD_S = 60.0
+_LONGEST_CLIP_S = 60.0
 _MOST_CLASSES = 1000
 _SIDES = (32, 2048)
 _BLUR_SIDES = (160, 1920)
@@ -67,6 +68,23 @@ def _check_model(where: str, model: ObjectModel) -> Iterator[Finding]:
         yield from check_above(f"{where}.spread[{index}]", value, 0)
 
 
+def _clip_fits(site: Site, where: str, detect: Detect) -> Iterator[Finding]:
+    clip = detect.clip
+    if clip is None:
+        return
+    if not 0 <= clip.before <= _LONGEST_CLIP_S:
+        problem = f"expected 0 to {_LONGEST_CLIP_S:g} s, found {clip.before}"
+        yield Finding(f"{where}.before", problem)
+    if not 0 < clip.after <= _LONGEST_CLIP_S:
+        problem = f"expected more than 0 to {_LONGEST_CLIP_S:g} s, found {clip.after}"
+        yield Finding(f"{where}.after", problem)
+    if site.recording is None:
+        yield Finding(where, "a clip is a film, and this site records none", "write: recording: {}")
+    if detect.at is DetectAt.HUB:
+        problem = "what is seen at the hub is not filmed at the gateway"
+        yield Finding(where, problem, "write: at: gateway, or leave the clip out")
+
+
 def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
     """List what is wrong with what is to be seen on a camera."""
     detect = stream.detect
@@ -81,6 +99,7 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
         problem = f"expected 0 to {_LONGEST_HOLD_S:g} s, found {detect.hold}"
         yield Finding(f"{where}.hold", problem, "the interlock's own dwell may be longer")
     yield from zones_fit(where, detect)
+    yield from _clip_fits(site, f"{where}.clip", detect)
     if detect.model and detect.model not in site.object_models:
         yield _unknown_model(site, f"{where}.model", detect.model)
         return

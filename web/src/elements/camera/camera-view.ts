@@ -43,10 +43,18 @@ const WORDS: Readonly<Record<CameraLink, { icon: IconName; heading: string; more
 const DOT = "M6 1a5 5 0 1 0 0 10A5 5 0 0 0 6 1Z";
 const BLOCK = "M1 1h10v10H1z";
 
+/** How the picture lies in the view. */
+export interface PictureFit {
+  readonly picture: PixelSize;
+  readonly zoom: Zoom;
+}
+
 /**
  * @slot top - lies over the picture's upper edge
  * @slot tool - more buttons beside its own
+ * @slot over - lies over all of the picture, which is `editing` then
  * @fires t-fullscreen the button was pressed
+ * @fires t-picture-fit the picture lies in another way: detail is how, a `PictureFit`
  */
 @customElement("t-camera-view")
 export class CameraView extends LitElement {
@@ -190,6 +198,8 @@ export class CameraView extends LitElement {
   @property({ attribute: false }) things: readonly FramedObject[] = [];
   /** Its zones and lines. */
   @property({ attribute: false }) marks: readonly PictureMark[] = [];
+  /** Something is drawn over it: its own buttons and marks are out of the way. */
+  @property({ type: Boolean }) editing = false;
   /** It was seen on an earlier picture than the one that is shown. */
   @property({ type: Boolean }) earlier = false;
 
@@ -213,20 +223,26 @@ export class CameraView extends LitElement {
     picture.close();
   }
 
+  override updated(changed: Map<PropertyKey, unknown>): void {
+    if (!changed.has("picture") && !changed.has("zoom")) return;
+    const detail: PictureFit = { picture: this.picture, zoom: this.zoom };
+    this.dispatchEvent(new CustomEvent("t-picture-fit", { detail, bubbles: true, composed: true }));
+  }
+
   override render(): TemplateResult {
     const live = !this.still && this.drawn && this.link === "open" && this.age <= LIVE_MS;
     const exposure = this.still && this.drawn;
     return html`<div class=${this.drawn && !live && !exposure ? "aged" : ""}>
       ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
-      ${this.drawn && this.marks.length > 0
+      ${this.drawn && this.marks.length > 0 && !this.editing
         ? html`<t-picture-marks .marks=${this.marks} .picture=${this.picture} .zoom=${this.zoom}></t-picture-marks>`
         : nothing}
       ${this.drawn && this.things.length > 0
         ? html`<t-boxes .things=${this.things} ?earlier=${this.earlier} .picture=${this.picture} .zoom=${this.zoom}></t-boxes>`
         : nothing}
-      ${live || exposure ? nothing : this.renderPlaceholder()}
-      <div class="head"><slot name="top"></slot></div>
-      <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.renderTools()}</div>
+      ${live || exposure || (this.editing && this.drawn) ? nothing : this.renderPlaceholder()}
+      ${this.editing ? html`<slot name="over"></slot>` : html`<div class="head"><slot name="top"></slot></div>`}
+      <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.editing ? nothing : this.renderTools()}</div>
     </div>`;
   }
 
@@ -424,5 +440,8 @@ function ageText(ms: number): string {
 declare global {
   interface HTMLElementTagNameMap {
     "t-camera-view": CameraView;
+  }
+  interface GlobalEventHandlersEventMap {
+    "t-picture-fit": CustomEvent<PictureFit>;
   }
 }

@@ -55,6 +55,15 @@ export function nameSpot(kind: PictureMark["kind"], points: readonly ViewPoint[]
   return points[0] ?? { x: 0, y: 0 };
 }
 
+/** Beside a place of a line, so far off: where its left and its right side are, seen from its first point to its last. */
+export function sideSpots(points: readonly ViewPoint[], away: number, middle: ViewPoint): { readonly left: ViewPoint; readonly right: ViewPoint } {
+  const [first, last] = [points[0] ?? middle, points.at(-1) ?? middle];
+  const length = Math.max(1, Math.hypot(last.x - first.x, last.y - first.y));
+  // Rows run downwards, so left of the way is up where the way leads to the right.
+  const [x, y] = [((last.y - first.y) / length) * away, (-(last.x - first.x) / length) * away];
+  return { left: { x: middle.x + x, y: middle.y + y }, right: { x: middle.x - x, y: middle.y - y } };
+}
+
 /** @param value - what a signal tells at its mark; null for one that tells nothing now (stale, or not yet) */
 export function markCount(measure: string, label: string, value: number | null): string {
   if (measure === "dwell") return value === null ? "longest \u2013" : `longest ${formatDuration(value)}`;

@@ -35,6 +35,16 @@ export function placeOf(part: PicturePart, view: PixelSize, picture: PixelSize, 
   };
 }
 
+/** Which part of the picture (from the left, from the top) lies at a place of the view; beside it, less than 0 or more than 1. */
+export function partAt(at: { readonly x: number; readonly y: number }, view: PixelSize, picture: PixelSize, zoom: Zoom): readonly [number, number] {
+  const fit = Math.min(view.width / picture.width, view.height / picture.height);
+  const width = picture.width * fit;
+  const height = picture.height * fit;
+  const x = (at.x - zoom.x * view.width) / zoom.scale - (view.width - width) / 2;
+  const y = (at.y - zoom.y * view.height) / zoom.scale - (view.height - height) / 2;
+  return [x / width, y / height];
+}
+
 /** Something of it is in the view. */
 export function isInView(place: PixelPlace, view: PixelSize): boolean {
   return place.x < view.width && place.y < view.height && place.x + place.width > 0 && place.y + place.height > 0;

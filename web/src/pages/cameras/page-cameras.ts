@@ -8,8 +8,9 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { sitesContext } from "../../state/contexts.js";
-import { devicePath, sitePath } from "../../state/router.js";
+import { sessionContext, sitesContext } from "../../state/contexts.js";
+import { isSiteAdmin } from "../../state/rights.js";
+import { devicePath, sitePath, zonesPath } from "../../state/router.js";
 import type { SiteShape } from "../../generated/api.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
@@ -33,8 +34,16 @@ export class PageCameras extends LitElement {
         margin: 0;
         min-inline-size: 0;
       }
+      figcaption {
+        display: flex;
+        flex-wrap: wrap;
+        gap: 0 var(--t-space-3);
+      }
       figcaption a {
         color: var(--t-muted);
+      }
+      .draw {
+        margin-inline-start: auto;
       }
     `,
   ];
@@ -42,6 +51,7 @@ export class PageCameras extends LitElement {
   @property() site = "";
 
   private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteShape>(this);
 
@@ -57,6 +67,10 @@ export class PageCameras extends LitElement {
         ${this.hasDetection() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>What they have seen</a></div>` : nothing}
       </div>
       ${renderLoaded(this.detail, "the cameras", (detail) => this.renderContent(detail))}`;
+  }
+
+  private mayDraw(): boolean {
+    return isSiteAdmin(this.session.store?.person, this.site);
   }
 
   /** Something is looked for on the pictures of one of them. */
@@ -88,7 +102,10 @@ export class PageCameras extends LitElement {
             .online=${online}
             ?still=${showsExposures(device)}
           ></t-camera>
-          <figcaption>${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}</figcaption>
+          <figcaption>
+            ${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}
+            ${this.mayDraw() && !showsExposures(device) ? html`<a class="draw" href=${zonesPath(this.site, stream.address)}>Zones and lines</a>` : nothing}
+          </figcaption>
         </figure>`,
       )}
     </div>`;

@@ -299,7 +299,7 @@ export class Header extends LitElement {
       return;
     }
     const kept =
-      page === "topics" || page === "anomalies" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "notes" || page === "sightings"
+      page === "topics" || page === "anomalies" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "notes" || page === "missions" || page === "sightings" || page === "review" || page === "zones"
         ? page
         : "live";
     this.router.navigate(sitePath(event.target.value, kept));

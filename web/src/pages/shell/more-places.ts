@@ -13,7 +13,7 @@ export interface MorePlace {
   readonly spared: boolean;
 }
 
-const MORE = ["logbook", "notes", "missions", "anomalies", "sightings", "recordings", "cameras", "scene", "topics"] as const;
+const MORE = ["logbook", "notes", "missions", "anomalies", "sightings", "review", "recordings", "cameras", "scene", "topics"] as const;
 
 /** The pages behind *More* at a site; none without a site, and none for guests, who have all of theirs on one page. */
 export function morePlaces(site: string, person: Me, { observing, archived }: { readonly observing: boolean; readonly archived: boolean }): readonly MorePlace[] {

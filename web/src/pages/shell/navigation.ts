@@ -280,11 +280,11 @@ export class Navigation extends LitElement {
     return (
       page === this.page ||
       (page === "boards" && this.page === "board") ||
-      (page === "devices" && (this.page === "device" || this.page === "cameras")) ||
+      (page === "devices" && (this.page === "device" || this.page === "cameras" || this.page === "zones")) ||
       (page === "live" && ["topics", "scene"].includes(this.page)) ||
       (page === "history" && this.page === "recordings") ||
       (page === "night" && ["forecast", "requests", "proposals", "alertrules"].includes(this.page)) ||
-      (page === "alarms" && ["logbook", "notes", "anomalies", "sightings"].includes(this.page))
+      (page === "alarms" && ["logbook", "notes", "anomalies", "sightings", "review"].includes(this.page))
     );
   }
 

@@ -117,6 +117,7 @@ export class PageSightings extends LitElement {
         "Sightings",
         `What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.`,
         html`<div class="actions">
+          <a href=${sitePath(this.site, "review")}>Review</a>
           <a href=${sitePath(this.site, "cameras")}>Cameras</a>
           <a href=${sitePath(this.site, "logbook")}>Logbook</a>
         </div>`,
@@ -178,6 +179,7 @@ export class PageSightings extends LitElement {
       >
         <div class="ways">
           <a href=${`${sitePath(this.site, "history")}?${historyQuery(row, this.detail.value)}`} aria-label=${`Chart at the moment of ${row.label}`}>Chart</a>
+          <a href=${this.reviewPathOf(row)} aria-label=${`Review ${row.label}`}>Review</a>
           ${recordingAt(this.recordings.value ?? [], row.began_us) === undefined
             ? nothing
             : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.began_us)}`}>Recording</a>`}
@@ -185,6 +187,12 @@ export class PageSightings extends LitElement {
         </div>
       </t-sighting>
     </li>`;
+  }
+
+  /** Where it is shown large, with its clip. */
+  private reviewPathOf(row: SeenShape): string {
+    const day = this.clock().toInput(row.began_us).slice(0, 10);
+    return `${sitePath(this.site, "review")}?${new URLSearchParams({ day, all: "true", sighting: row.id, until: String(row.began_us) }).toString()}`;
   }
 
   // ── what can be chosen ──

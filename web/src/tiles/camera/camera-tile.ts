@@ -35,6 +35,7 @@ let films: Promise<boolean> | undefined;
 let breaks = 0;
 
 /**
+ * @slot over - lies over the picture, where that is `editing`
  * @fires t-picture after each picture: detail is when it was taken, on this page's clock, or null
  */
 @customElement("t-camera")
@@ -94,6 +95,9 @@ export class CameraTile extends LitElement {
   @property({ type: Boolean }) unblurrable = false;
   /** This person drives by this picture: it is never held back for what is seen on it. */
   @property({ type: Boolean }) driving = false;
+
+  /** Something is drawn over the picture, in the slot `over`. */
+  @property({ type: Boolean }) editing = false;
 
   /** Asked for anew with each page: nobody is shown more than they want by habit. */
   @state() private unblurred = false;
@@ -190,8 +194,9 @@ export class CameraTile extends LitElement {
       .marks=${this.marked.marks}
       .things=${this.objects.framedThings(things)}
       ?earlier=${this.seen?.standing === "earlier"}
+      ?editing=${this.editing}
       @t-fullscreen=${this.onFullScreenRequest}
-        >${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
+        ><slot name="over" slot="over"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
           this.marked.renderButton()
         }${
           this.blurred && this.stream !== ""

@@ -12,7 +12,7 @@ const OBSERVATORY = { observing: true, archived: true };
 test("what of a site has no place of its own in the navigation is behind the last one", () => {
   const more = morePlaces("agv", person, { observing: false, archived: false });
   expect(more.map(({ path }) => path)).toEqual(
-    ["/boards", ...["logbook", "notes", "missions", "anomalies", "sightings", "recordings", "cameras", "scene", "topics"].map((page) => `/sites/agv/${page}`)],
+    ["/boards", ...["logbook", "notes", "missions", "anomalies", "sightings", "review", "recordings", "cameras", "scene", "topics"].map((page) => `/sites/agv/${page}`)],
   );
   // Boards have a place beside the others where the window is wide.
   expect(more.filter(({ spared }) => spared).map(({ path }) => path)).toEqual(["/boards"]);

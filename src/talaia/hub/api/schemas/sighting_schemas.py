@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import BaseModel, Field
 
 from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
@@ -13,6 +15,10 @@ __all__ = [
     "PathPlace",
     "PictureMarkShape",
     "PicturePlace",
+    "ReviewDay",
+    "ReviewDays",
+    "SeenAsk",
+    "SeenMarks",
     "SeenShape",
     "SightingLabels",
     "SightingList",
@@ -90,9 +96,38 @@ class SeenShape(BaseModel):
     began_us: int
     ended_us: int | None = Field(description="when it was seen last; null while it is in sight")
     picture: bool = Field(description="whether there is a picture of a moment of it")
+    seen: bool = Field(default=False, description="whether the person has looked at it")
     story: StoryShape | None = Field(
         description="what it did; null of what was seen before things were followed"
     )
+
+
+class SeenAsk(BaseModel):
+    """Mark sightings as looked at, or as not, for the person who asks."""
+
+    ids: list[Annotated[str, Field(pattern=r"^\d{1,18}$")]] = Field(min_length=1, max_length=500)
+    seen: bool = True
+
+
+class SeenMarks(BaseModel):
+    """The sightings that were marked: those of the ones asked for whose camera may be seen."""
+
+    ids: list[str]
+
+
+class ReviewDay(BaseModel):
+    """What a camera saw on a day."""
+
+    day: str = Field(description="in the site's time zone, ``2026-11-26``")
+    camera: str
+    count: int
+    unseen: int = Field(description="how many of them the person has not looked at")
+
+
+class ReviewDays(BaseModel):
+    """The newest day first, and cameras by their addresses."""
+
+    days: list[ReviewDay]
 
 
 class SightingList(BaseModel):

@@ -1,4 +1,7 @@
-"""What a detector would have said of stored history, tried before it is switched on."""
+"""What a detector would have said of stored history, tried before it is switched on.
+
+Long, because what is tried, how far a test is, and what it may take of the machine is one matter.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,16 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from talaia.errors import TalaiaError
 from talaia.hub.anomaly.episode_runner import AnomalyEnded
 from talaia.hub.live.detection.past_rows import read_past_rows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from talaia.hub.anomaly.episode_runner import AnomalyBegan, EpisodeRunner
     from talaia.hub.anomaly.groups.group_runner import GroupRunner
@@ -41,6 +48,8 @@ MOST_RUNNING, _MOST_KEPT = 2, 20
 _MOST_ANOMALIES, _PARTS = 200, 300
 # It computes so long and lets all else have as long: half of a core at the most.
 _SLICE_S = 0.001
+# Rows that are looked at between two glances at the clock.
+_ROWS = 256
 
 
 class TestState(StrEnum):
@@ -75,8 +84,15 @@ class PastTrial(Protocol):
         """The detector, as it is at work live."""
         ...
 
-    def see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
-        """Look at the next row, NaN where nothing came."""
+    def see_rows(
+        self, times: NDArray[np.int64], rows: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
+        """Look at the next rows (n,), (n, addresses), NaN where nothing came.
+
+        Returns:
+            The score after each (n,), and what began and ended.
+
+        """
         ...
 
 
@@ -92,10 +108,14 @@ class SignalTrial:
         # Twice its learning, for a signal may come seldom.
         self.learns_us = 2 * runner.learning * self.step_us
 
-    def see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
-        """See `PastTrial.see_row`."""
-        silent = self.runner.score_silence(time_us)
-        return self.runner.score_sample(time_us, row[0]) or silent
+    def see_rows(
+        self, times: NDArray[np.int64], rows: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
+        """See `PastTrial.see_rows`; of silence no detector that can be tried has an opinion."""
+        there = np.isfinite(rows[:, 0])
+        scores = np.full(len(times), self.runner.score)
+        scores[there], turns = self.runner.score_many(times[there], rows[there, 0])
+        return scores, turns
 
 
 class GroupTrial:
@@ -114,8 +134,19 @@ class GroupTrial:
         self.learns_us = group.group.learn * self.step_us
         self._state = -1
 
-    def see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
-        """See `PastTrial.see_row`."""
+    def see_rows(
+        self, times: NDArray[np.int64], rows: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
+        """See `PastTrial.see_rows`."""
+        scores = np.empty(len(times))
+        turns: list[AnomalyBegan | AnomalyEnded] = []
+        for at, (time_us, row) in enumerate(zip(times.tolist(), rows.tolist(), strict=True)):
+            turn = self._see_row(time_us, row)
+            turns += [] if turn is None else [turn]
+            scores[at] = self.runner.score
+        return scores, turns
+
+    def _see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
         values = row
         if self._has_state:
             values, state = row[:-1], row[-1]
@@ -175,20 +206,27 @@ class BackTest:
         begin = self.from_us - self.trial.learns_us
         return min(1.0, max(0.0, (self.done_us - begin) / max(1, self.to_us - begin)))
 
-    def see_row(self, time_us: int, row: Sequence[float]) -> None:
-        """Look at the next row."""
-        before = self.trial.runner.learning
-        turn = self.trial.see_row(time_us, row)
-        if time_us < self.from_us:
+    def see_rows(self, times: NDArray[np.int64], rows: NDArray[np.float64]) -> None:
+        """Look at the next rows: times (µs) (n,), values (n, addresses)."""
+        first = int(np.searchsorted(times, self.from_us))
+        if first:
+            self._take_turns(self.trial.see_rows(times[:first], rows[:first])[1])
+        if first == len(times):
             return
         if not self.rows:
-            self.learning = before
-        self.rows += 1
-        runner = self.trial.runner
-        part = min(_PARTS - 1, (time_us - self.from_us) * _PARTS // (self.to_us - self.from_us))
-        self.scores[part] = max(self.scores[part], runner.score)
-        if isinstance(turn, AnomalyEnded):
-            self.take_ended(turn)
+            self.learning = self.trial.runner.learning
+        scores, turns = self.trial.see_rows(times[first:], rows[first:])
+        self.rows += len(scores)
+        parts = (times[first:] - self.from_us) * _PARTS // (self.to_us - self.from_us)
+        for part in np.unique(parts).tolist():
+            at = min(_PARTS - 1, part)
+            self.scores[at] = max(self.scores[at], float(scores[parts == part].max()))
+        self._take_turns(turns)
+
+    def _take_turns(self, turns: Sequence[AnomalyBegan | AnomalyEnded]) -> None:
+        for turn in turns:
+            if isinstance(turn, AnomalyEnded):
+                self.take_ended(turn)
 
     def take_ended(self, ended: AnomalyEnded) -> None:
         """Note an anomaly; one that was over before the window is none of it."""
@@ -274,14 +312,16 @@ class BackTests:
             step_us=trial.step_us,
         )
         async for part in parts:
-            began = time.perf_counter()
-            for time_us, row in zip(part.time_us.tolist(), part.values.tolist(), strict=True):
-                test.see_row(time_us, row)
-                spent = time.perf_counter() - began
-                if spent > _SLICE_S:
-                    test.cpu_s += spent
-                    test.done_us = time_us
-                    await asyncio.sleep(spent)
-                    began = time.perf_counter()
-            test.cpu_s += time.perf_counter() - began
+            waited_for = 0.0
+            for first in range(0, len(part.time_us), _ROWS):
+                began = time.perf_counter()
+                times = part.time_us[first : first + _ROWS]
+                test.see_rows(times, part.values[first : first + _ROWS])
+                waited_for += time.perf_counter() - began
+                if waited_for > _SLICE_S:
+                    test.cpu_s += waited_for
+                    test.done_us = int(times[-1])
+                    await asyncio.sleep(waited_for)
+                    waited_for = 0.0
+            test.cpu_s += waited_for
             test.done_us = part.past_us

@@ -11,15 +11,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import and_, delete, func, insert, or_, select, update
+import msgspec
+from sqlalchemy import and_, delete, exists, func, insert, or_, select, update
 
 from talaia.hub.store.audit import append_entries
-from talaia.hub.store.tables import sightings
+from talaia.hub.store.tables import seen_sightings, sightings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
 
-    from sqlalchemy import Row
+    from sqlalchemy import ColumnElement, Row
     from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.hub.store.audit import AuditEntry
@@ -102,6 +103,8 @@ class SightingsAsked:
         cameras: only by one of these.
         open: only those that are in sight, or are not.
         before: only what began before this one did.
+        zone: only what was in a zone of this name, or crossed a line of it.
+        unseen_by: only what this person has not looked at.
 
     """
 
@@ -111,6 +114,8 @@ class SightingsAsked:
     label: str = ""
     open: bool | None = None
     before: int | None = None
+    zone: str = ""
+    unseen_by: int | None = None
 
 
 class SightingStore:
@@ -187,6 +192,12 @@ class SightingStore:
             said.append(column.label == asked.label)
         if asked.open is not None:
             said.append(column.ended_us == 0 if asked.open else column.ended_us != 0)
+        if asked.zone:
+            said.append(_tells_of(asked.zone))
+        if asked.unseen_by is not None:
+            mark = seen_sightings.c
+            seen = exists().where(mark.sighting_id == column.id, mark.user_id == asked.unseen_by)
+            said.append(~seen)
         async with self._database.read() as connection:
             if asked.before is not None:
                 last = (
@@ -282,6 +293,16 @@ class SightingStore:
 _AT_ONCE = 500
 _SAID = Sighted._fields[:-1]
 _COLUMNS = tuple(_table.c[name] for name in ("id", *_SAID, "noted_us", "pictured"))
+
+
+def _tells_of(name: str) -> ColumnElement[bool]:
+    """Match stories with a zone or a line of a name, as `story_text` writes it."""
+    word = msgspec.json.encode(name).decode()
+    # Within the JSON a quotation mark of another text is escaped, so this is a key and its value.
+    return or_(
+        _table.c.story.contains(f'"zone":{word}', autoescape=True),
+        _table.c.story.contains(f'"line":{word}', autoescape=True),
+    )
 
 
 def _row_to_sighting(row: Row[Any]) -> Kept:

@@ -9,7 +9,7 @@ from talaia.hub.store.migrations import steps
 from talaia.hub.store.migrations.steps import BIG, ID, LONG, NAME
 
 revision = "0040"
-down_revision = "0038"
+down_revision = "0039"
 branch_labels = None
 depends_on = None
 

@@ -1,0 +1,85 @@
+"""Many samples at once are judged as one by one."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from talaia.hub.anomaly.kinds import KINDS
+from talaia.hub.anomaly.rarity import Rarity
+from talaia.hub.anomaly.runner import DetectorRunner
+from talaia.model.alarms.anomaly import DetectorKind, Watch
+
+BEGAN = 1_700_000_000_000_000
+SECOND = 1_000_000
+
+
+def signal(seed: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Make a signal with noise, steps, a stretch that stands still, a spike and gaps."""
+    rng = np.random.default_rng(seed)
+    steps = rng.choice([1, 1, 1, 1, 2, 400], count) * SECOND
+    times = BEGAN + np.cumsum(steps)
+    values = 20 + 3 * np.sin(np.arange(count) / 300) + rng.normal(0, 0.2, count)
+    values[count // 2 : count // 2 + 40] += 6
+    values[2 * count // 3 : 2 * count // 3 + 60] = 21.5
+    values[-count // 5] = 1e9
+    values[: count // 4] = np.round(values[: count // 4], 1)
+    return times, values
+
+
+def in_parts(times: np.ndarray, values: np.ndarray, seed: int):
+    """Cut samples into parts of many lengths."""
+    rng = np.random.default_rng([seed, 1])
+    cuts = np.cumsum(rng.choice([1, 3, 64, 128, 500], len(times)))
+    edges = [0, *cuts[cuts < len(times)].tolist(), len(times)]
+    for first, upto in itertools.pairwise(edges):
+        yield times[first:upto], values[first:upto]
+
+
+@pytest.mark.parametrize("kind", ["change", "nearest", "season", "together", "baseline", "iqr"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_detector_scores_many_samples_as_one_by_one_and_knows_the_same_afterwards(kind, seed):
+    times, values = signal(seed, 3_000)
+    one, many = KINDS[kind].make(), KINDS[kind].make()
+    expected = [one.see(int(at), float(value)) for at, value in zip(times, values, strict=True)]
+    found = np.concatenate([many.see_many(*part) for part in in_parts(times, values, seed)])
+    assert np.abs(found - expected).max() < 1e-9
+    assert one.why() == many.why()
+    # And goes on alike.
+    at, value = int(times[-1]) + SECOND, 22.0
+    assert many.see(at, value) == pytest.approx(one.see(at, value), abs=1e-9)
+
+
+def test_rarities_keep_their_state_to_the_last_bit_over_a_rescaling():
+    rng = np.random.default_rng(3)
+    # A short memory grows its weights so fast that they are scaled down many times.
+    one, many = Rarity(memory=3.0), Rarity(memory=3.0)
+    magnitudes = np.abs(rng.normal(0, 1, 5_000)) * 10.0 ** rng.integers(-18, 4, 5_000)
+    expected = [one.rate_magnitude(float(each)) for each in magnitudes]
+    found = many.rate_many(magnitudes)
+    assert np.abs(found - expected).max() < 1e-9
+    assert (one.weight, one.seen) == (many.weight, many.seen)
+    assert (one.bins == many.bins).all()
+
+
+@pytest.mark.parametrize("kind", ["together", "change", "iqr", "limits"])
+def test_anomalies_begin_and_end_at_the_same_samples_with_the_same_words(kind):
+    times, values = signal(4, 4_000)
+    watch = Watch(detector=DetectorKind(kind), maximum=25.0 if kind == "limits" else None)
+    one, many = (DetectorRunner("base/speed", "m/s", watch) for _ in range(2))
+    expected = [
+        turn
+        for at, value in zip(times, values, strict=True)
+        if (turn := one.score_sample(int(at), float(value))) is not None
+    ]
+    found = [turn for part in in_parts(times, values, 4) for turn in many.score_many(*part)[1]]
+    assert len(expected) > 0
+    assert [type(each) for each in found] == [type(each) for each in expected]
+    for ours, theirs in zip(found, expected, strict=True):
+        assert ours.why == theirs.why
+        assert ours.score == pytest.approx(theirs.score, abs=1e-9)
+    whole = [getattr(each, "began_us", 0) or each.time_us for each in expected]
+    assert [getattr(each, "began_us", 0) or each.time_us for each in found] == whole
+    assert (one.episodes.since, one.learning) == (many.episodes.since, many.learning)
