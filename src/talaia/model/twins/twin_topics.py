@@ -84,13 +84,10 @@ def twins_of(site: Site) -> dict[str, tuple[str, Twin]]:
     }
 
 
-def twin_drive(site: Site, name: str, twin: Twin) -> Drive | None:
+def twin_drive(real: Drive, name: str) -> Drive:
     """Give how a twin is driven: as its device, on a topic of its own and without a STOP of it."""
-    real = site.devices.get(twin.of)
-    if real is None or real.drive is None:
-        return None
     return msgspec.structs.replace(
-        real.drive,
+        real,
         topic=velocity_topic(name),
         message=DriveMessage.TWIST,
         keys=Keys(),
@@ -108,8 +105,7 @@ def position_source(site: Site, device: str) -> RosSource | None:
         return None
     signal = site.signal(described.drive.position)
     source = None if signal is None else signal.source
-    fits = isinstance(source, RosSource) and source.type == ODOMETRY
-    return source if fits else None
+    return source if isinstance(source, RosSource) and source.type == ODOMETRY else None
 
 
 def signal_text(name: str, key: str) -> str:

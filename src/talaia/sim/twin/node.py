@@ -178,9 +178,7 @@ class TwinNode:
             2.0 * (turned.w * turned.z + turned.x * turned.y),
             1.0 - 2.0 * (turned.y**2 + turned.z**2),
         )
-        state = VehicleState(
-            pose.position.x, pose.position.y, yaw, twist.linear.x, twist.angular.z
-        )
+        state = VehicleState(pose.position.x, pose.position.y, yaw, twist.linear.x, twist.angular.z)
         self._frame = message.header.frame_id or self._frame
         with self._lock:
             self._follower.hear_robot(state, now)

@@ -111,10 +111,11 @@ def _run_twin(site: Site, name: str, start: Start, *, house: int | None) -> None
         from talaia.sim.vehicle.world import World
 
     twin = site.devices[name].twin
-    assert twin is not None, "chosen from the twins"
-    drive, odometry = site.devices[twin.of].drive, position_source(site, twin.of)
-    assert drive is not None, "checked with the description"
-    assert odometry is not None, "checked with the description"
+    drive = None if twin is None else site.devices[twin.of].drive
+    odometry = None if twin is None else position_source(site, twin.of)
+    # The check has seen to it; without it the twin would stand and say nothing.
+    if twin is None or drive is None or odometry is None:
+        raise NoTwin(f"{name!r} cannot be run; see: talaia check")
     world = World(
         house or 0,
         friction=twin.friction,

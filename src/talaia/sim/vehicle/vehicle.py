@@ -9,7 +9,15 @@ import mujoco
 
 from talaia.sim.vehicle.scene import HULL_GROUP, Finish, SceneBuilder
 
-__all__ = ["BODY", "CAMERA", "CAMERA_FIELD", "LIDAR_HEIGHT", "RADIUS", "add_vehicle", "set_friction"]
+__all__ = [
+    "BODY",
+    "CAMERA",
+    "CAMERA_FIELD",
+    "LIDAR_HEIGHT",
+    "RADIUS",
+    "add_vehicle",
+    "set_friction",
+]
 
 BODY = "vehicle"
 CAMERA = "front"
