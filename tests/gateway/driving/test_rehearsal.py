@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -43,7 +44,7 @@ def test_verdicts_are_bounded_and_stand_on_the_path(walk: list[tuple[FloorPose, 
     assert all(place < len(rehearsal.path) for place in places)
     # Neighbours differ: only changes are told.
     whys = [one.why for one in rehearsal.verdicts]
-    assert all(one != other for one, other in zip(whys, whys[1:], strict=False))
+    assert all(one != other for one, other in pairwise(whys))
 
 
 def test_a_way_that_is_free_needs_no_word() -> None:

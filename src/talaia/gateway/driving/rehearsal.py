@@ -43,7 +43,7 @@ class Rehearsal:
         return self._seconds
 
     @property
-    def path(self) -> list[tuple[float, float, float]]:
+    def path(self) -> list[FloorPose]:
         """The way that it went: at most `MOST_POSES` poses, the newest last."""
         newest = [] if self._newest is None or self._newest in self._kept[-1:] else [self._newest]
         return [*self._kept, *newest]

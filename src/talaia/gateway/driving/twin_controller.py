@@ -185,7 +185,7 @@ class TwinController:
                 live=self.live is not None,
                 who="" if self.live is None else self.live.who,
                 why=self._why,
-                path=self.rehearsal.path,
+                path=[number for pose in self.rehearsal.path for number in pose],
                 metres=self.rehearsal.metres,
                 seconds=self.rehearsal.seconds,
                 verdicts=self.rehearsal.verdicts,

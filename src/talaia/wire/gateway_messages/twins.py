@@ -55,7 +55,8 @@ class RehearsalVerdict(Message, frozen=True, kw_only=True, tag="verdict"):
     share: float = 1.0
 
 
-_Poses = Annotated[list[tuple[float, float, float]], Meta(max_length=MOST_POSES)]
+# x, y and heading of one pose after the other.
+_Poses = Annotated[list[float], Meta(max_length=3 * MOST_POSES)]
 _Verdicts = Annotated[list[RehearsalVerdict], Meta(max_length=MOST_VERDICTS)]
 
 
@@ -68,7 +69,8 @@ class TwinFields(Message, frozen=True, kw_only=True):
         live: what is driven in the twin goes to the robot.
         who: has switched it on; empty while it is off.
         why: why it is off, or why the last frame was refused; empty when all is well.
-        path: poses of the rehearsal, m and rad in the robot's odometry frame, the newest last.
+        path: of the rehearsal: x, y (m) and heading (rad) of one pose after the other, in the
+            robot's odometry frame, the newest last.
         metres: that it was driven.
         seconds: since it began.
         verdicts: each where it changed, in order of the path.
