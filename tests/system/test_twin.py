@@ -249,12 +249,8 @@ async def stopped(stack: TwinStack, person: TwinPage) -> None:
     await person.renew()
     await person.say(reset)
     token = (await person.sees(browser.ResetTokenUpdate, since=since)).token
-    await person.say(
-        browser.PageReset(site=SITE, device="base", epoch=person.epoch, token=token)
-    )
-    await person.sees(
-        browser.StopUpdate, lambda news: not news.latched, since=since
-    )
+    await person.say(browser.PageReset(site=SITE, device="base", epoch=person.epoch, token=token))
+    await person.sees(browser.StopUpdate, lambda news: not news.latched, since=since)
     assert not person.twin().live
 
 
