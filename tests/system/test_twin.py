@@ -222,6 +222,7 @@ async def sent_as_a_goal(stack: TwinStack, person: TwinPage) -> None:
     await person.ask("base", "goal", frame="odom", x=x, y=y, qz=1.0, qw=0.0)
     await until(lambda: person.newest("base/pose.x") == pytest.approx(x, abs=0.1), what="there")
     assert stack.moved_by("goal_pose", told)
+    await person.ask("twin", "follow")
     await person.mode(FOLLOWING)
 
 

@@ -157,7 +157,10 @@ def test_a_robot_that_moves_ends_a_rehearsal_that_nobody_drives() -> None:
     body.live_on(real)
     body.follower.drive_alone(0.2, 0.0, body.now_ns)
     moving = VehicleState(0.5, 0, 0, 0.2)
-    body.live_on(moving, 90)
+    body.live_on(moving, 60)
+    # The zeros after a hold are no driving.
+    body.follower.drive_alone(0.0, 0.0, body.now_ns)
+    body.live_on(moving, 30)
     assert body.follower.mode is TwinMode.REHEARSING
     body.live_on(moving, 30)
     assert body.follower.mode is TwinMode.FOLLOWING

@@ -92,6 +92,8 @@ class TwinFollower:
         # What the robot was told, and the twin alone: speed, turn, and when (monotonic).
         self._told: tuple[float, float, int] | None = None
         self._driven: tuple[float, float, int] | None = None
+        # When the twin alone was last told to move; zeros are no driving.
+        self._moved_ns = 0
         # Since when the error is beyond the limits; none while it is not.
         self._beyond_ns: int | None = None
 
@@ -112,6 +114,8 @@ class TwinFollower:
         if self.mode is TwinMode.FOLLOWING and (speed or turn):
             self.mode = TwinMode.REHEARSING
         self._driven = (speed, turn, now_ns)
+        if speed or turn:
+            self._moved_ns = now_ns
 
     def follow_robot(self) -> None:
         """End a rehearsal: the twin is put where the robot is."""
@@ -160,9 +164,8 @@ class TwinFollower:
         return difference_of(self._real, twin)
 
     def _end_idle_rehearsal(self, real: VehicleState, now_ns: int) -> None:
-        driven_ns = 0 if self._driven is None else self._driven[2]
         moves = abs(real.speed) > MOVING or abs(real.turn) > 10 * MOVING
-        if moves and now_ns - driven_ns > IDLE_NS:
+        if moves and now_ns - self._moved_ns > IDLE_NS:
             self.mode = TwinMode.WAITING
 
     def _is_lost(self, error: Difference, now_ns: int) -> bool:
