@@ -24,7 +24,7 @@ from .stack import SITE, Process, Stack, finish, until
 pytestmark = pytest.mark.robot
 
 DESCRIPTION = (
-    (Path(__file__).parents[2] / "examples" / "twin" / "site.yaml")
+    (Path(__file__).parents[2] / "examples" / "agv" / "with_twin.yaml")
     .read_text()
     .replace("site: twin", f"site: {SITE}")
 )

@@ -7,17 +7,24 @@ from pathlib import Path
 import pytest
 
 from talaia.model.checks.site_checks import check_site
+from talaia.model.discovery.role_proposal import roles_of
 from talaia.model.twins.twin_topics import device_text, twin_drive
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-TEXT = (EXAMPLES / "twin" / "site.yaml").read_text()
+TEXT = (EXAMPLES / "agv" / "with_twin.yaml").read_text()
 TWIN = "{of: base, friction: 0, track_width: 0.16, reset_beyond: 0.5}"
 
 
 def problems(before: str, after: str) -> list[str]:
     assert before in TEXT
     return [one.problem for one in check_site(load_site(TEXT.replace(before, after)))]
+
+
+def test_a_twin_is_no_second_robot_for_pages_that_look_for_roles() -> None:
+    roles = roles_of(load_site(TEXT).devices["twin"])
+    assert not roles.signals
+    assert not roles.commands
 
 
 def test_the_example_can_be_run() -> None:
@@ -69,7 +76,7 @@ def test_what_the_gateway_decides_by_is_read_from_the_twins_own_topics() -> None
 
 
 def test_a_twin_is_driven_within_the_robots_limits_and_has_no_stop() -> None:
-    real = read_site(EXAMPLES / "twin" / "site.yaml").devices["base"].drive
+    real = read_site(EXAMPLES / "agv" / "with_twin.yaml").devices["base"].drive
     assert real is not None
     driven = twin_drive(real, "twin")
     assert driven.topic == "/twin/cmd_vel"
