@@ -56,6 +56,9 @@ COMMANDS = {
         "talaia.gateway.program", "the process that connects a robot to the hub", "ros2"
     ),
     "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
+    "twin": Subcommand(
+        "talaia.sim.twin.run", "the simulated vehicle beside the real one, following it", "sim"
+    ),
     "account": Subcommand("talaia.cli.account", "create or change an account", "hub"),
     "enrol": Subcommand("talaia.cli.enrol", "create a gateway's key", "hub"),
     "audit": Subcommand("talaia.cli.auditing.main", "verify a hub's audit log", "hub"),
@@ -155,7 +158,7 @@ def _needs_ros(arguments: Sequence[str]) -> bool:
     """Tell whether a command will import ROS 2; where this says no, it is found out later."""
     if arguments[0] != "gateway":
         # What these start inherits it.
-        return arguments[0] in {"demo", "sim", "up"}
+        return arguments[0] in {"demo", "sim", "twin", "up"}
     for word in arguments[1:]:
         # Of a gateway's words only its description is a file of YAML.
         if word.endswith((".yaml", ".yml")) and Path(word).is_file():

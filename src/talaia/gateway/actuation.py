@@ -20,6 +20,7 @@ from talaia.gateway.driving.control_timer import ControlTimer
 from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.driving.stop_writer import StopWriter
+from talaia.gateway.driving.twin_service import TwinService
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.renames import changed_devices
 
@@ -43,6 +44,7 @@ class Actuation:
     Attributes:
         interlocks: say what may not be done now.
         driving: driving, leases and STOP.
+        twins: where what is driven in digital twins goes.
         timer: keeps the time of both; to be touched after anything that concerns them.
         commands: commands, each to its end.
         sequences: commands that the gateway gives by itself.
@@ -102,7 +104,10 @@ class Actuation:
             interlocks=interlocks,
         )
         # One timer for driving and STOP; it sleeps until the next moment at which something is due.
-        self.timer = ControlTimer(asyncio.get_running_loop(), clock, self.driving)
+        self.twins = TwinService(
+            site=site, driving=self.driving, readings=readings, output=output, clock=clock
+        )
+        self.timer = ControlTimer(asyncio.get_running_loop(), clock, self.twins)
         guard = InterlockGuard(interlocks, clock)
         self.commands = CommandService(
             site=site,
@@ -144,5 +149,7 @@ class Actuation:
         devices, self._site = changed_devices(self._site, site), site
         # Interlocks first: driving and commands ask them in the same turn.
         self.interlocks.redescribe(site, self._clock.monotonic_ns())
+        # While the controllers are those that twins have driven.
+        self.twins.redescribe(site)
         self.driving.redescribe(site, devices)
         self.commands.redescribe(site)

@@ -57,6 +57,9 @@ FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
     browser.PageLease: AccessNeed.USE,
     browser.PageLeaseForce: AccessNeed.ADMIN,
     browser.PageDrive: AccessNeed.USE,
+    # The rights of the real device: it is what the twin may move.
+    browser.PageTwin: AccessNeed.USE,
+    browser.PageTwinDrive: AccessNeed.USE,
     # Whoever may look at a device may stop it.
     browser.PageStop: AccessNeed.VIEW,
     browser.PageReset: AccessNeed.USE,
@@ -81,6 +84,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     # Told to the holder of a lease only, and says no more than a number.
     browser.TickUpdate: AccessNeed.SEE,
     browser.DriveUpdate: AccessNeed.VIEW,
+    browser.TwinUpdate: AccessNeed.VIEW,
     browser.StopUpdate: AccessNeed.VIEW,
     browser.HeldStopUpdate: AccessNeed.VIEW,
     browser.ResetTokenUpdate: AccessNeed.USE,
@@ -124,6 +128,7 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.LeaseState,
         frames.ControlTick,
         frames.DriveState,
+        frames.TwinState,
         frames.StopState,
         frames.ResetToken,
         frames.CommandState,
@@ -168,6 +173,8 @@ TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.LeaseRequest,
         frames.LeaseForceRequest,
         frames.DriveFrame,
+        frames.TwinFrame,
+        frames.TwinRequest,
         frames.StopRequest,
         frames.ResetRequest,
         frames.CommandRequest,
@@ -246,7 +253,14 @@ BEFORE_FACTOR = frozenset(
 
 # What no script says over a page's socket, whatever its token may: it drives by its own, as a tool.
 NOT_BY_SCRIPT = frozenset(
-    {browser.PageLease, browser.PageLeaseForce, browser.PageDrive, browser.PageReset}
+    {
+        browser.PageLease,
+        browser.PageLeaseForce,
+        browser.PageDrive,
+        browser.PageTwin,
+        browser.PageTwinDrive,
+        browser.PageReset,
+    }
 )
 
 # All that a display says over a page's socket. It presses no STOP either: nobody knows who stands

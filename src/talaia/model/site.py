@@ -45,6 +45,7 @@ from talaia.model.night_section import NightSection  # noqa: TC001 - msgspec rea
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
 from talaia.model.topics import TopicRule, blurred_topics
+from talaia.model.twins.twin import Twin  # noqa: TC001 - msgspec reads it
 
 __all__ = [
     "NEVER_STALE_S",
@@ -318,6 +319,7 @@ class Device(Shape, frozen=True, kw_only=True):
             by themselves.
         pointing: where it may not point, see `Pointing`.
         outlets: of a power device: what each outlet feeds, by its name; see `Outlet`.
+        twin: it is simulated, beside the device that is named there; see `Twin`.
 
     """
 
@@ -334,6 +336,7 @@ class Device(Shape, frozen=True, kw_only=True):
     link_loss: LinkLossPolicy | None = None
     pointing: Pointing | None = None
     outlets: dict[str, Outlet] = {}
+    twin: Twin | None = None
     visibility: Visibility = Visibility.VIEW
 
 
@@ -373,7 +376,7 @@ class Site(Shape, frozen=True, kw_only=True):
         boards: grids of tiles that the hub's pages offer, by name; see `Board`.
         shown_units: in which unit pages show values of another, ``°C: °F``, to who chose none.
         map: its local frame on Earth, zones and plans of floors; see `SiteMap`.
-        group: under which it stands among many sites; ``tags``: words by which it is found there.
+        group: under which it stands among many sites; ``tags``: words to find it there.
 
     """
 
@@ -467,13 +470,12 @@ class Site(Shape, frozen=True, kw_only=True):
     def safety_signals(self) -> frozenset[str]:
         """Name the signals that safety or the night goes by: their newest readings stay at hand."""
         # What says that a robot stands still after STOP.
-        confirming = {
-            address
-            for device in self.devices.values()
-            if device.drive is not None
-            for address in device.drive.stop.confirmed_by
-        }
+        drives = [device.drive for device in self.devices.values() if device.drive is not None]
+        confirming = {address for drive in drives for address in drive.stop.confirmed_by}
         watched = {a for one in self.interlocks.values() for c in one.when for a in c.signals()}
+        for name, device in self.devices.items():
+            if device.twin is not None:
+                watched |= {f"{name}/{signal}" for signal in ("pose", "mode", "pose_error")}
         for enclosure in self.enclosures.values():
             sensors = (*enclosure.closed, *enclosure.moving, *enclosure.opening)
             watched |= {sensor.signal for sensor in sensors}
@@ -495,6 +497,4 @@ def parts_of(signal: Signal) -> tuple[str, ...]:
     """
     if signal.type is not SignalType.POSITION:
         return ("",)
-    if signal.frame is PositionFrame.WGS84:
-        return ("lat", "lon", "alt")
-    return ("x", "y", "yaw")
+    return ("lat", "lon", "alt") if signal.frame is PositionFrame.WGS84 else ("x", "y", "yaw")

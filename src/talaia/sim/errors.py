@@ -5,6 +5,7 @@ SimError
 ├── CameraEnded       the drawing process ended before it could draw
 ├── NoFreeDomain      every ROS domain of this machine is taken
 ├── BadDomain         a ROS domain number that is not safe to use
+├── NoTwin            the description has no twin that could be run
 └── RosMissing        the ROS 2 Python packages cannot be imported
 """
 
@@ -12,7 +13,15 @@ from __future__ import annotations
 
 from talaia.errors import TalaiaError
 
-__all__ = ["BadDomain", "CameraEnded", "NoFreeDomain", "NoRenderer", "RosMissing", "SimError"]
+__all__ = [
+    "BadDomain",
+    "CameraEnded",
+    "NoFreeDomain",
+    "NoRenderer",
+    "NoTwin",
+    "RosMissing",
+    "SimError",
+]
 
 
 class SimError(TalaiaError):
@@ -88,6 +97,10 @@ class BadDomain(SimError):
     def __str__(self) -> str:
         """Say which numbers may be used."""
         return f"ROS domain {self.domain}: expected a number from {self.first} to {self.last}"
+
+
+class NoTwin(SimError):
+    """A description without the twin that was asked for; its text says what to do."""
 
 
 class RosMissing(SimError):

@@ -51,13 +51,17 @@ class Start:
         sys.stdout.flush()
 
 
-def run_robot(name: str, domain: int | None, run: Callable[[Start], None]) -> int:
+def run_robot(
+    name: str, domain: int | None, run: Callable[[Start], None], *, shared: bool = False
+) -> int:
     """Run a robot until SIGINT or SIGTERM.
 
     Args:
-        name: as it is called on the command line.
+        name: as it is called on the command line, after ``talaia``.
         domain: reserved by whoever starts us; none reserves a free one.
         run: builds it and runs it until `Start.ended`.
+        shared: the domain is that of a real robot, which may be on another machine: it is joined
+            as this machine's ROS joins it. None takes the environment's.
 
     Returns:
         0 after a signal, 1 when it cannot run here.
@@ -72,13 +76,17 @@ def run_robot(name: str, domain: int | None, run: Callable[[Start], None]) -> in
                 before = signal.signal(number, lambda *_: ended.set())
                 # Put back as they were, for a caller that goes on.
                 stack.callback(signal.signal, number, before)
-            if domain is None:
-                domain = stack.enter_context(reserve_domain()).domain
-            # For this process and whatever it starts.
-            os.environ.update(domain_environment(domain))
+            if shared:
+                domain = int(os.environ.get("ROS_DOMAIN_ID", "0")) if domain is None else domain
+                os.environ["ROS_DOMAIN_ID"] = str(domain)
+            else:
+                if domain is None:
+                    domain = stack.enter_context(reserve_domain()).domain
+                # For this process and whatever it starts.
+                os.environ.update(domain_environment(domain))
             run(Start(domain, ended, stack))
     except (SimError, OSError) as error:
-        sys.stderr.write(f"talaia sim {name}: {error}\n")
+        sys.stderr.write(f"talaia {name}: {error}\n")
         return 1
     return 0
 

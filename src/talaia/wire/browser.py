@@ -53,6 +53,8 @@ from talaia.wire.browser_messages.requests import (
     PagePing,
     PageReset,
     PageStop,
+    PageTwin,
+    PageTwinDrive,
     Subscribe,
     Unsubscribe,
 )
@@ -82,6 +84,7 @@ from talaia.wire.browser_messages.updates import (
     StopUpdate,
     Subscribed,
     TickUpdate,
+    TwinUpdate,
     Values,
 )
 
@@ -124,6 +127,8 @@ __all__ = [
     "PagePong",
     "PageReset",
     "PageStop",
+    "PageTwin",
+    "PageTwinDrive",
     "PictureShown",
     "RequestError",
     "ResetTokenUpdate",
@@ -142,6 +147,7 @@ __all__ = [
     "TopicShown",
     "TopicToBrowser",
     "TopicUpdate",
+    "TwinUpdate",
     "Unsubscribe",
     "Values",
     "ViewerAttention",

@@ -127,6 +127,15 @@ from talaia.wire.gateway_messages.taps import (
     TopicEntry,
     TopicList,
 )
+from talaia.wire.gateway_messages.twins import (
+    MOST_POSES,
+    MOST_VERDICTS,
+    RehearsalVerdict,
+    TwinFrame,
+    TwinOp,
+    TwinRequest,
+    TwinState,
+)
 
 __all__ = [
     "FILES_FROM_GATEWAY",
@@ -140,6 +149,8 @@ __all__ = [
     "MAX_TOPICS",
     "MEDIA_FROM_GATEWAY",
     "MEDIA_FROM_HUB",
+    "MOST_POSES",
+    "MOST_VERDICTS",
     "PIECE",
     "Ack",
     "ArchiveOffer",
@@ -196,6 +207,7 @@ __all__ = [
     "ReconnectRequest",
     "RecorderState",
     "RecordingRequest",
+    "RehearsalVerdict",
     "RequestRevision",
     "RequestSync",
     "ResendRequest",
@@ -218,6 +230,10 @@ __all__ = [
     "TapSubscription",
     "TopicEntry",
     "TopicList",
+    "TwinFrame",
+    "TwinOp",
+    "TwinRequest",
+    "TwinState",
     "Welcome",
     "ZoneStay",
     "camera_address",

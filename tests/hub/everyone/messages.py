@@ -43,6 +43,20 @@ TRIALS: Mapping[type[Message], Trial] = {
         DEVICES,
         frames.DriveFrame,
     ),
+    browser.PageTwinDrive: Trial(
+        lambda site, device, _mark: browser.PageTwinDrive(
+            site=site, device=device, epoch=1, seq=1, tick=1, linear=0.5, angular=0.0, live=True
+        ),
+        DEVICES,
+        frames.TwinFrame,
+    ),
+    browser.PageTwin: Trial(
+        lambda site, device, _mark: browser.PageTwin(
+            site=site, device=device, epoch=1, op=frames.TwinOp.LIVE
+        ),
+        DEVICES,
+        frames.TwinRequest,
+    ),
     browser.PageStop: Trial(
         lambda site, device, mark: browser.PageStop(site=site, device=device, id=mark),
         DEVICES,

@@ -215,6 +215,7 @@ async def _drive(world: World, acting, about: str) -> None:
     await gateway.say(
         frames.DriveState(device=device, linear=0.5, angular=0.0, cap=1.0, why=hidden(about))
     )
+    await gateway.say(frames.TwinState(device=device, twin="twin", why=hidden(about)))
 
 
 async def _stop(world: World, acting, about: str) -> None:

@@ -154,3 +154,21 @@ def test_odd_time_steps_add_up() -> None:
     for _ in range(1000):
         world.step(0.0013, 0.2, 0.0)
     assert world.current_motion().x - start == pytest.approx(0.26, abs=0.002)
+
+
+def test_friction_costs_speed_as_its_share_of_the_motors_grip() -> None:
+    world = World(0, friction=40.0, furnished=False)
+    drive(world, 2.0, 0.2, 0.0)
+    assert world.current_motion().speed == pytest.approx(0.2 * 400 / 440, rel=0.01)
+
+
+def test_a_vehicle_that_is_moved_goes_on_as_fast_as_it_was() -> None:
+    world = World(0, furnished=False)
+    drive(world, 1.0, 0.2, 0.5)
+    before = world.current_motion()
+    world.move_vehicle(1.0, -2.0, 0.7)
+    after = world.current_motion()
+    assert (after.x, after.y) == pytest.approx((before.x + 1.0, before.y - 2.0))
+    assert after.speed == pytest.approx(before.speed)
+    assert after.slip == pytest.approx(before.slip)
+    assert after.turn == pytest.approx(before.turn)

@@ -105,6 +105,7 @@ export interface DeviceShape {
   readonly slew: SlewShape | null;
   readonly rights: readonly Right[];
   readonly unguarded: boolean;
+  readonly twin_of?: string;
 }
 
 /** How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software). */

@@ -5,11 +5,22 @@ export const PROTOCOL = 1;
 /** What is asked of the lease. */
 export type LeaseOp = "take" | "renew" | "free" | "ask" | "accept" | "deny";
 
+/** What is asked of a twin's switch. */
+export type TwinOp = "live" | "alone" | "clear";
+
 /** Where a one-shot command stands. The last five are final. */
 export type CommandPhase = "accepted" | "running" | "succeeded" | "failed" | "refused" | "cancelled" | "unknown";
 
 /** What the executor of a night does. */
 export type NightPhase = "disarmed" | "waiting" | "opening" | "observing" | "closed" | "calibrating" | "parking" | "fault";
+
+/** What the gateway would have said of driving the robot, from a pose of the rehearsal on. */
+export interface RehearsalVerdict {
+  readonly t: "verdict";
+  readonly at: number;
+  readonly why: string;
+  readonly share: number;
+}
 
 /** What one signal of a group has to do with an anomaly. */
 export interface AnomalyShare {
@@ -72,6 +83,30 @@ export interface PageDrive {
   readonly linear: number;
   readonly angular: number;
   readonly picture_ms: number;
+}
+
+/** Switch the twin of a device live or alone, or forget its rehearsal; needs the lease. */
+export interface PageTwin {
+  readonly t: "twin_ask";
+  readonly site: string;
+  readonly device: string;
+  readonly epoch: number;
+  readonly op: TwinOp;
+}
+
+/** What is driven in the twin of a device; see `frames.TwinFrame`. */
+export interface PageTwinDrive {
+  readonly t: "twin_drive";
+  readonly site: string;
+  readonly device: string;
+  readonly epoch: number;
+  readonly seq: number;
+  readonly tick: number;
+  readonly held_ms: number;
+  readonly linear: number;
+  readonly angular: number;
+  readonly picture_ms: number;
+  readonly live: boolean;
 }
 
 /** STOP (software). Repeat with the same id until `StopUpdate` with it comes. */
@@ -206,6 +241,21 @@ export interface DriveUpdate {
   readonly refused: number;
   readonly why: string;
   readonly sent: string;
+  readonly site: string;
+}
+
+/** How a twin's switch stands, and its rehearsal; see `frames.TwinState`. */
+export interface TwinUpdate {
+  readonly t: "twin_news";
+  readonly device: string;
+  readonly twin: string;
+  readonly live: boolean;
+  readonly who: string;
+  readonly why: string;
+  readonly path: readonly number[];
+  readonly metres: number;
+  readonly seconds: number;
+  readonly verdicts: readonly (RehearsalVerdict)[];
   readonly site: string;
 }
 
@@ -513,6 +563,8 @@ export type FromBrowser =
   | PageLease
   | PageLeaseForce
   | PageDrive
+  | PageTwin
+  | PageTwinDrive
   | PageStop
   | PageReset
   | PageCommand
@@ -528,6 +580,7 @@ export type ToBrowser =
   | LeaseUpdate
   | TickUpdate
   | DriveUpdate
+  | TwinUpdate
   | StopUpdate
   | HeldStopUpdate
   | ResetTokenUpdate
@@ -576,6 +629,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
   "lease_news",
   "tick",
   "drive_news",
+  "twin_news",
   "stop_news",
   "held_stop_news",
   "reset_key",
@@ -617,6 +671,8 @@ export const DEFAULTS = {
   lease: {},
   lease_force: {},
   drive: { held_ms: 0.0, picture_ms: -1.0 },
+  twin_ask: {},
+  twin_drive: { held_ms: 0.0, picture_ms: -1.0, live: false },
   stop: {},
   reset: { token: "" },
   command: { args: {}, units: {}, over: "" },
@@ -630,6 +686,7 @@ export const DEFAULTS = {
   lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false },
   tick: {},
   drive_news: { loop_ms: 0.0, accepted: 0, refused: 0, why: "", sent: "" },
+  twin_news: { live: false, who: "", why: "", path: [], metres: 0.0, seconds: 0.0, verdicts: [] },
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   held_stop_news: { id: "", held: 0, latched: 0, confirmed: 0 },
   reset_key: { token: "", refused: "" },

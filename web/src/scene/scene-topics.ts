@@ -54,6 +54,11 @@ export function chooseFixedFrame(has: (name: string) => boolean, roots: readonly
   return ["map", "odom", "world", "earth"].find(has) ?? roots[0] ?? "";
 }
 
+/** Frames of digital twins: the body of a robot under a name of its own, `twin/base_link` (REP-105 with a prefix). */
+export function ghostFrames(names: readonly string[]): readonly string[] {
+  return names.filter((name) => /^[^/]+\/base_link$/.test(name));
+}
+
 /** The robot's own frame, which a camera follows. */
 export function chooseRobotFrame(has: (name: string) => boolean, modelRoot: string): string {
   return ["base_footprint", "base_link"].find(has) ?? modelRoot;

@@ -3,7 +3,7 @@
  * and at each change; a page that is opened later must not begin without it.
  */
 
-import type { HeldStopUpdate, LeaseUpdate, StopUpdate } from "../generated/wire.js";
+import type { HeldStopUpdate, LeaseUpdate, StopUpdate, TwinUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 
 type RobotStateLine = Pick<Connection, "onMessage" | "onState">;
@@ -12,12 +12,14 @@ export class RobotState {
   private readonly leases = new Map<string, LeaseUpdate>();
   private readonly stops = new Map<string, StopUpdate>();
   private readonly heldStops = new Map<string, HeldStopUpdate>();
+  private readonly twins = new Map<string, TwinUpdate>();
 
   /** Listens for as long as the connection lives. */
   constructor(line: RobotStateLine) {
     line.onMessage("lease_news", (news) => this.leases.set(deviceKey(news.site, news.device), news));
     line.onMessage("stop_news", (news) => this.stops.set(deviceKey(news.site, news.device), news));
     line.onMessage("held_stop_news", (news) => this.heldStops.set(deviceKey(news.site, news.device), news));
+    line.onMessage("twin_news", (news) => this.twins.set(deviceKey(news.site, news.device), news));
     line.onMessage("site", (news) => {
       if (!news.online) this.removeSite(news.site);
     });
@@ -26,6 +28,7 @@ export class RobotState {
       this.leases.clear();
       this.stops.clear();
       this.heldStops.clear();
+      this.twins.clear();
     });
   }
 
@@ -47,8 +50,13 @@ export class RobotState {
     return this.heldStops.get(deviceKey(site, device));
   }
 
+  /** The switch and the rehearsal of a device's twin. */
+  twinOf(site: string, device: string): TwinUpdate | undefined {
+    return this.twins.get(deviceKey(site, device));
+  }
+
   private removeSite(site: string): void {
-    for (const known of [this.leases, this.stops, this.heldStops]) {
+    for (const known of [this.leases, this.stops, this.heldStops, this.twins]) {
       for (const [id, news] of known) if (news.site === site) known.delete(id);
     }
   }

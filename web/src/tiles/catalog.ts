@@ -109,8 +109,17 @@ export const CATALOG: Readonly<Record<DeviceShape["kind"], CatalogRow>> = {
   other: NOTHING_DRAWN,
 };
 
+const TWIN: CatalogRow = {
+  ...NOTHING_DRAWN,
+  load: () => import("./twin/twin-tile.js"),
+  render: ({ site, device, detail, line, online }) =>
+    html`<t-twin .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-twin>`,
+};
+
 /** The row of a device's tile; null where none is drawn for it. */
 export function deviceTile(device: DeviceShape): CatalogRow | null {
+  // What it is of says more than its kind: a twin of whatever kind is shown as one.
+  if ((device.twin_of ?? "") !== "") return TWIN;
   const row = CATALOG[device.kind];
   if (row.load === null) return null;
   const roles = new Set<string>([...device.signals, ...device.commands].map(({ role }) => role));

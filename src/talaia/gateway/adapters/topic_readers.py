@@ -21,7 +21,7 @@ from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.gateway.samples.source_stamps import StampReader
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
-from talaia.model.site import SignalType
+from talaia.model.site import SignalType, parts_of
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
@@ -223,6 +223,8 @@ class TopicPlan:
                 # Before the sampler: interlocks see every reading.
                 if row.tapped:
                     self._tap(row, message, values[0], mono_ns)
+                    if len(values) > 1:
+                        self._tap_parts(row, values, mono_ns)
             except FieldError as error:
                 self._report_unreadable(row.address, error)
                 # Only this signal: the others of the message are read all the same.
@@ -283,6 +285,11 @@ class TopicPlan:
         # None: no stamp has advanced yet, so nothing proves that the value is of now.
         if advanced_ns is not None:
             self._latest[row.address] = ChannelReading(value, advanced_ns, stamp_ns, mono_ns)
+
+    def _tap_parts(self, row: _Row, values: tuple[float, ...], mono_ns: int) -> None:
+        # Each by its own name: of a position the first alone would say little.
+        for part, value in zip(parts_of(row.signal), values, strict=True):
+            self._latest[f"{row.address}.{part}"] = ChannelReading(value, mono_ns)
 
     def _add(self, row: _Row, values: tuple[float, ...], time_us: int, into: SampleBuffer) -> None:
         if row.sampler is None or row.sampler.accept_sample(time_us, values):

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import asyncio
 
     from talaia.clock import Clock
-    from talaia.gateway.driving.drive_service import DriveService
 
 __all__ = ["ControlTimer"]
 
 
+class TimedControl(Protocol):
+    """Whoever has something to do at a time: driving, and twins with it."""
+
+    def due_ns(self) -> int | None:
+        """Give when `run_due` wants to be called next (monotonic); none while all rests."""
+        ...
+
+    def run_due(self) -> None:
+        """Do what is due now."""
+        ...
+
+
 class ControlTimer:
-    """Calls `DriveService.run_due` when it is due. One timer; none while all rests."""
+    """Calls `TimedControl.run_due` when it is due. One timer; none while all rests."""
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, clock: Clock, control: DriveService
+        self, loop: asyncio.AbstractEventLoop, clock: Clock, control: TimedControl
     ) -> None:
         """Start at rest; `reset_timer` after anything that may have changed what is due."""
         self._loop = loop

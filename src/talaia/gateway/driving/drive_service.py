@@ -132,8 +132,8 @@ class DriveService:
         controller = self.controllers.get(frame.device)
         if controller is not None:
             now = self._clock.monotonic_ns()
-            controller.bar_driving(self._barred_reason(frame.device, now), now)
-            controller.limit_speed(self._speed_share(frame.device, now))
+            controller.bar_driving(self.barred_reason(frame.device, now), now)
+            controller.limit_speed(self.speed_share(frame.device, now))
             controller.measured = self._motion.measured_velocity(controller.rule, now)
             controller.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
@@ -316,13 +316,14 @@ class DriveService:
         for controller in self.controllers.values():
             # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
             if controller.driving.moving:
-                controller.bar_driving(self._barred_reason(controller.device, now), now)
-                controller.limit_speed(self._speed_share(controller.device, now))
+                controller.bar_driving(self.barred_reason(controller.device, now), now)
+                controller.limit_speed(self.speed_share(controller.device, now))
             controller.run_due(now, partial(self._motion.standstill_proofs, controller.rule))
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
             self._send_tick(now)
 
-    def _barred_reason(self, device: str, now_ns: int) -> str:
+    def barred_reason(self, device: str, now_ns: int) -> str:
+        """Say why nobody may drive a device now; empty when somebody may."""
         if device in self._changing:
             return CHANGING
         if device in self._away:
@@ -331,7 +332,8 @@ class DriveService:
             return ""
         return self._interlocks.refusal_reason(device, "drive", now_ns)
 
-    def _speed_share(self, device: str, now_ns: int) -> float:
+    def speed_share(self, device: str, now_ns: int) -> float:
+        """Say at which share of its limits a device may be driven now, 0 to 1."""
         return 1.0 if self._interlocks is None else self._interlocks.speed_share(device, now_ns)
 
     def _anyone_holds(self) -> bool:

@@ -34,6 +34,8 @@ from talaia.wire.frames import (
     StreamSubscription,
     TapSubscription,
     TopicList,
+    TwinFrame,
+    TwinRequest,
 )
 
 if TYPE_CHECKING:
@@ -93,6 +95,7 @@ class MessageDispatcher:
         self._lanes = lanes  # Out to the hub.
         self._boot = boot  # Names this run in acknowledgements.
         self._control = actuation.driving  # Driving, leases and STOP.
+        self._twins = actuation.twins  # What is driven in digital twins.
         # The timer that must be set anew after anything that may have changed what is due.
         self._pacer = actuation.timer
         self._commanding = actuation.commands  # One-shot commands.
@@ -116,6 +119,7 @@ class MessageDispatcher:
         # STOP and leases first, then commands and devices: a page must see a stopped robot as
         # stopped.
         self._control.link_up()
+        self._twins.link_up()
         self._commanding.report_states()
         self._reachability.report_unreached()
         self._change_requests.link_up()
@@ -132,6 +136,7 @@ class MessageDispatcher:
             self._recorders.trigger_recording(Trigger.LINK_LOST, "the link to the hub was lost")
         self.linked.clear()
         # Before anything else of this list could take time.
+        self._twins.link_lost()
         self._control.link_lost()
         self._reporter.link_lost()
         self._pacer.reset_timer()
@@ -156,8 +161,14 @@ class MessageDispatcher:
                 return
             case DriveFrame():
                 self._control.handle_frame(message)
+            case TwinFrame():
+                self._twins.handle_frame(message)
+            case TwinRequest():
+                self._twins.handle_request(message)
             case StopRequest():
                 latched = self._control.stop_device(message)
+                # After the robot: STOP never waits for a twin, nor goes through it.
+                self._twins.stop_device(message.device)
                 if latched is not None:
                     # Stopped already; only its writing to disk is a task.
                     self._requests.spawn_task(self._control.keep_stop(message.device, latched))

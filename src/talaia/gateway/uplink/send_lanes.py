@@ -32,6 +32,7 @@ from talaia.wire.frames import (
     ResumeSaved,
     SightingReport,
     StopState,
+    TwinState,
 )
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ class SendPriority(IntEnum):
 _CONTROL = (
     StopState,
     DriveState,
+    TwinState,
     ControlTick,
     LeaseState,
     InterlockState,

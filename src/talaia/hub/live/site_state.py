@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         LeaseState,
         RecorderState,
         StopState,
+        TwinState,
     )
     from talaia.wire.gateway_proof import ResumeToken
 
@@ -238,6 +239,7 @@ class CurrentState:
     Attributes:
         leases: by device, with the moment it was heard (monotonic ns).
         drives: how each driven device moves, by device.
+        twins: the switch and the rehearsal of its twin, by the real device.
         interlocks: by name, with the moment it was heard (monotonic ns).
         unreached: devices that the gateway does not reach: why, and since when (µs, UTC).
         pending: commands sent down whose end is not known yet, by id.
@@ -248,6 +250,7 @@ class CurrentState:
 
     leases: dict[str, tuple[LeaseState, int]] = field(default_factory=dict)
     drives: dict[str, DriveState] = field(default_factory=dict)
+    twins: dict[str, TwinState] = field(default_factory=dict)
     interlocks: dict[str, tuple[InterlockState, int]] = field(default_factory=dict)
     unreached: dict[str, tuple[str, int]] = field(default_factory=dict)
     pending: dict[str, Pending] = field(default_factory=dict)
@@ -260,6 +263,7 @@ class CurrentState:
         """
         _keep_only(self.leases, description.devices)
         _keep_only(self.drives, description.devices)
+        _keep_only(self.twins, description.devices)
         _keep_only(self.unreached, description.devices)
         _keep_only(self.interlocks, description.interlocks)
 

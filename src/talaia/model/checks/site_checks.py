@@ -61,6 +61,7 @@ from talaia.model.list_texts import LIST_TYPES, parse_list
 from talaia.model.maps.map_checks import map_findings, tag_findings
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
+from talaia.model.twins.twin_checks import twin_findings
 from talaia.model.units.time_zones import known_zones
 from talaia.model.yaml_text.value_remedies import remedy_of_value, words_of_value
 from talaia.model.yaml_text.version import FORMAT
@@ -143,6 +144,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from boards_findings(site)
     yield from map_findings(site)
     yield from tag_findings(site)
+    yield from twin_findings(site)
     if site.recording is not None:
         yield from _check_recording(site, site.recording)
 

@@ -89,9 +89,12 @@ class PlaceArguments(NamedTuple):
 def roles_of(device: Device) -> DeviceRoles:
     """Give every role of a device. What the description says wins; the rest is proposed."""
     signals = SignalRoles(device)
-    signals.propose_roles()
+    # A twin is no second robot: pages that look for a robot's place or speed pass it over.
+    if device.twin is None:
+        signals.propose_roles()
     commands = CommandRoles(device, signals.roles)
-    commands.propose_roles()
+    if device.twin is None:
+        commands.propose_roles()
     return DeviceRoles(signals.roles, commands.roles)
 
 

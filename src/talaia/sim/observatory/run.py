@@ -89,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         # The other Python reads the same words once more.
         return run_ros1("ros1_shell", [word for word in words if word != "--ros1"])
-    return run_robot("observatory", options.domain, lambda start: _run_servers(options, start))
+    return run_robot("sim observatory", options.domain, lambda start: _run_servers(options, start))
 
 
 def _run_servers(options: argparse.Namespace, start: Start) -> None:

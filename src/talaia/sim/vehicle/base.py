@@ -1,7 +1,7 @@
 """Who moves the vehicle: commands, keys, wandering, STOP and the time-out. Pure: times come in.
 
 In order: STOP (latched until released) > a command from outside (``/cmd_vel``, ``/control``) >
-wandering. A command from outside ends wandering for good; it must be asked for again.
+a goal > wandering. A command from outside ends both for good; they must be asked for again.
 """
 
 from __future__ import annotations
@@ -9,8 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from talaia.clock import MS
+
+if TYPE_CHECKING:
+    from talaia.sim.vehicle.autonomy.goal import Goal
 
 __all__ = ["MAX_SPEED", "MAX_TURN", "STANDSTILL_NS", "Base", "Change", "MotionSource", "Ramp"]
 
@@ -39,6 +43,7 @@ class MotionSource(StrEnum):
     TWIST = "cmd_vel"
     KEY = "control"
     WANDER = "wander"
+    GOAL = "goal_pose"
     TIME_OUT = "timeout"
     STOP = "stop"
 
@@ -68,6 +73,8 @@ class Base:
         self._stopped = False
         # It drives about by itself until the next command from outside or STOP.
         self._wandering = wandering
+        # Where it drives by itself; none: nowhere.
+        self._goal: Goal | None = None
 
     @property
     def speed(self) -> float:
@@ -83,6 +90,11 @@ class Base:
     def wandering(self) -> bool:
         """Whether it drives about by itself."""
         return self._wandering
+
+    @property
+    def goal(self) -> Goal | None:
+        """Where it drives by itself."""
+        return self._goal
 
     @property
     def stopped(self) -> bool:
@@ -114,12 +126,30 @@ class Base:
             return None
         return self._want_velocity(Change(MotionSource.WANDER, speed, turn))
 
+    def set_goal(self, goal: Goal) -> bool:
+        """Take where it is to drive by itself; says whether that was accepted. STOP refuses it."""
+        if self._stopped or not all(map(math.isfinite, (goal.x, goal.y, goal.yaw))):
+            return False
+        self._wandering = False
+        self._commanded_ns = None
+        self._goal = goal
+        return True
+
+    def set_goal_velocity(self, velocity: tuple[float, float] | None) -> Change | None:
+        """Take how it would go to its goal, none when it is there; no effect without a goal."""
+        if self._goal is None:
+            return None
+        if velocity is None:
+            self._goal = None
+        return self._want_velocity(Change(MotionSource.GOAL, *(velocity or (0.0, 0.0))))
+
     def switch_wandering(self, *, on: bool) -> tuple[bool, Change | None]:
         """Turn wandering on or off; says whether that was accepted. STOP refuses it."""
         if on:
             if self._stopped:
                 return False, None
             self._wandering = True
+            self._goal = None
             return True, None
         was, self._wandering = self._wandering, False
         return True, self._want_velocity(Change(MotionSource.WANDER, 0.0, 0.0)) if was else None
@@ -130,6 +160,7 @@ class Base:
         if not engaged:
             return None
         self._wandering = False
+        self._goal = None
         self._commanded_ns = None
         return self._want_velocity(Change(MotionSource.STOP, 0.0, 0.0))
 
@@ -147,6 +178,7 @@ class Base:
         if self._stopped:
             return None
         self._wandering = False
+        self._goal = None
         self._commanded_ns = now_ns
         return self._want_velocity(change)
 

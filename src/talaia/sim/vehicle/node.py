@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from typing import TYPE_CHECKING, Any
 
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
+from talaia.sim.vehicle.autonomy.goal import Goal, choose_goal_velocity
 from talaia.sim.vehicle.base import Base, Change, Ramp
 from talaia.sim.vehicle.publishers import RELIABLE, VehiclePublishers
 from talaia.sim.vehicle.self_check import MotorHeat, check_vehicle, wheel_rates
@@ -63,6 +65,8 @@ class Inputs:
         self._lock = lock
         self._log = log
         self._clock = clock
+        # Where somebody has put it, for `Loop`, which alone touches the world.
+        self.placed: Goal | None = None
         # Tells the thread to end.
         self._ended = threading.Event()
         self._executor = SingleThreadedExecutor()
@@ -70,6 +74,10 @@ class Inputs:
         node.create_subscription(Twist, "/cmd_vel", self._on_twist, RELIABLE)
         node.create_subscription(String, "/control", self._on_key, RELIABLE)
         node.create_subscription(Bool, "/stop", self._on_stop, RELIABLE)
+        node.create_subscription(PoseStamped, "/goal_pose", self._on_goal, RELIABLE)
+        node.create_subscription(
+            PoseWithCovarianceStamped, "/set_pose", self._on_placement, RELIABLE
+        )
         node.create_service(SetBool, "/wander", self._wander)
         self._thread = threading.Thread(target=self._run_executor, name="inputs", daemon=True)
 
@@ -113,6 +121,13 @@ class Inputs:
     def _on_stop(self, message: Message) -> None:
         self._apply_change(lambda: self._base.latch_stop(engaged=message.data))
 
+    def _on_goal(self, message: Message) -> None:
+        with self._lock:
+            self._base.set_goal(_floor_pose(message.pose))
+
+    def _on_placement(self, message: Message) -> None:
+        self.placed = _floor_pose(message.pose.pose)
+
     def _wander(self, request: Message, response: Message) -> Message:
         with self._lock:
             accepted, change = self._base.switch_wandering(on=request.data)
@@ -123,6 +138,13 @@ class Inputs:
         else:
             response.message = "wandering" if request.data else "not wandering"
         return response
+
+
+def _floor_pose(pose: Message) -> Goal:
+    """Give the place on the floor of a pose; of its turn only the heading counts."""
+    turned = pose.orientation
+    yaw = 2.0 * math.atan2(turned.z, turned.w)
+    return Goal(pose.position.x, pose.position.y, math.remainder(yaw, 2 * math.pi))
 
 
 class Loop:
@@ -137,6 +159,7 @@ class Loop:
         clock: measures the control period.
         seed: for wandering.
         eye: is told where the vehicle is; None where there is no camera.
+        inputs: says where somebody has put the vehicle.
 
     """
 
@@ -151,8 +174,10 @@ class Loop:
         clock: Clock,
         seed: int,
         eye: CameraProcess | None = None,
+        inputs: Inputs | None = None,
     ) -> None:
         """Create the publishers."""
+        self._inputs = inputs
         self._node = node
         self._world = world
         self._base = base
@@ -197,8 +222,13 @@ class Loop:
             self._log.write_change(self._base.pass_time(self._clock.monotonic_ns()))
             wanted = (self._base.speed, self._base.turn)
             wandering, stopped = self._base.wandering, self._base.stopped
+        self._place_vehicle()
         self._ramp.follow_velocity(seconds, *wanted)
         motion = self._world.step(seconds, self._ramp.speed, self._ramp.turn)
+        with self._lock:
+            if (goal := self._base.goal) is not None:
+                velocity = choose_goal_velocity(motion, goal)
+                self._log.write_change(self._base.set_goal_velocity(velocity))
         if self._eye is not None:
             self._eye.send_pose(motion)
         self._seconds += seconds
@@ -225,6 +255,13 @@ class Loop:
         if tick % 50 == 8 or wandering != self._told_wandering:
             self._told_wandering = wandering
             self._reports.publish_wandering(on=wandering)
+
+    def _place_vehicle(self) -> None:
+        if self._inputs is None or (placed := self._inputs.placed) is None:
+            return
+        self._inputs.placed = None
+        if all(map(math.isfinite, (placed.x, placed.y, placed.yaw))):
+            self._world.place_vehicle(placed.x, placed.y, placed.yaw)
 
     def _check_health(self, stamp: object, motion: Motion, *, stopped: bool) -> None:
         seconds, self._checked_s = self._seconds - self._checked_s, self._seconds

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import mujoco
 
 from talaia.sim.vehicle.scene import HULL_GROUP, Finish, SceneBuilder
 
-__all__ = ["BODY", "CAMERA", "CAMERA_FIELD", "LIDAR_HEIGHT", "RADIUS", "add_vehicle"]
+__all__ = [
+    "BODY",
+    "CAMERA",
+    "CAMERA_FIELD",
+    "LIDAR_HEIGHT",
+    "RADIUS",
+    "add_vehicle",
+    "set_friction",
+]
 
 BODY = "vehicle"
 CAMERA = "front"
@@ -70,6 +79,20 @@ def add_vehicle(stage: SceneBuilder) -> None:
     )
     if stage.looks:
         _add_visuals(stage, body)
+
+
+def set_friction(model: Any, friction: float, track_width: float) -> None:  # noqa: ANN401 - MuJoCo ships no types
+    """Give the wheels of a compiled vehicle rolling friction.
+
+    Args:
+        model: begins with the vehicle's three joints.
+        friction: of both wheels together (N per m/s).
+        track_width: distance between the wheels (m).
+
+    """
+    # A turn rolls each wheel at half the track width from the middle, one on either side, so that
+    # the torque of their friction is a quarter of its square.
+    model.dof_damping[:3] = (friction, friction, friction * track_width**2 / 4)
 
 
 def _add_visuals(stage: SceneBuilder, body: object) -> None:

@@ -21,7 +21,14 @@ import numpy.typing as npt
 from talaia.sim.vehicle import furniture, house, occupants
 from talaia.sim.vehicle.description.floor_map import draw_map
 from talaia.sim.vehicle.scene import HULL_GROUP, SceneBuilder
-from talaia.sim.vehicle.vehicle import BODY, CAMERA_FIELD, LIDAR_HEIGHT, RADIUS, add_vehicle
+from talaia.sim.vehicle.vehicle import (
+    BODY,
+    CAMERA_FIELD,
+    LIDAR_HEIGHT,
+    RADIUS,
+    add_vehicle,
+    set_friction,
+)
 
 __all__ = ["STEP_S", "Motion", "World"]
 
@@ -73,6 +80,9 @@ class World:
     Args:
         seed: decides how light furniture stands, textures and sensor noise.
         looks: whether to build what a camera sees; collisions are the same either way.
+        friction: rolling friction of the wheels (N per m/s).
+        track_width: distance between the wheels (m).
+        furnished: whether it is the house; an open floor has nothing on it.
 
     Attributes:
         floor_map: of the house, as it stands at the start.
@@ -82,16 +92,27 @@ class World:
     WHEEL_RADIUS = 0.033
     WHEEL_BASE = 0.16
 
-    def __init__(self, seed: int = 0, *, looks: bool = False) -> None:
+    def __init__(
+        self,
+        seed: int = 0,
+        *,
+        looks: bool = False,
+        friction: float = 0.0,
+        track_width: float = WHEEL_BASE,
+        furnished: bool = True,
+    ) -> None:
         """Build the model and put the vehicle at its start."""
+        self._track_width = track_width
         # One for each use, so that textures do not change where furniture stands.
         layout, paint, noise = (np.random.default_rng([seed, part]) for part in range(3))
         spec = _empty_model()
         stage = SceneBuilder(spec, paint, furniture.FINISHES | occupants.FINISHES, looks=looks)
-        house.build_house(stage, layout)
+        if furnished:
+            house.build_house(stage, layout)
         add_vehicle(stage)
         self.floor_map = draw_map(stage.hulls, LIDAR_HEIGHT)
         self.model: Any = spec.compile()
+        set_friction(self.model, friction, track_width)
         self._data: Any = mujoco.MjData(self.model)
         self._noise = noise
         # Rays leave its own shapes out.
@@ -135,7 +156,7 @@ class World:
             for wheel, side in enumerate((-1, 1)):
                 # Kinematics of a differential drive: each wheel rolls on a circle about the
                 # point the vehicle turns on; it never slips lengthwise.
-                rolled = forward + side * spin * self.WHEEL_BASE / 2
+                rolled = forward + side * spin * self._track_width / 2
                 self._wheels[wheel] += rolled * STEP_S / self.WHEEL_RADIUS
         if steps:
             self._acceleration = (self._forward_speed() - before) / (steps * STEP_S)
@@ -168,6 +189,17 @@ class World:
         """Put the vehicle somewhere, standing still."""
         self._data.qpos[:3] = (x, y, yaw)
         self._data.qvel[:3] = 0.0
+        mujoco.mj_forward(self.model, self._data)
+
+    def move_vehicle(self, x: float, y: float, yaw: float) -> None:
+        """Move the vehicle by so much (m, rad, in the world's axes); it goes on as fast as it was.
+
+        Its velocity turns with it: it belongs to the wheels, not to the floor.
+        """
+        vx, vy = (float(value) for value in self._data.qvel[:2])
+        c, s = math.cos(yaw), math.sin(yaw)
+        self._data.qvel[:2] = (c * vx - s * vy, s * vx + c * vy)
+        self._data.qpos[:3] += (x, y, yaw)
         mujoco.mj_forward(self.model, self._data)
 
     def scan_lidar(self) -> npt.NDArray[np.float32]:

@@ -25,6 +25,8 @@ from talaia.wire.browser_messages.requests import (
     PagePing,
     PageReset,
     PageStop,
+    PageTwin,
+    PageTwinDrive,
     Subscribe,
     Unsubscribe,
 )
@@ -53,6 +55,7 @@ from talaia.wire.browser_messages.updates import (
     StopUpdate,
     Subscribed,
     TickUpdate,
+    TwinUpdate,
     Values,
 )
 from talaia.wire.gateway_messages.field_types import MAX_PICTURE
@@ -79,6 +82,8 @@ FromBrowser = (
     | PageLease
     | PageLeaseForce
     | PageDrive
+    | PageTwin
+    | PageTwinDrive
     | PageStop
     | PageReset
     | PageCommand
@@ -96,6 +101,7 @@ ToBrowser = (
     | LeaseUpdate
     | TickUpdate
     | DriveUpdate
+    | TwinUpdate
     | StopUpdate
     | HeldStopUpdate
     | ResetTokenUpdate

@@ -9,6 +9,7 @@ from msgspec import Meta
 from talaia.wire.browser_messages.subjects import DeviceMessage, SessionMessage, SiteMessage
 from talaia.wire.gateway_messages.driving import LeaseOp
 from talaia.wire.gateway_messages.field_types import Arguments, Count, Name, Units, Word
+from talaia.wire.gateway_messages.twins import TwinOp
 
 __all__ = [
     "PageCommand",
@@ -20,6 +21,8 @@ __all__ = [
     "PagePing",
     "PageReset",
     "PageStop",
+    "PageTwin",
+    "PageTwinDrive",
     "Subscribe",
     "Unsubscribe",
 ]
@@ -76,6 +79,30 @@ class PageDrive(DeviceMessage, frozen=True, kw_only=True, tag="drive"):
     linear: float
     angular: float
     picture_ms: float = -1.0
+
+
+class PageTwin(DeviceMessage, frozen=True, kw_only=True, tag="twin_ask"):
+    """Switch the twin of a device live or alone, or forget its rehearsal; needs the lease."""
+
+    site: Name
+    device: Name
+    epoch: Count
+    op: TwinOp
+
+
+class PageTwinDrive(DeviceMessage, frozen=True, kw_only=True, tag="twin_drive"):
+    """What is driven in the twin of a device; see `frames.TwinFrame`."""
+
+    site: Name
+    device: Name
+    epoch: Count
+    seq: Count
+    tick: Count
+    held_ms: float = 0.0
+    linear: float
+    angular: float
+    picture_ms: float = -1.0
+    live: bool = False
 
 
 class PageStop(DeviceMessage, frozen=True, kw_only=True, tag="stop"):

@@ -30,6 +30,7 @@ from talaia.wire.gateway_messages.relayed_fields import (
     StopFields,
     TickFields,
 )
+from talaia.wire.gateway_messages.twins import TwinFields
 from talaia.wire.message import PROTOCOL
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "StopUpdate",
     "Subscribed",
     "TickUpdate",
+    "TwinUpdate",
     "Values",
 ]
 
@@ -147,6 +149,12 @@ class TickUpdate(TickFields, SiteMessage, frozen=True, kw_only=True, tag="tick")
 
 class DriveUpdate(DriveFields, DeviceMessage, frozen=True, kw_only=True, tag="drive_news"):
     """What the robot is being told; see `frames.DriveState`."""
+
+    site: Word
+
+
+class TwinUpdate(TwinFields, DeviceMessage, frozen=True, kw_only=True, tag="twin_news"):
+    """How a twin's switch stands, and its rehearsal; see `frames.TwinState`."""
 
     site: Word
 

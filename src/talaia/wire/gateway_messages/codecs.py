@@ -72,6 +72,7 @@ from talaia.wire.gateway_messages.taps import (
     TapSubscription,
     TopicList,
 )
+from talaia.wire.gateway_messages.twins import TwinFrame, TwinRequest, TwinState
 from talaia.wire.message import Codec
 
 __all__ = [
@@ -98,6 +99,7 @@ FromGateway = (
     | LeaseState
     | ControlTick
     | DriveState
+    | TwinState
     | StopState
     | ResetToken
     | CommandState
@@ -127,6 +129,8 @@ FromHub = (
     | LeaseRequest
     | LeaseForceRequest
     | DriveFrame
+    | TwinFrame
+    | TwinRequest
     | StopRequest
     | ResetRequest
     | CommandRequest

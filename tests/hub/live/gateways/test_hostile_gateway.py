@@ -31,6 +31,7 @@ from talaia.wire.frames import (
     NightPhase,
     NightState,
     StopState,
+    TwinState,
 )
 
 COMMANDS = {"device": "base", "command": "wander"}
@@ -106,6 +107,7 @@ async def test_states_of_devices_that_it_does_not_have_are_not_kept(hub, gateway
         await gateway.say(DeviceState(device=name, reached=False))
         await gateway.say(LeaseState(device=name, session="s", who="admin", epoch=number + 1))
         await gateway.say(DriveState(device=name, linear=0.0, angular=0.0, cap=1.0))
+        await gateway.say(TwinState(device=name, twin=name))
         await gateway.say(StopState(device=name, latched=True))
         await gateway.say(InterlockState(interlock=name, locked=True))
         await gateway.say(
@@ -114,7 +116,14 @@ async def test_states_of_devices_that_it_does_not_have_are_not_kept(hub, gateway
     await until_read(gateway)
     live = hub.hub.core.sites.find_site("agv")
     current = live.current
-    kept = (current.leases, current.drives, current.interlocks, current.unreached, current.acting)
+    kept = (
+        current.leases,
+        current.drives,
+        current.twins,
+        current.interlocks,
+        current.unreached,
+        current.acting,
+    )
     assert [sorted(part) for part in kept] == [[]] * len(kept)
     assert not live.retained.stops
     assert not [row for row in await audit_rows(hub, site="agv") if "made-up" in row["device"]]

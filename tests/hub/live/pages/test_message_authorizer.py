@@ -32,6 +32,7 @@ BROADCAST = {
     browser.SiteUpdate,
     browser.LeaseUpdate,
     browser.DriveUpdate,
+    browser.TwinUpdate,
     browser.StopUpdate,
     browser.HeldStopUpdate,
     browser.CommandUpdate,

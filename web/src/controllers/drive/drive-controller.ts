@@ -3,7 +3,7 @@
 import type { HeldStopUpdate, LeaseUpdate, StopUpdate } from "../../generated/wire.js";
 import type { DeviceShape } from "../../generated/api.js";
 import { DriveInputs } from "./drive-inputs.js";
-import { DriveSession, type DriveConnection } from "./drive-session.js";
+import { DriveSession, type DriveConnection, type FrameMessage } from "./drive-session.js";
 import { StopClient } from "./stop-client.js";
 
 /** What was said of a device before this page was opened. */
@@ -20,12 +20,13 @@ export class DriveController {
   private readonly hands: DriveInputs;
   private unwatch: (() => void) | null = null;
 
-  constructor(line: DriveConnection, site: string, device: DeviceShape, online: boolean) {
+  /** @param messageOf - how its frames are said; without it they are the robot's */
+  constructor(line: DriveConnection, site: string, device: DeviceShape, online: boolean, messageOf?: FrameMessage) {
     const { drive } = device;
     this.stop = new StopClient(line, site, device.id, online);
     const limits = drive && { maxSpeed: drive.max_speed, maxReverse: drive.max_reverse, maxTurn: drive.max_turn };
     const may = device.rights.includes("use");
-    this.seat = limits && may ? new DriveSession(line, { site, device: device.id, limits }, online) : null;
+    this.seat = limits && may ? new DriveSession(line, { site, device: device.id, limits }, online, undefined, messageOf) : null;
     this.hands = new DriveInputs(this.seat, this.stop);
   }
 

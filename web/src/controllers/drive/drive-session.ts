@@ -6,7 +6,7 @@
  */
 
 import { Store } from "../../state/store.js";
-import type { DriveUpdate, LeaseUpdate } from "../../generated/wire.js";
+import type { DriveUpdate, FromBrowser, LeaseUpdate } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
 import { LeaseMachine, type LeaseAsk } from "./lease-machine.js";
 import { DriveMachine, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
@@ -21,6 +21,11 @@ export interface DriveDevice {
   readonly device: string;
   readonly limits: DriveLimits;
 }
+
+/** How a frame is said: to the robot, or to its twin. */
+export type FrameMessage = (seated: DriveDevice, frame: VelocityFrame) => FromBrowser;
+
+const robotFrame: FrameMessage = ({ site, device }, frame) => ({ t: "drive", site, device, ...frame });
 
 const LEASE_BEAT_MS = 100;
 /** More than this waiting in the socket, and a moving frame would be too old on arrival. */
@@ -43,6 +48,7 @@ export class DriveSession extends Store {
     private readonly seated: DriveDevice,
     online: boolean,
     private readonly now: () => number = () => performance.now(),
+    private readonly messageOf: FrameMessage = robotFrame,
   ) {
     super();
     this.machine = new DriveMachine(seated.limits);
@@ -219,11 +225,10 @@ export class DriveSession extends Store {
   }
 
   private sendFrames(frames: readonly VelocityFrame[], tell = true): void {
-    const { site, device } = this.seated;
     for (const frame of frames) {
       const moving = frame.linear !== 0 || frame.angular !== 0;
       if (moving && this.line.bufferedBytes > BACKLOG_BYTES) continue;
-      this.line.send({ t: "drive", site, device, ...frame });
+      this.line.send(this.messageOf(this.seated, frame));
     }
     this.scheduleTimer();
     if (tell) this.notifyWatchers();

@@ -35,6 +35,8 @@ export interface MapView {
 export interface MapScene {
   readonly trail: readonly TrackPoint[];
   readonly pose: Pose | null;
+  /** Of its digital twin; null without one. */
+  readonly ghost: Pose | null;
   /** The pose is older than its limit. */
   readonly stale: boolean;
 }
@@ -53,6 +55,8 @@ export function paintMap(pen: Pen, sight: MapView, scene: MapScene, colours: Col
   paintAxes(pen, sight, colours);
   paintLabels(pen, sight, step, colours, font);
   paintTrail(pen, sight, scene, colours);
+  // Below the robot: where both are the same, the robot is what counts.
+  if (scene.ghost) paintGhost(pen, sight, scene.ghost, colours);
   if (scene.pose) paintVehicle(pen, sight, scene.pose, scene.stale, colours);
 }
 
@@ -175,6 +179,27 @@ export function inkMark(pen: Pen, colours: Colours, stale: boolean, colour: stri
     pen.fill();
   }
   pen.stroke();
+}
+
+/** Translucent and with a dashed edge: a twin is not taken for the robot, without colour either. */
+function paintGhost(pen: Pen, sight: MapView, ghost: Pose, colours: Colours): void {
+  pen.save();
+  pen.translate(pxX(sight, ghost.x), pxY(sight, ghost.y));
+  pen.rotate(Number.isFinite(ghost.yaw) ? -ghost.yaw : 0);
+  pen.beginPath();
+  pen.moveTo(20, 0);
+  pen.lineTo(-13, 13);
+  pen.lineTo(-7, 0);
+  pen.lineTo(-13, -13);
+  pen.closePath();
+  pen.globalAlpha = 0.35;
+  pen.fillStyle = colours.accent;
+  pen.fill();
+  pen.globalAlpha = 1;
+  pen.setLineDash([3, 3]);
+  pen.strokeStyle = colours.accent;
+  pen.stroke();
+  pen.restore();
 }
 
 function paintVehicle(pen: Pen, sight: MapView, pose: Pose, stale: boolean, colours: Colours): void {

@@ -26,6 +26,8 @@ export class TrackMap extends LitElement {
   ];
 
   @property({ attribute: false }) pose: Pose | null = null;
+  /** Of its digital twin; null without one. */
+  @property({ attribute: false }) ghost: Pose | null = null;
   @property({ attribute: false }) trail: readonly TrackPoint[] = [];
   /** Why there is no position; shown while `pose` is null. */
   @property() note = "Waiting for the first position";
@@ -91,7 +93,7 @@ export class TrackMap extends LitElement {
   override updated(changed: PropertyValues<this>): void {
     this.ruler.style.inlineSize = `${this.bar.px.toFixed(0)}px`;
     if (changed.has("pose") && this.follow && this.pose) this.local?.centerOn(this.pose.x, this.pose.y);
-    if (changed.has("pose") || changed.has("trail") || changed.has("stale")) this.scheduleDraw();
+    if (changed.has("pose") || changed.has("ghost") || changed.has("trail") || changed.has("stale")) this.scheduleDraw();
   }
 
   private async start(): Promise<void> {
@@ -156,7 +158,7 @@ export class TrackMap extends LitElement {
     const origin = map.latLngToContainerPoint([0, 0]);
     const scale = map.getZoomScale(map.getZoom(), 0);
     const sight = { width, height, scale, originX: origin.x, originY: origin.y };
-    const scene = { trail: this.trail, pose: this.pose, stale: this.stale !== "" };
+    const scene = { trail: this.trail, pose: this.pose, ghost: this.ghost, stale: this.stale !== "" };
     const style = getComputedStyle(this);
     this.colours ??= coloursOf(style);
     paintMap(pen, sight, scene, this.colours, `12px ${style.fontFamily}`);

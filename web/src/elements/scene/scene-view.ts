@@ -13,6 +13,7 @@ import { composed, type Transform, type Vector } from "../../scene/transform.js"
 import type { MeasuredLine, SceneColours, SceneDrawing, SceneOptions } from "./drawing.js";
 import { disposeObject, drawLayer } from "./layer-drawing.js";
 import { MeshStore } from "./meshes.js";
+import { GhostModels } from "./ghost-models.js";
 import { RobotModel } from "./robot-model.js";
 
 interface Drawn {
@@ -37,6 +38,7 @@ export class SceneView implements SceneDrawing {
   private readonly drawn = new Map<string, Drawn>();
   private readonly meshes: MeshStore;
   private readonly frames = new Map<string, Object3D>();
+  private readonly ghosts = new GhostModels(this.scene);
   private robot: RobotModel | null = null;
   private urdf = "";
   private jointsUs = -1;
@@ -76,6 +78,7 @@ export class SceneView implements SceneDrawing {
   setColours(colours: SceneColours): void {
     this.colours = colours;
     this.scene.background = new Color(colours.background);
+    this.ghosts.setColours(colours);
     // In red light a model is red, whatever its own colours: at night nothing else may shine.
     for (const light of [this.sun, this.sky]) light.color.set(colours.night ? 0xff0000 : 0xffffff);
     if (this.ground !== null) {
@@ -186,6 +189,7 @@ export class SceneView implements SceneDrawing {
   dispose(): void {
     this.painting.close();
     this.controls.dispose();
+    this.ghosts.dispose();
     disposeObject(this.scene);
     this.renderer.dispose();
   }
@@ -193,6 +197,7 @@ export class SceneView implements SceneDrawing {
   private paint(): void {
     const nowMs = performance.now();
     this.updateRobot(nowMs);
+    this.ghosts.update(this.robot, this.model, this.options);
     this.updateLayers();
     this.updateFrames();
     this.followRobot();

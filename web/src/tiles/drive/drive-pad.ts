@@ -74,6 +74,8 @@ export class DrivePad extends LitElement {
   @property({ attribute: false }) device: DeviceShape | null = null;
   @property({ attribute: false }) seat: DriveSession | null = null;
   @property({ type: Boolean }) stopped = false;
+  /** What is driven is no robot: what locks that one's driving locks nothing here. */
+  @property({ type: Boolean }) rehearsing = false;
   /** Age of the picture (ms); negative: none. */
   @property({ attribute: false }) pictureAge: () => number = () => -1;
 
@@ -170,6 +172,7 @@ export class DrivePad extends LitElement {
 
   /** Why an interlock refuses driving now; empty when none does. */
   private get lockReason(): string {
+    if (this.rehearsing) return "";
     const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
     return lock ? lockText(lock) : "";
   }

@@ -16,6 +16,7 @@ import { formatAge } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { alarmsContext, apiContext, interlocksContext, pastContext, sitesContext } from "../../state/contexts.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
+import { LiveValuesController } from "../../controllers/live-values.js";
 import { LoadController } from "../../controllers/load.js";
 import type { SeriesShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -69,6 +70,7 @@ export class PositionMap extends LitElement {
   private readonly alarms = new ContextStoreController(this, alarmsContext);
   private readonly interlocks = new ContextStoreController(this, interlocksContext);
   private readonly detail = new LoadController<SiteShape>(this);
+  private readonly twin = new LiveValuesController(this);
   private readonly overlays = new SiteOverlays(this);
   private readonly link = new ConnectionStateController(this);
   /** Undefined where all is of now. */
@@ -100,6 +102,7 @@ export class PositionMap extends LitElement {
     const { connection } = this.link;
     const sites = this.sites.store;
     if (sites !== undefined && this.site !== "") this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
+    this.twin.observeChannels(this.site, this.twinSignal()?.channels ?? []);
     this.overlays.show(this.site, this.detail.value?.map ?? null);
     const past = this.past.store;
     // While somebody moves the moment about there is no place of it; then the trail is of what was before it.
@@ -128,6 +131,7 @@ export class PositionMap extends LitElement {
     if (this.degrees || frameOf(this.detail.value?.map ?? null) !== null) return this.renderEarth(note);
     return html`<t-track-map
       .pose=${this.pose}
+      .ghost=${this.ghostPose()}
       .trail=${this.trail}
       .note=${note}
       .stale=${this.stale}
@@ -169,7 +173,28 @@ export class PositionMap extends LitElement {
     // On the plane at a fix x is east.
     const heading = headingOfYaw(pose.yaw, turned ? frame.heading : 90);
     const place = turned ? placeOfLocal(pose, frame) : placeOfFlat(pose, frame);
-    return [{ id: this.signal?.address ?? "", name: this.name, place, heading, stale: this.stale !== "", trouble: "" }];
+    const robot: MapRobot = { id: this.signal?.address ?? "", name: this.name, place, heading, stale: this.stale !== "", trouble: "" };
+    const ghost = turned ? this.ghostPose() : null;
+    if (ghost === null || !turned) return [robot];
+    // Drawn as what is old is: it is not the robot.
+    return [{ ...robot, id: `${robot.id} twin`, name: "", place: placeOfLocal(ghost, frame), heading: headingOfYaw(ghost.yaw, frame.heading), stale: true }, robot];
+  }
+
+  /** Where the digital twin of this position's device says it is. */
+  private twinSignal(): SignalShape | null {
+    const device = this.signal?.address.split("/")[0] ?? "";
+    const twin = this.degrees || device === "" ? undefined : this.detail.value?.devices.find(({ twin_of: of }) => of === device);
+    return twin?.signals.find(({ id }) => id === "pose") ?? null;
+  }
+
+  /** Null for one that is not heard now: an old ghost would look like a difference. */
+  private ghostPose(): Pose | null {
+    const signal = this.twinSignal();
+    const [x, y, yaw] = signal?.channels ?? [];
+    if (signal === null || x === undefined || y === undefined || this.twin.freshnessOf(x, signal.max_age) !== "live") return null;
+    const number = (channel: string | undefined): number => (channel === undefined ? Number.NaN : (this.twin.readingOf(channel)?.value ?? Number.NaN));
+    const pose = { x: number(x), y: number(y), yaw: number(yaw) };
+    return Number.isFinite(pose.x + pose.y) ? pose : null;
   }
 
   private tintChannels(): readonly string[] {

@@ -12,6 +12,7 @@ from talaia.gateway.adapters.ros2.system_ros.start import guard_velocity
 from talaia.gateway.driving.drive_keys import HALT
 from talaia.gateway.errors import TypeMissing
 from talaia.model.site import DriveMessage
+from talaia.model.twins.twin_topics import twin_drive
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,6 +51,11 @@ class Ros2Motion:
         rules = {
             name: device.drive for name, device in scope.devices.items() if device.drive is not None
         }
+        # A twin is driven on a topic of its own, by the limits of the device that it is of.
+        for name, device in scope.devices.items():
+            real = None if device.twin is None else scope.devices.get(device.twin.of)
+            if real is not None and real.drive is not None:
+                rules[name] = twin_drive(real.drive, name)
         before, self._rules = self._rules, rules
         for name in [name for name, rule in before.items() if rules.get(name) != rule]:
             for where in (self._velocity, self._stops):

@@ -314,6 +314,7 @@ class DeviceShape(Schema):
     ``link_loss`` says what its gateway does with it when the hub is out of reach, ``pointing``
     where a telescope may not point, ``slew`` how it is pointed to a place in the sky.
     ``unguarded``: a dome or telescope that nothing closes or parks by itself.
+    ``twin_of``: it is the simulated twin of this device; empty: it is real.
     """
 
     id: str
@@ -329,6 +330,7 @@ class DeviceShape(Schema):
     slew: SlewShape | None
     rights: list[Right]
     unguarded: bool
+    twin_of: str = ""
 
 
 class SiteShape(Schema):

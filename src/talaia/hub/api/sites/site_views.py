@@ -256,6 +256,10 @@ def _device_schema(
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
         slew=_slew_schema(device, roles) if uses else None,
         unguarded=device_id in unguarded_devices(site),
+        # Whoever may not see the real one must not learn that it is there.
+        twin_of=device.twin.of
+        if device.twin is not None and sees_device(grants, site, device.twin.of)
+        else "",
         rights=list(grants.rights_on(site.site, device_id)),
     )
 

@@ -60,6 +60,7 @@ def is_described(live: LiveSite, told: frames.FromGateway) -> bool:
         case (
             frames.LeaseState()
             | frames.DriveState()
+            | frames.TwinState()
             | frames.StopState()
             | frames.ResetToken()
             | frames.DeviceState()
@@ -83,7 +84,7 @@ def with_known_names(live: LiveSite, told: RobotMessage) -> RobotMessage:
                 who=known.known_name(told.who) if holder is None else holder,
                 rival_who=known.known_name(told.rival_who) if rival is None else rival,
             )
-        case frames.StopState() | frames.CommandState() | frames.Event():
+        case frames.StopState() | frames.TwinState() | frames.CommandState() | frames.Event():
             return replace(told, who=known.known_name(told.who))
         case frames.InterlockState():
             return replace(told, overridden_by=known.known_name(told.overridden_by))

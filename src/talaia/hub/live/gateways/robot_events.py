@@ -50,6 +50,7 @@ RobotMessage = (
     frames.LeaseState
     | frames.ControlTick
     | frames.DriveState
+    | frames.TwinState
     | frames.StopState
     | frames.ResetToken
     | frames.CommandState
@@ -91,6 +92,8 @@ class RobotEvents:
             self.held_stops.greet(live, browser)
             for drive in live.current.drives.values():
                 browser.send_message(relay_message(page.DriveUpdate, drive, live.name))
+            for twin in live.current.twins.values():
+                browser.send_message(relay_message(page.TwinUpdate, twin, live.name))
             self.greet_interlocks(live, browser)
             for device in live.current.unreached:
                 browser.send_message(_device_news(live, device))
@@ -138,6 +141,9 @@ class RobotEvents:
             case frames.DriveState():
                 live.current.drives[told.device] = told
                 self._browsers.broadcast_message(relay_message(page.DriveUpdate, told, live.name))
+            case frames.TwinState():
+                live.current.twins[told.device] = told
+                self._browsers.broadcast_message(relay_message(page.TwinUpdate, told, live.name))
             case frames.StopState():
                 self._handle_stop(live, told)
             case frames.ResetToken():

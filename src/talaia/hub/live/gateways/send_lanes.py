@@ -15,6 +15,8 @@ from talaia.wire.frames import (
     OverrideRequest,
     ResetRequest,
     StopRequest,
+    TwinFrame,
+    TwinRequest,
 )
 
 if TYPE_CHECKING:
@@ -51,11 +53,12 @@ class PrioritySendQueue:
         """
         lane = self._lanes[_lane_of(message)]
         # Only the newest velocity counts, and an old one must not move the robot later.
-        if isinstance(message, DriveFrame):
+        if isinstance(message, DriveFrame | TwinFrame):
             older = [
                 waiting
                 for waiting in lane
-                if isinstance(waiting, DriveFrame)
+                # One that drives the twin takes no place of one that drives the robot.
+                if isinstance(waiting, type(message))
                 and (waiting.device, waiting.session) == (message.device, message.session)
                 and (_lets_go(message) or not _lets_go(waiting))
             ]
@@ -82,7 +85,7 @@ class PrioritySendQueue:
         raise IndexError("nothing waits")
 
 
-def _lets_go(frame: DriveFrame) -> bool:
+def _lets_go(frame: DriveFrame | TwinFrame) -> bool:
     return frame.linear == 0.0 and frame.angular == 0.0
 
 
@@ -92,6 +95,8 @@ def _lane_of(message: FromHub) -> int:
         case StopRequest():
             return 0
         case DriveFrame() | LeaseRequest() | LeaseForceRequest() | ResetRequest():
+            return 1
+        case TwinFrame() | TwinRequest():
             return 1
         # Asked by people, who may wait for a driving frame, but not for acknowledgements.
         case CommandRequest() | CommandCancel() | OverrideRequest():

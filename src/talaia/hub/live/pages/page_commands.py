@@ -31,6 +31,8 @@ Asked = (
     page.PageLease
     | page.PageLeaseForce
     | page.PageDrive
+    | page.PageTwin
+    | page.PageTwinDrive
     | page.PageStop
     | page.PageReset
     | page.PageCommand
@@ -72,6 +74,20 @@ class PageCommands:
                 self._append_record(live, "lease force asked", browser.signature, asked.device)
             case page.PageDrive():
                 self._drive(browser, live, asked)
+            case page.PageTwin():
+                live.link.send(
+                    frames.TwinRequest(
+                        device=asked.device,
+                        session=browser.key,
+                        epoch=asked.epoch,
+                        who=browser.signature,
+                        op=asked.op,
+                    )
+                )
+                said = f"twin {asked.op} asked"
+                self._append_record(live, said, browser.signature, asked.device)
+            case page.PageTwinDrive():
+                self._drive_twin(browser, live, asked)
             case page.PageStop():
                 stop = frames.StopRequest(device=asked.device, id=asked.id, who=browser.signature)
                 live.link.send(stop)
@@ -131,6 +147,26 @@ class PageCommands:
                 linear=asked.linear,
                 angular=asked.angular,
                 picture_ms=asked.picture_ms,
+            )
+        )
+
+    def _drive_twin(self, browser: Browser, live: LiveSite, asked: page.PageTwinDrive) -> None:
+        # The gateway alone decides whether it reaches the robot.
+        if live.link is None or not math.isfinite(asked.linear + asked.angular + asked.held_ms):
+            self._refuse(browser, asked, "invalid", "a driving frame holds plain numbers")
+            return
+        live.link.send(
+            frames.TwinFrame(
+                device=asked.device,
+                session=browser.key,
+                epoch=asked.epoch,
+                seq=asked.seq,
+                tick=asked.tick,
+                held_ms=asked.held_ms,
+                linear=asked.linear,
+                angular=asked.angular,
+                picture_ms=asked.picture_ms,
+                live=asked.live,
             )
         )
 
@@ -208,7 +244,7 @@ class PageCommands:
                 )
             )
         # Driving frames come many times a second: refusals of them would fill the log.
-        if not isinstance(asked, page.PageDrive):
+        if not isinstance(asked, page.PageDrive | page.PageTwinDrive):
             self._audit.append_record(
                 f"{about} refused",
                 who=browser.signature,

@@ -30,6 +30,8 @@ from talaia.wire.browser import (
     PagePong,
     PageReset,
     PageStop,
+    PageTwin,
+    PageTwinDrive,
     RequestError,
     SessionEnded,
     SessionUpdate,
@@ -38,6 +40,7 @@ from talaia.wire.browser import (
     StopUpdate,
     Subscribe,
     TickUpdate,
+    TwinUpdate,
     Unsubscribe,
 )
 from talaia.wire.errors import PeerError
@@ -302,7 +305,7 @@ def _by_hand(message: FromBrowser) -> bool:
             return message.active
         case PageLease():
             return message.op is not LeaseOp.RENEW
-        case PageDrive() | PageStop() | PageReset() | PageCommand():
+        case PageDrive() | PageTwin() | PageTwinDrive() | PageStop() | PageReset() | PageCommand():
             return True
         case _:
             return False
@@ -313,7 +316,13 @@ def _state_key(message: ToBrowser) -> Hashable | None:
     match message:
         case SiteUpdate() | TickUpdate():
             return type(message), message.site
-        case DeviceUpdate() | DriveUpdate() | HeldStopUpdate() | LeaseUpdate(refused=""):
+        case (
+            DeviceUpdate()
+            | DriveUpdate()
+            | TwinUpdate()
+            | HeldStopUpdate()
+            | LeaseUpdate(refused="")
+        ):
             return type(message), message.site, message.device
         case AlarmUpdate():
             return AlarmUpdate, message.site, message.alarm

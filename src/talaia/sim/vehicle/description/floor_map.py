@@ -44,11 +44,13 @@ def draw_map(hulls: Iterable[Hull], height: float) -> FloorMap:
     cut = [hull for hull in hulls if abs(hull.centre[2] - height) <= hull.half[2]]
     reaches = [math.hypot(hull.half[0], hull.half[1]) for hull in cut]
     low = [
-        min(hull.centre[axis] - reach for hull, reach in zip(cut, reaches, strict=True)) - _MARGIN
+        min((h.centre[axis] - reach for h, reach in zip(cut, reaches, strict=True)), default=0.0)
+        - _MARGIN
         for axis in (0, 1)
     ]
     high = [
-        max(hull.centre[axis] + reach for hull, reach in zip(cut, reaches, strict=True)) + _MARGIN
+        max((h.centre[axis] + reach for h, reach in zip(cut, reaches, strict=True)), default=0.0)
+        + _MARGIN
         for axis in (0, 1)
     ]
     columns, rows = (math.ceil((high[axis] - low[axis]) / RESOLUTION) for axis in (0, 1))

@@ -1,0 +1,1 @@
+"""Digital twins: simulated vehicles beside real ones."""

@@ -1,0 +1,1 @@
+"""How the vehicle drives by itself to where it is sent."""
