@@ -18,6 +18,7 @@ import "../../elements/feedback/banner.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
+import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
 import "./alarm-bar.js";
 import "./code-alert.js";
@@ -98,6 +99,9 @@ export class Shell extends LitElement {
 
   /** The hub did not answer when it was last asked. */
   @property({ type: Boolean }) unreachable = false;
+
+  /** The hub has newer pages than those that run here. */
+  @property({ type: Boolean }) outdated = false;
 
   @state() private page: HTMLElement | null = null;
   @state() private broken = false;
@@ -227,7 +231,15 @@ export class Shell extends LitElement {
       >`;
     }
     const rivals = this.sites.store?.list.filter((row) => row.rival_us > 0) ?? [];
-    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()}`;
+    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()} ${this.renderOutdated()}`;
+  }
+
+  /** Nobody's page is loaded anew behind their back: they may be driving. */
+  private renderOutdated(): unknown {
+    if (!this.outdated) return nothing;
+    return html`<t-banner
+      >Talaia was updated while this page was open. <t-button kind="quiet" @click=${this.reloadPage}>Load the new page</t-button></t-banner
+    >`;
   }
 
   private renderUnreachable(): unknown {
