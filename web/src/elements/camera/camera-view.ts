@@ -45,6 +45,7 @@ const BLOCK = "M1 1h10v10H1z";
 
 /**
  * @slot top - lies over the picture's upper edge
+ * @slot hud - lies over it above the lower edge; what stands there takes no pointer
  * @slot tool - more buttons beside its own
  * @fires t-fullscreen the button was pressed
  */
@@ -152,6 +153,11 @@ export class CameraView extends LitElement {
         grid-template-rows: minmax(0, 1fr);
         pointer-events: none;
       }
+      .hud {
+        position: absolute;
+        inset: auto var(--t-space-2) calc(var(--t-touch) + 2 * var(--t-space-2));
+        pointer-events: none;
+      }
       .badge svg {
         inline-size: 0.75em;
         block-size: 0.75em;
@@ -226,6 +232,7 @@ export class CameraView extends LitElement {
         : nothing}
       ${live || exposure ? nothing : this.renderPlaceholder()}
       <div class="head"><slot name="top"></slot></div>
+      <div class="hud"><slot name="hud"></slot></div>
       <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.renderTools()}</div>
     </div>`;
   }

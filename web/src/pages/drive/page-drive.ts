@@ -19,7 +19,8 @@ import { robotNewsContext, sessionContext, sitesContext } from "../../state/cont
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/command/command-list.js";
 import "../../tiles/drive/drive-pad.js";
-import "../../tiles/map/position-map.js";
+import "../../tiles/drive/surroundings.js";
+import "../../tiles/drive/vehicle-hud.js";
 import "../../tiles/stop/stop-panel.js";
 import type { DeviceShape, SignalShape, SiteShape, StreamShape } from "../../generated/api.js";
 import { layout } from "./drive-layout.js";
@@ -137,6 +138,16 @@ export class PageActuate extends LitElement {
           .full=${this.full}
           @t-picture=${this.onPicture}
           @t-fullscreen=${this.toggleFullScreen}
+          ><t-vehicle-hud
+            slot="hud"
+            .site=${this.site}
+            .detail=${detail}
+            .device=${device}
+            .seat=${seat}
+            .stopped=${stop?.desk.blocksDriving ?? false}
+            .pictureAge=${this.pictureAge}
+            .online=${online}
+          ></t-vehicle-hud
         ></t-camera>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
@@ -159,8 +170,8 @@ export class PageActuate extends LitElement {
               ></t-drive-pad>
             </t-card>`
           : this.renderOnlooker(device)}
-        <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
       </div>
+      <t-surroundings class="around" .site=${this.site} .detail=${detail} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-surroundings>
       <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
   }

@@ -9,7 +9,7 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import { ADMIN_PAGES, localPath } from "../../state/router.js";
+import { ADMIN_PAGES, localPath, type PageName } from "../../state/router.js";
 import type { NightList, SiteShape, SiteSummary } from "../../generated/api.js";
 import { ArchiveApi } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -28,6 +28,8 @@ import "./interlock-bar.js";
 import "./navigation.js";
 import "./session-warning.js";
 import "./storage-warning.js";
+
+const WIDE_PAGES: readonly PageName[] = ["drive", "night"];
 
 @customElement("t-shell")
 export class Shell extends LitElement {
@@ -53,6 +55,10 @@ export class Shell extends LitElement {
         padding: var(--t-space-5) max(var(--t-space-4), env(safe-area-inset-left)) var(--t-space-6);
         outline: none;
         min-inline-size: 0;
+      }
+      /* Cockpits: whoever sits in front of a large screen wants all of it. */
+      main.wide {
+        max-inline-size: 170rem;
       }
       /* A phone on its side: height is what there is least of. */
       @media (max-height: 30rem) {
@@ -182,7 +188,7 @@ export class Shell extends LitElement {
         ${inside && person.codes_locked_us > 0 ? html`<t-code-alert></t-code-alert>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
-      <main id="main" tabindex="-1">${this.renderContent()}</main>
+      <main id="main" tabindex="-1" class=${WIDE_PAGES.includes(page) ? "wide" : ""}>${this.renderContent()}</main>
       ${inside ? html`<t-nav class="bottom" below .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
     `;
   }

@@ -35,6 +35,7 @@ let films: Promise<boolean> | undefined;
 let breaks = 0;
 
 /**
+ * @slot hud - lies over the picture, above its lower edge
  * @fires t-picture after each picture: detail is when it was taken, on this page's clock, or null
  */
 @customElement("t-camera")
@@ -191,7 +192,7 @@ export class CameraTile extends LitElement {
       .things=${this.objects.framedThings(things)}
       ?earlier=${this.seen?.standing === "earlier"}
       @t-fullscreen=${this.onFullScreenRequest}
-        >${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
+        ><slot name="hud" slot="hud"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
           this.marked.renderButton()
         }${
           this.blurred && this.stream !== ""
