@@ -6,6 +6,7 @@ import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import type { SignalShape, SiteShape } from "../../generated/api.js";
+import { readBrowserChoice, saveBrowserChoice } from "../../state/browser-choice.js";
 import "../../elements/forms/choice.js";
 import "../map/position-map.js";
 
@@ -50,7 +51,7 @@ export class VehicleSurroundings extends LitElement {
   @property({ attribute: false }) signal: SignalShape | null = null;
   @property({ type: Boolean }) online = false;
 
-  @state() private chosen: Surroundings = readChoice();
+  @state() private chosen: Surroundings = readBrowserChoice(KEY, ["map", "scene"]);
   @state() private wide = false;
   /** The scene's code comes when somebody wants it, and the robot is heard for it only then. */
   private readonly sceneElement = new LoadController<unknown>(this);
@@ -88,20 +89,8 @@ export class VehicleSurroundings extends LitElement {
 
   private readonly onChoose = (event: CustomEvent<string>): void => {
     this.chosen = event.detail === "scene" ? "scene" : "map";
-    try {
-      localStorage.setItem(KEY, this.chosen);
-    } catch {
-      // A browser that keeps nothing begins with the map.
-    }
+    saveBrowserChoice(KEY, this.chosen);
   };
-}
-
-function readChoice(): Surroundings {
-  try {
-    return localStorage.getItem(KEY) === "scene" ? "scene" : "map";
-  } catch {
-    return "map";
-  }
 }
 
 declare global {
