@@ -85,6 +85,12 @@ export class Shell extends LitElement {
       .bottom {
         display: none;
       }
+      /* A phone has its pages below, and one on its side has no height for a row. */
+      @media (max-width: 45rem), (max-height: 30rem) {
+        .site-row {
+          display: none;
+        }
+      }
       @media (max-width: 45rem) {
         main {
           padding: var(--t-space-4) var(--t-space-3) calc(5.5rem + env(safe-area-inset-bottom));
@@ -183,6 +189,9 @@ export class Shell extends LitElement {
         <t-header .site=${site}>
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
         </t-header>
+        ${inside && site !== "" && !ADMIN_PAGES.includes(page) && page !== "account"
+          ? html`<t-nav class="site-row" row .name=${this.sites.store?.siteRow(site)?.name ?? site} .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>`
+          : nothing}
         ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-alarm-bar></t-alarm-bar>${this.renderInterlocks()}` : nothing}
         ${inside && person.codes_locked_us > 0 ? html`<t-code-alert></t-code-alert>` : nothing}
