@@ -17,7 +17,7 @@ export function vehicleSignals(detail: SiteShape, device: DeviceShape): VehicleS
   const charge = (signals: readonly SignalShape[]): SignalShape | undefined => signals.find(({ role }) => role === "battery.level");
   const address = device.drive?.position ?? "";
   return {
-    speed: device.signals.find(({ type, unit }) => type === "number" && unit === "m/s"),
+    speed: device.signals.find(({ role }) => role === "vehicle.speed") ?? device.signals.find(({ type, unit }) => type === "number" && unit === "m/s"),
     position: address === "" ? undefined : all.find((signal) => signal.address === address),
     // Its own, or the only one there is: of two others nobody knows which it runs on.
     battery: charge(device.signals) ?? (all.filter(({ role }) => role === "battery.level").length === 1 ? charge(all) : undefined),
