@@ -34,9 +34,7 @@ def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any
         "type": signal.type,
         "role": signal.role if signal.role != "auto" else "none",
         "unit": signal.unit,
-        "decimals": signal.decimals
-        if signal.decimals >= 0
-        else unit_of(signal.unit).decimals,
+        "decimals": signal.decimals if signal.decimals >= 0 else unit_of(signal.unit).decimals,
         "minimum": signal.minimum,
         "maximum": signal.maximum,
         "shown": shown_json(signal.unit),

@@ -1,7 +1,7 @@
 /** This browser's side of Web Push: asks the person, and subscribes at the browser's push service. */
 
 import type { PushAsk } from "../generated/api.js";
-import { WORKER_PATH } from "./shell-worker.js";
+import { WORKER_PATH } from "../worker/shell-worker.js";
 
 /** Why a browser cannot, in words; empty when it can. */
 export function whyNoPush(): string {

@@ -81,7 +81,7 @@ export class PageActuate extends LitElement {
     const arm = this.chosenArm(detail);
     const device = arm === null ? this.chosenDevice(detail) : arm.device;
     const online = this.isOnline(detail);
-    const options = detail.devices.filter((each) => each.drive !== null || armParts(each) !== null).map(({ id, name }) => ({ id, label: name }));
+    const options = detail.devices.filter((candidate) => candidate.drive !== null || armParts(candidate) !== null).map(({ id, name }) => ({ id, label: name }));
     return html`
       <div class="page ${this.full ? "full" : ""}">
         <div class="top ${options.length > 1 || !device ? "" : "plain"}">

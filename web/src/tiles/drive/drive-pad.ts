@@ -18,7 +18,7 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import { formatMs } from "../../format/duration.js";
 import { lockText } from "../../format/interlock-reason.js";
 import type { HoldDetail } from "../../elements/drive/hold-event.js";
-import { readBrowserChoice, saveBrowserChoice } from "../../state/browser-choice.js";
+import { readBrowserChoice, saveBrowserChoice } from "../../controllers/browser-choice.js";
 import { interlocksContext } from "../../state/contexts.js";
 import "../../elements/forms/choice.js";
 import type { DeviceShape, SignalShape } from "../../generated/api.js";

@@ -6,7 +6,7 @@ import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import type { SignalShape, SiteShape } from "../../generated/api.js";
-import { readBrowserChoice, saveBrowserChoice } from "../../state/browser-choice.js";
+import { readBrowserChoice, saveBrowserChoice } from "../../controllers/browser-choice.js";
 import "../../elements/forms/choice.js";
 import "../map/position-map.js";
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { registerWorker, WORKER_PATH } from "../../src/wire/shell-worker.js";
+import { registerWorker, WORKER_PATH } from "../../src/worker/shell-worker.js";
 
 test("while the pages are developed there is no shell to keep, and messages go on by their own worker", () => {
   expect(WORKER_PATH).toBe("/push.js");

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { readBrowserChoice, saveBrowserChoice } from "../../src/state/browser-choice.js";
+import { readBrowserChoice, saveBrowserChoice } from "../../src/controllers/browser-choice.js";
 
 function storage(full = false): Pick<Storage, "getItem" | "setItem"> {
   const kept = new Map<string, string>();

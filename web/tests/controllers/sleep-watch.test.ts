@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { SleepWatch } from "../../src/state/sleep-watch.js";
+import { SleepWatch } from "../../src/controllers/sleep-watch.js";
 
 function watch(): { pass: (counted: number, passed: number) => ReturnType<SleepWatch["checkClocks"]> } {
   let now = 1000;
