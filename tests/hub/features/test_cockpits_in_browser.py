@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,6 @@ RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).vi
   ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 WIDTH = "document.documentElement.scrollWidth"
 SCREENS = ((390, "light"), (820, "dark"), (1440, "night"), (2560, "light"))
-NOW = 1_700_000_000_000_000
 JOINTS = ("pan", "lift", "elbow")
 PAD = """
 window.pad = {index: 0, id: "a pad", mapping: "standard", connected: true, timestamp: 0,
@@ -34,7 +34,7 @@ def arm_description() -> str:
     """Describe an arm as `talaia init` does: no kind, no roles, ends of joints, a jog, poses."""
     joints = "".join(
         f"      {joint}: {{name: {joint.title()}, unit: rad, minimum: -3.0, maximum: 3.0,"
-        f" decimals: 2, source: {{topic: /joint_states, type: sensor_msgs/msg/JointState,"
+        f" decimals: 2, max_age: 600, source: {{topic: /joint_states, type: sensor_msgs/msg/JointState,"
         f' field: "position[{at}]"}}}}\n'
         for at, joint in enumerate(JOINTS)
     )
@@ -87,8 +87,9 @@ async def test_an_arm_has_its_joints_between_their_ends_steps_of_its_tool_and_po
     gateway.channels = {f"arm/{joint}": at for at, joint in enumerate(JOINTS)}
     page = await sign_in(chromium, hub, "operator")
     await page.goto(f"{hub.origin}/sites/agv/drive")
+    now = time.time_ns() // 1000
     for joint, at in zip(JOINTS, (0.5, 2.95, -1.0), strict=True):
-        await gateway.samples((f"arm/{joint}", NOW, at))
+        await gateway.samples((f"arm/{joint}", now, at))
     near = page.get_by_role("meter", name="Lift")
     await expect(near).to_have_attribute("aria-valuetext", "2.95\u202frad, near its end")
     await assert_screens(page)
