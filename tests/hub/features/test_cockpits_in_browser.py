@@ -34,8 +34,8 @@ def arm_description() -> str:
     """Describe an arm as `talaia init` does: no kind, no roles, ends of joints, a jog, poses."""
     joints = "".join(
         f"      {joint}: {{name: {joint.title()}, unit: rad, minimum: -3.0, maximum: 3.0,"
-        f" decimals: 2, max_age: 600, source: {{topic: /joint_states, type: sensor_msgs/msg/JointState,"
-        f' field: "position[{at}]"}}}}\n'
+        f" decimals: 2, max_age: 600, source: {{topic: /joint_states,"
+        f' type: sensor_msgs/msg/JointState, field: "position[{at}]"}}}}\n'
         for at, joint in enumerate(JOINTS)
     )
     axes = "".join(
