@@ -1,7 +1,8 @@
-"""The cockpits of a vehicle and an arm in a real Chromium: axe, one thumb, a gamepad's STOP."""
+"""The cockpits of vehicle, arm and observatory in a real Chromium: axe, one thumb, a gamepad's STOP."""
 
 from __future__ import annotations
 
+import os
 import time
 from pathlib import Path
 
@@ -19,6 +20,9 @@ RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).vi
   ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 WIDTH = "document.documentElement.scrollWidth"
 SCREENS = ((390, "light"), (820, "dark"), (1440, "night"), (2560, "light"))
+OBSERVATORY = (ROOT / "examples" / "observatory" / "site.yaml").read_text()
+PARTS = ("Weather", "Dome", "Sky now", "Target", "Camera")
+THEME = "document.documentElement.dataset.theme ?? ''"
 JOINTS = ("pan", "lift", "elbow")
 PAD = """
 window.pad = {index: 0, id: "a pad", mapping: "standard", connected: true, timestamp: 0,
@@ -68,13 +72,20 @@ devices:
 """
 
 
-async def assert_screens(page) -> None:
+async def keep_picture(page, name: str) -> None:
+    """Keep what is on the screen, where a person asked for it."""
+    if folder := os.environ.get("TALAIA_PICTURES"):
+        await page.screenshot(path=Path(folder) / f"{name}.png")
+
+
+async def assert_screens(page, name: str) -> None:
     """Nothing is wider than its screen, and axe finds nothing, from a phone to a wall."""
     await page.evaluate(AXE.read_text())
     for width, theme in SCREENS:
         await page.set_viewport_size({"width": width, "height": 900})
         await page.evaluate("theme => { document.documentElement.dataset.theme = theme }", theme)
         await expect(page.locator("t-loading")).to_have_count(0)
+        await keep_picture(page, f"cockpit-{name}-{width}-{theme}")
         assert await page.evaluate(RUN) == [], (width, theme)
         assert await page.evaluate(WIDTH) <= width, theme
 
@@ -92,7 +103,7 @@ async def test_an_arm_has_its_joints_between_their_ends_steps_of_its_tool_and_po
         await gateway.samples((f"arm/{joint}", now, at))
     near = page.get_by_role("meter", name="Lift")
     await expect(near).to_have_attribute("aria-valuetext", "2.95\u202frad, near its end")
-    await assert_screens(page)
+    await assert_screens(page, "arm")
     await page.set_viewport_size({"width": 1440, "height": 900})
     await page.get_by_role("button", name="Move −z").click()
     step = (await gateway.hear(CommandRequest)).args
@@ -113,7 +124,7 @@ async def test_a_vehicles_cockpit_fits_each_screen_and_one_thumb_and_a_gamepad_s
     page = await sign_in(chromium, hub, "operator", script=PAD)
     await page.goto(f"{hub.origin}/sites/agv/drive")
     await expect(page.locator("t-drive-hud")).to_contain_text("Speed")
-    await assert_screens(page)
+    await assert_screens(page, "vehicle")
     await assert_one_thumb_reaches_all(page)
     await page.bring_to_front()
     await page.evaluate(PRESS)
@@ -144,3 +155,20 @@ async def assert_one_thumb_reaches_all(page) -> None:
         assert pad["y"] + pad["height"] <= 844 - 56
     await thumb.get_by_text("Both").click()
     await expect(page.locator("t-arrows")).to_be_visible()
+
+
+async def test_an_observatorys_night_stands_on_one_screen_and_turns_red(hub, chromium) -> None:
+    key = await hub.hub.gateways.registry.new_key("observatory")
+    gateway = await hub.gateway(key=key)
+    await gateway.hello(OBSERVATORY, site="observatory")
+    page = await sign_in(chromium, hub, "operator")
+    await page.goto(f"{hub.origin}/sites/observatory/night")
+    for part in PARTS:
+        await expect(page.get_by_role("region", name=part, exact=True)).to_be_visible()
+    await expect(page.get_by_role("heading", name="Log", exact=True)).to_be_visible()
+    await assert_screens(page, "night")
+    await page.get_by_role("button", name="Red screen").click()
+    assert await page.evaluate(THEME) == "night"
+    await page.get_by_role("button", name="Leave red").click()
+    assert await page.evaluate(THEME) != "night"
+    assert page.errors == []
