@@ -1,4 +1,4 @@
-"""The cockpits of vehicle, arm and observatory in a real Chromium: axe, one thumb, a gamepad's STOP."""
+"""The cockpits of vehicle, arm and observatory in a real Chromium: axe, a thumb, a gamepad."""
 
 from __future__ import annotations
 
