@@ -313,6 +313,13 @@ def drive(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(1500)
 
 
+def night(page: Page, address: str, _password: str) -> None:
+    """Show an observatory's night on one screen."""
+    page.goto(f"{address}/sites/observatory/night")
+    page.locator("t-night-glance t-part-dome").wait_for()
+    page.wait_for_timeout(4000)
+
+
 def objects(page: Page, address: str, _password: str) -> None:
     """Show what the camera sees, each in its frame."""
     page.goto(f"{address}/sites/agv/devices/camera")
@@ -536,7 +543,7 @@ def diagnostics(page: Page, address: str, _password: str) -> None:
 PAGES = {
     "login": login, "home": home, "board": board, "live": live, "history": history, "drive": drive,
     "gallery": gallery, "devices": devices, "device": device, "objects": objects,
-    "sightings": sightings, "films": films,
+    "sightings": sightings, "films": films, "night": night,
 }  # fmt: skip
 OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "power": power}
 ADMIN_PAGES = {

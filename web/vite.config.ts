@@ -1,3 +1,4 @@
+import { createHash } from "node:crypto";
 import { readdir, readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -10,6 +11,10 @@ const hub = process.env["TALAIA_HUB"] ?? "http://127.0.0.1:8765";
 const compressible = /\.(js|css|svg|html|json)$/;
 /** JavaScript a browser loads before the home page shows, gzip, in bytes. */
 const FIRST_PAINT_LIMIT = 200_000;
+/** The service worker; its name never changes, or browsers would not find the next version. */
+const WORKER = "worker.js";
+/** Of `public/`, what the offline page is made of. */
+const PLAIN_SHELL = ["offline.html", "offline.css", "offline.js", "icon.svg"];
 const FIRST_PAGES = ["src/pages/sign-in/page-sign-in.ts", "src/pages/home/page-home.ts"];
 
 /** Puts a .gz beside each text file, so that the hub compresses nothing while it serves. */
@@ -55,6 +60,44 @@ function firstPaint(): Plugin {
   };
 }
 
+/** Tells the service worker which files to keep, and of which version they are. */
+function fillWorker(): Plugin {
+  return {
+    name: "talaia-fill-worker",
+    apply: "build",
+    generateBundle: {
+      order: "post",
+      async handler(_options, bundle) {
+        const worker = Object.values(bundle).find((file) => file.type === "chunk" && file.fileName === WORKER);
+        if (worker?.type !== "chunk") return this.error("there is no service worker");
+        if (worker.imports.length > 0) return this.error("the service worker is a script and imports nothing");
+        const files = new Set<string>();
+        const visit = (file: string): void => {
+          const chunk = bundle[file];
+          if (chunk?.type !== "chunk" || files.has(file)) return;
+          files.add(file);
+          chunk.imports.forEach(visit);
+        };
+        for (const file of Object.values(bundle)) {
+          if (file.type === "asset" && file.fileName.endsWith(".css")) files.add(file.fileName);
+          if (file.type !== "chunk" || file === worker) continue;
+          const facade = file.facadeModuleId ?? "";
+          if (file.isEntry || FIRST_PAGES.some((page) => facade.endsWith(page))) visit(file.fileName);
+        }
+        const version = createHash("sha256").update(worker.code);
+        // Names of the others hold a hash already.
+        for (const name of PLAIN_SHELL) version.update(await readFile(new URL(`public/${name}`, import.meta.url)));
+        const paths = [...[...files].sort(), ...PLAIN_SHELL].map((file) => `/${file}`);
+        version.update(paths.join("\n"));
+        worker.code = worker.code
+          .replace(/(["'`])__SHELL_FILES__\1/, () => JSON.stringify(JSON.stringify(paths)))
+          .replace("__SHELL_VERSION__", version.digest("hex").slice(0, 12));
+        if (worker.code.includes("__SHELL_")) return this.error("the service worker has no place for its files");
+      },
+    },
+  };
+}
+
 export default defineConfig({
   build: {
     outDir: out,
@@ -63,8 +106,12 @@ export default defineConfig({
     // Data addresses are allowed for pictures only; scripts and styles stay files (CSP).
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    rolldownOptions: {
+      input: { index: fileURLToPath(new URL("index.html", import.meta.url)), worker: fileURLToPath(new URL("src/worker/worker.ts", import.meta.url)) },
+      output: { entryFileNames: ({ name }) => (name === "worker" ? WORKER : "assets/[name]-[hash].js") },
+    },
   },
-  plugins: [firstPaint(), precompress()],
+  plugins: [fillWorker(), firstPaint(), precompress()],
   server: {
     host: "127.0.0.1",
     proxy: { "/api": hub, "/extensions": hub, "/ws": { target: hub.replace("http", "ws"), ws: true } },

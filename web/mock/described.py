@@ -8,6 +8,7 @@ from seen_side import CLASSES
 
 from talaia.model.site import parts_of
 from talaia.model.units.conversion import shown_units
+from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
     from talaia.model.site import Device, Signal
@@ -33,7 +34,7 @@ def signal_json(device_id: str, signal_id: str, signal: Signal) -> dict[str, Any
         "type": signal.type,
         "role": signal.role if signal.role != "auto" else "none",
         "unit": signal.unit,
-        "decimals": signal.decimals,
+        "decimals": signal.decimals if signal.decimals >= 0 else unit_of(signal.unit).decimals,
         "minimum": signal.minimum,
         "maximum": signal.maximum,
         "shown": shown_json(signal.unit),

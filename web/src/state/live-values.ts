@@ -82,6 +82,14 @@ export class LiveValues implements ReadingSource {
     };
   }
 
+  /** All readings are older than this page's clock says: it stood still for so long (ms). */
+  addAge(ms: number): void {
+    for (const [id, reading] of this.readings) {
+      this.readings.set(id, { ...reading, freshAtMs: reading.freshAtMs - ms });
+      for (const watcher of [...(this.watchers.get(id) ?? [])]) watcher();
+    }
+  }
+
   /** Forgets all readings: another person may see other things. */
   clear(): void {
     this.readings.clear();

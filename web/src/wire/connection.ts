@@ -34,6 +34,8 @@ const PING_EVERY_MS = 1000;
 const UNANSWERED = 4;
 /** A socket over which the hub has not greeted by then will not come: a network that came back elsewhere leaves such. */
 const GREETING_MS = 10_000;
+/** Awake again: a socket that lives answers by then. */
+const PROBE_MS = 2500;
 /** A try that is younger than this is not begun anew. */
 const YOUNG_MS = 2000;
 /** After the hub could not take a subscription. */
@@ -60,6 +62,7 @@ export class Connection {
   private pingTimer: ReturnType<typeof setInterval> | undefined;
   private askTimer: ReturnType<typeof setTimeout> | undefined;
   private greetingTimer: ReturnType<typeof setTimeout> | undefined;
+  private probeTimer: ReturnType<typeof setTimeout> | undefined;
   private triedAt = 0;
   private pings = 0;
   private unanswered = 0;
@@ -114,6 +117,22 @@ export class Connection {
     clearTimeout(this.retryTimer);
     this.closeSocket();
     this.connect();
+  }
+
+  /** The device slept: the socket may be dead without having been closed. It answers soon, or is opened anew. */
+  probe(): void {
+    if (this.current !== "open") {
+      this.retryNow();
+      return;
+    }
+    // What was measured before is of a clock that may have stood still.
+    this.clock.reset();
+    this.ping();
+    clearTimeout(this.probeTimer);
+    this.probeTimer = setTimeout(() => {
+      this.onLinkLost();
+      this.retryNow();
+    }, PROBE_MS);
   }
 
   /** Calls `listener` with each message of a kind. Returns the way to end it. */
@@ -189,6 +208,7 @@ export class Connection {
     if (message.t === "subscribed") this.subscriptions.markAccepted(message.sub);
     if (message.t === "problem" && message.about === "subscribe" && message.code === "store") this.retrySubscriptionsLater();
     if (message.t === "pong") {
+      clearTimeout(this.probeTimer);
       this.unanswered = 0;
       this.clock.recordExchange(message.at_ms, this.now(), message.hub_us);
     }
@@ -248,6 +268,7 @@ export class Connection {
     clearInterval(this.pingTimer);
     clearTimeout(this.askTimer);
     clearTimeout(this.greetingTimer);
+    clearTimeout(this.probeTimer);
     const socket = this.socket;
     this.socket = null;
     if (socket === null) return;

@@ -1,6 +1,7 @@
 /** This browser's side of Web Push: asks the person, and subscribes at the browser's push service. */
 
 import type { PushAsk } from "../generated/api.js";
+import { WORKER_PATH } from "../worker/shell-worker.js";
 
 /** Why a browser cannot, in words; empty when it can. */
 export function whyNoPush(): string {
@@ -19,7 +20,7 @@ export function whyNoPush(): string {
  */
 export async function subscribePush(key: string): Promise<PushAsk> {
   if ((await Notification.requestPermission()) !== "granted") throw new Error("Messages are not allowed in this browser.");
-  const worker = await navigator.serviceWorker.register("/push.js");
+  const worker = await navigator.serviceWorker.register(WORKER_PATH);
   await navigator.serviceWorker.ready;
   // One of a former key of the hub's stands in the way of the new one.
   await (await worker.pushManager.getSubscription())?.unsubscribe();

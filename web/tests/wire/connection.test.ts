@@ -76,6 +76,28 @@ describe("a connection", () => {
     expect(states).toEqual(["connecting", "open", "lost", "lost", "open"]);
   });
 
+  test("finds out after a sleep whether its socket is dead, and opens another", () => {
+    const { connection, states } = connect();
+    newest().greet();
+    connection.probe();
+    vi.advanceTimersByTime(2600);
+    expect(states).toEqual(["connecting", "open", "lost"]);
+    expect(sockets).toHaveLength(2);
+    newest().greet();
+    expect(connection.state).toBe("open");
+  });
+
+  test("goes on after a sleep where the hub still answers", () => {
+    const { connection } = connect();
+    newest().greet();
+    connection.probe();
+    newest().say({ t: "pong", n: 1, at_ms: Date.now(), hub_us: 0 });
+    vi.advanceTimersByTime(900);
+    newest().say({ t: "pong", n: 2, at_ms: Date.now(), hub_us: 0 });
+    vi.advanceTimersByTime(2600);
+    expect(sockets).toHaveLength(1);
+  });
+
   test("starts again at the shortest delay after it was open", () => {
     connect();
     for (let i = 0; i < 5; i++) {

@@ -3,8 +3,12 @@
 import type { HeldStopUpdate, LeaseUpdate, StopUpdate } from "../../generated/wire.js";
 import type { DeviceShape } from "../../generated/api.js";
 import { DriveInputs } from "./drive-inputs.js";
+import { HapticCues, playCue } from "./haptics.js";
 import { DriveSession, type DriveConnection, type FrameMessage } from "./drive-session.js";
 import { StopClient } from "./stop-client.js";
+
+/** Below this the gateway lets the vehicle go slower than it is asked. */
+const FULL_CAP = 0.995;
 
 /** What was said of a device before this page was opened. */
 export interface KnownState {
@@ -18,7 +22,8 @@ export class DriveController {
   /** Null for someone who may not drive this device. */
   readonly seat: DriveSession | null;
   private readonly hands: DriveInputs;
-  private unwatch: (() => void) | null = null;
+  private readonly cues = new HapticCues();
+  private stops: (() => void)[] = [];
 
   /** @param messageOf - how its frames are said; without it they are the robot's */
   constructor(line: DriveConnection, site: string, device: DeviceShape, online: boolean, messageOf?: FrameMessage) {
@@ -32,11 +37,13 @@ export class DriveController {
 
   openAll(known: KnownState): void {
     // STOP bars the seat in the same turn as it is pressed: zeros follow it down the line.
-    this.unwatch = this.stop.subscribe(() => {
+    const barSeat = this.stop.subscribe(() => {
       if (!this.seat) return;
       if (this.stop.desk.blocksDriving) this.seat.block("stop");
       else if (this.seat.machine.isBlocked("stop")) this.seat.unblock("stop");
     });
+    const seatCues = this.seat?.subscribe(this.playNews) ?? null;
+    this.stops = [barSeat, this.stop.subscribe(this.playNews), ...(seatCues === null ? [] : [seatCues])];
     this.stop.open(known.stop, known.heldStop);
     this.seat?.open(known.lease);
     this.hands.open();
@@ -46,7 +53,22 @@ export class DriveController {
     this.hands.close();
     this.seat?.close();
     this.stop.close();
-    this.unwatch?.();
-    this.unwatch = null;
+    for (const stop of this.stops) stop();
+    this.stops = [];
   }
+
+  /** Whoever has the robot in the hand feels what stands in its way. */
+  private readonly playNews = (): void => {
+    const { seat } = this;
+    const mine = seat?.lease.state.kind === "mine";
+    const cue = this.cues.nextCue(
+      {
+        stopped: this.stop.desk.blocksDriving,
+        locked: mine && seat.machine.isBlocked("interlock"),
+        limited: mine && seat.machine.phase === "driving" && seat.told !== null && (seat.told.cap < FULL_CAP || seat.told.why !== ""),
+      },
+      performance.now(),
+    );
+    if (cue !== null) playCue(cue, navigator);
+  };
 }

@@ -3,16 +3,15 @@
  * dialogs), from the window to the seat. The pad on screen reports by itself; see `t-pad`.
  */
 
-import { GamepadGrip, pushOf } from "./gamepad.js";
+import { GamepadHands } from "./gamepad-hands.js";
 import { meaningOf, sourceOf, usesKeys, type KeyTaker } from "./drive-keys.js";
 import type { DriveSession } from "./drive-session.js";
+import { LEVEL_STEP } from "./drive-machine.js";
 import { PUSH } from "./stick.js";
 import type { StopClient } from "./stop-client.js";
 
-const STEP = 0.1;
-
 export class DriveInputs {
-  private readonly grips = new Map<number, GamepadGrip>();
+  private readonly pads: GamepadHands;
   private poll = 0;
   private dialog: HTMLDialogElement | null = null;
   private leaving: AbortController | null = null;
@@ -21,7 +20,9 @@ export class DriveInputs {
   constructor(
     private readonly seat: DriveSession | null,
     private readonly stop: StopClient,
-  ) {}
+  ) {
+    this.pads = new GamepadHands(seat, stop);
+  }
 
   open(): void {
     this.leaving = new AbortController();
@@ -33,6 +34,7 @@ export class DriveInputs {
     window.addEventListener("focusin", this.onFocusIn, { signal });
     window.addEventListener("pagehide", this.onVisibilityChange, { signal });
     document.addEventListener("visibilitychange", this.onVisibilityChange, { signal });
+    document.addEventListener("freeze", this.onFreeze, { signal });
     window.addEventListener("gamepadconnected", this.startReadingGamepads, { signal });
     window.addEventListener("gamepaddisconnected", this.onGamepadDisconnected, { signal });
     this.startReadingGamepads();
@@ -43,7 +45,7 @@ export class DriveInputs {
     this.leaving = null;
     cancelAnimationFrame(this.poll);
     this.poll = 0;
-    this.grips.clear();
+    this.pads.forgetAll();
   }
 
   private readonly onKeyDown = (event: KeyboardEvent): void => {
@@ -70,10 +72,10 @@ export class DriveInputs {
         seat.haltMotion("stop key");
         return;
       case "faster":
-        seat.setLevel(seat.machine.speedLevel + STEP);
+        seat.setLevel(seat.machine.speedLevel + LEVEL_STEP);
         return;
       case "slower":
-        seat.setLevel(seat.machine.speedLevel - STEP);
+        seat.setLevel(seat.machine.speedLevel - LEVEL_STEP);
         return;
     }
   };
@@ -95,6 +97,11 @@ export class DriveInputs {
     else this.seat?.unblock("hidden");
   };
 
+  /** The browser puts the page to sleep: no timer runs any more. */
+  private readonly onFreeze = (): void => {
+    this.seat?.onHidden();
+  };
+
   /** A modal dialog takes the focus: that is how one in any shadow tree is noticed. */
   private readonly onFocusIn = (event: FocusEvent): void => {
     const dialog = event.composedPath().find((target) => target instanceof HTMLDialogElement);
@@ -111,43 +118,18 @@ export class DriveInputs {
   }
 
   private readonly onGamepadDisconnected = (event: GamepadEvent): void => {
-    const source = `gamepad:${String(event.gamepad.index)}`;
-    this.grips.delete(event.gamepad.index);
-    if (this.seat?.machine.isHeld(source)) this.seat.haltMotion("gamepad lost");
+    this.pads.forget(event.gamepad.index);
   };
 
   private readonly startReadingGamepads = (): void => {
-    if (this.poll !== 0 || !this.seat || !navigator.getGamepads().some(Boolean)) return;
+    if (this.poll !== 0 || !navigator.getGamepads().some(Boolean)) return;
     this.poll = requestAnimationFrame(this.readGamepads);
   };
 
   private readonly readGamepads = (): void => {
     this.poll = 0;
     this.checkDialog();
-    for (const pad of navigator.getGamepads()) {
-      if (pad?.mapping === "standard") this.readGamepad(pad);
-    }
+    this.pads.read(navigator.getGamepads(), document.hasFocus());
     this.startReadingGamepads();
   };
-
-  private readGamepad(pad: Gamepad): void {
-    const { seat } = this;
-    if (!seat) return;
-    const grip = this.grips.get(pad.index) ?? new GamepadGrip();
-    this.grips.set(pad.index, grip);
-    const source = `gamepad:${String(pad.index)}`;
-    switch (grip.readChange(pad)) {
-      case "press":
-        seat.pressHold(source, pushOf(pad), "analog");
-        return;
-      case "move":
-        seat.moveHold(source, pushOf(pad));
-        return;
-      case "release":
-        seat.releaseHold(source);
-        return;
-      case "none":
-        return;
-    }
-  }
 }

@@ -1,5 +1,5 @@
 /**
- * A gamepad in the standard layout as a hold.
+ * A gamepad in the standard layout as a hold, and as the keys beside it.
  *
  * A stick drifts and a pad lies on the desk, so a stick alone does not drive: one of the two
  * shoulder buttons must be held, and after every halt let go and held anew.
@@ -16,6 +16,12 @@ const REST = 0.15;
 /** Left and right shoulder button of the standard layout. */
 const GRIPS = [4, 5] as const;
 const [UP, DOWN, LEFT, RIGHT] = [12, 13, 14, 15] as const;
+
+/** What a button does that is pressed once, as the keys S, Escape, − and + do. */
+export type PadPress = "halt" | "STOP" | "slower" | "faster";
+
+/** The four at the right thumb, from the lowest round to the top one. */
+const PRESSES: readonly PadPress[] = ["halt", "STOP", "slower", "faster"];
 
 function beyondRest(value: number | undefined): number {
   const reading = limitedUnit(value ?? 0);
@@ -53,4 +59,25 @@ export class GamepadGrip {
     if (!is && before) return "release";
     return is ? "move" : "none";
   }
+}
+
+/** Compares the single buttons of one pad with the reading before. One held since before we looked does not count. */
+export class GamepadPresses {
+  private was: readonly boolean[] | null = null;
+
+  readPresses(pad: PadReading): readonly PadPress[] {
+    const is = PRESSES.map((_press, button) => pad.buttons[button]?.pressed === true);
+    const before = this.was ?? is;
+    this.was = is;
+    return PRESSES.filter((_press, button) => is[button] === true && before[button] !== true);
+  }
+}
+
+/** Of the pads at this device: one can be driven by, there are only others, or none. */
+export type PadsFound = "ready" | "other" | "none";
+
+/** @param mappings - of each pad that is there, as browsers give them */
+export function padsFound(mappings: readonly string[]): PadsFound {
+  if (mappings.length === 0) return "none";
+  return mappings.includes("standard") ? "ready" : "other";
 }

@@ -51,6 +51,7 @@ export interface PictureFit {
 
 /**
  * @slot top - lies over the picture's upper edge
+ * @slot hud - lies over it above the lower edge; what stands there takes no pointer
  * @slot tool - more buttons beside its own
  * @slot over - lies over all of the picture, which is `editing` then
  * @fires t-fullscreen the button was pressed
@@ -160,6 +161,11 @@ export class CameraView extends LitElement {
         grid-template-rows: minmax(0, 1fr);
         pointer-events: none;
       }
+      .hud {
+        position: absolute;
+        inset: auto var(--t-space-2) calc(var(--t-touch) + 2 * var(--t-space-2));
+        pointer-events: none;
+      }
       .badge svg {
         inline-size: 0.75em;
         block-size: 0.75em;
@@ -242,6 +248,7 @@ export class CameraView extends LitElement {
         : nothing}
       ${live || exposure || (this.editing && this.drawn) ? nothing : this.renderPlaceholder()}
       ${this.editing ? html`<slot name="over"></slot>` : html`<div class="head"><slot name="top"></slot></div>`}
+      <div class="hud"><slot name="hud"></slot></div>
       <div class="foot">${this.drawn ? this.renderBadge(live) : html`<span></span>`} ${this.editing ? nothing : this.renderTools()}</div>
     </div>`;
   }

@@ -1,6 +1,7 @@
 /**
- * Layout of the actuate page. Wide: camera and commands left, STOP, pad and map right. Narrow: one
- * column under the thumb, where the right column dissolves and `order` sorts what was in it.
+ * Layout of the actuate page. On a desk: camera and commands left, STOP, hands and map right; where
+ * there is room, map and scene stand left of the camera. Narrow: one column under the thumb, where
+ * the right column dissolves and `order` sorts what was in it.
  */
 
 import { css } from "lit";
@@ -17,7 +18,7 @@ export const layout = css`
   }
   .cockpit {
     display: grid;
-    grid-template: "camera right" auto "commands right" 1fr / minmax(0, 1fr) minmax(22rem, 27rem);
+    grid-template: "camera right" auto "camera around" minmax(18rem, 1fr) "commands commands" auto / minmax(0, 1fr) minmax(22rem, 27rem);
     gap: var(--t-space-4);
     align-items: start;
   }
@@ -36,24 +37,19 @@ export const layout = css`
     grid-template-columns: minmax(0, 1fr);
     gap: var(--t-space-5);
   }
-  /* As high as the window: the map takes what the hands leave. Stays while the commands scroll by. */
   .right {
     grid-area: right;
     display: flex;
     flex-direction: column;
     gap: var(--t-space-4);
     min-inline-size: 0;
-    position: sticky;
-    inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-4));
-    min-block-size: calc(100dvh - var(--t-header, 3.75rem) - 2 * var(--t-space-4));
   }
   .right > * {
     flex: none;
   }
-  .right .map {
-    flex: 1 0 auto;
-    max-block-size: 32rem;
-    --t-map-height: 13.5rem;
+  .around {
+    grid-area: around;
+    --t-map-height: 15rem;
   }
   /* The note that this is no emergency stop: read once, so it makes way for the hands. */
   .right .calm {
@@ -81,6 +77,17 @@ export const layout = css`
     max-inline-size: calc((100dvh - var(--t-header, 3.75rem) - 2rem) * 4 / 3);
     margin-inline: auto;
   }
+  /* Room for all: what lies around the vehicle, what it sees, and the hands. */
+  @media (min-width: 110rem) {
+    .cockpit {
+      grid-template: "around camera right" auto "commands commands commands" auto / minmax(24rem, 34rem) minmax(0, 1fr) minmax(24rem, 30rem);
+    }
+    .around {
+      align-self: stretch;
+      --t-map-height: 100%;
+      --t-around-height: 18rem;
+    }
+  }
   .page:fullscreen {
     overflow: auto;
     padding: var(--t-space-3);
@@ -99,7 +106,7 @@ export const layout = css`
   /* A phone on its side: the camera stays left while the hands scroll, commands come below. */
   @media (max-width: 60rem) and (orientation: landscape) {
     .cockpit {
-      grid-template: "camera right" auto "commands commands" auto / minmax(0, 1fr) 21rem;
+      grid-template: "camera right" auto "around around" auto "commands commands" auto / minmax(0, 1fr) 21rem;
       gap: var(--t-space-2) var(--t-space-3);
     }
     .hands {
@@ -113,8 +120,6 @@ export const layout = css`
       max-inline-size: calc((100dvh - 4.5rem) * 4 / 3);
     }
     .right {
-      position: static;
-      min-block-size: 0;
       gap: var(--t-space-2);
     }
     .page.full :is(.camera, .stop) {
@@ -153,9 +158,10 @@ export const layout = css`
     .right .calm {
       order: 5;
     }
-    .right .map {
+    .around {
       order: 6;
       --t-map-height: 20rem;
+      --t-around-height: 20rem;
     }
     .commands {
       order: 7;

@@ -16,10 +16,12 @@ import "../../elements/forms/choice.js";
 import "../../elements/feedback/empty.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import { robotNewsContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { armParts, type ArmParts } from "../../tiles/arm/arm-parts.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/command/command-list.js";
 import "../../tiles/drive/drive-pad.js";
-import "../../tiles/map/position-map.js";
+import "../../tiles/drive/surroundings.js";
+import "../../tiles/drive/vehicle-hud.js";
 import "../../tiles/stop/stop-panel.js";
 import type { DeviceShape, SignalShape, SiteShape, StreamShape } from "../../generated/api.js";
 import { layout } from "./drive-layout.js";
@@ -38,6 +40,8 @@ export class PageActuate extends LitElement {
   private readonly news = new ContextConsumer(this, { context: robotNewsContext });
   private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteShape>(this);
+  /** The arm's code comes with the first arm. */
+  private readonly armElement = new LoadController<unknown>(this);
   private cockpit: DriveController | null = null;
   private commands: CommandClient | null = null;
   private built = "";
@@ -65,6 +69,7 @@ export class PageActuate extends LitElement {
     if (sites && this.site !== "") {
       this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     }
+    if (this.detail.value !== undefined && this.chosenArm(this.detail.value) !== null) this.armElement.load("arm", () => import("../../tiles/arm/arm-cockpit.js"));
     this.buildController();
   }
 
@@ -73,15 +78,15 @@ export class PageActuate extends LitElement {
   }
 
   private renderPage(detail: SiteShape): TemplateResult {
-    const drivable = detail.devices.filter((device) => device.drive !== null);
-    const device = this.chosenDevice(detail);
+    const arm = this.chosenArm(detail);
+    const device = arm === null ? this.chosenDevice(detail) : arm.device;
     const online = this.isOnline(detail);
-    const options = drivable.map(({ id, name }) => ({ id, label: name }));
+    const options = detail.devices.filter((candidate) => candidate.drive !== null || armParts(candidate) !== null).map(({ id, name }) => ({ id, label: name }));
     return html`
       <div class="page ${this.full ? "full" : ""}">
         <div class="top ${options.length > 1 || !device ? "" : "plain"}">
           <h1>${device?.name ?? "Actuate"}</h1>
-          ${drivable.length > 1
+          ${options.length > 1
             ? html`<t-choice
                 label="Device"
                 .options=${options}
@@ -90,9 +95,23 @@ export class PageActuate extends LitElement {
               ></t-choice>`
             : nothing}
         </div>
-        ${device ? this.renderDriveView(detail, device, online) : this.renderNothingToDrive(detail, online)}
+        ${arm === null
+          ? device
+            ? this.renderDriveView(detail, device, online)
+            : this.renderNothingToDrive(detail, online)
+          : this.renderArm(detail, arm, online)}
       </div>
     `;
+  }
+
+  private renderArm(detail: SiteShape, { device, jog, poses }: ArmParts, online: boolean): unknown {
+    const shown = new Set([...(jog === null ? [] : [jog]), ...poses].map(({ id }) => id));
+    return renderLoaded(
+      this.armElement,
+      "the arm",
+      () => html`<t-arm-cockpit .site=${this.site} .device=${device} .detail=${detail} .line=${this.commands} .online=${online}></t-arm-cockpit>
+        <t-commands heading="Other commands" .site=${this.site} .devices=${[device]} .line=${this.commands} .online=${online} .shownElsewhere=${shown}></t-commands>`,
+    );
   }
 
   private renderNothingToDrive(detail: SiteShape, online: boolean): TemplateResult {
@@ -137,6 +156,16 @@ export class PageActuate extends LitElement {
           .full=${this.full}
           @t-picture=${this.onPicture}
           @t-fullscreen=${this.toggleFullScreen}
+          ><t-vehicle-hud
+            slot="hud"
+            .site=${this.site}
+            .detail=${detail}
+            .device=${device}
+            .seat=${seat}
+            .stopped=${stop?.desk.blocksDriving ?? false}
+            .pictureAge=${this.pictureAge}
+            .online=${online}
+          ></t-vehicle-hud
         ></t-camera>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
@@ -159,8 +188,8 @@ export class PageActuate extends LitElement {
               ></t-drive-pad>
             </t-card>`
           : this.renderOnlooker(device)}
-        <t-map class="map" .site=${this.site} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-map>
       </div>
+      <t-surroundings class="around" .site=${this.site} .detail=${detail} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-surroundings>
       <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
   }
@@ -179,6 +208,13 @@ export class PageActuate extends LitElement {
     return (row?.online ?? detail.online) && this.link.state === "open";
   }
 
+  /** The arm that was chosen, or the first one where nothing else can be driven. */
+  private chosenArm(detail: SiteShape): ArmParts | null {
+    const arms = detail.devices.map(armParts).filter((arm) => arm !== null);
+    const chosen = arms.find(({ device }) => device.id === this.chosen) ?? null;
+    return chosen ?? (detail.devices.some(({ drive }) => drive !== null) ? null : (arms[0] ?? null));
+  }
+
   private chosenDevice(detail: SiteShape): DeviceShape | undefined {
     const drivable = detail.devices.filter((device) => device.drive !== null);
     return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
@@ -188,7 +224,8 @@ export class PageActuate extends LitElement {
   private buildController(): void {
     const detail = this.detail.value;
     const { connection } = this.link;
-    const device = detail && this.chosenDevice(detail);
+    // While an arm is in front of somebody, no vehicle is in their hands.
+    const device = detail && this.chosenArm(detail) === null ? this.chosenDevice(detail) : undefined;
     const wanted = detail && connection && this.isConnected ? `${detail.site} ${JSON.stringify(device ?? null)}` : "";
     if (wanted === this.built) return;
     this.closeController();

@@ -23,8 +23,9 @@ import { nightWindow, proposalMarks, type NightBlock, type ProposalMark } from "
 import { nextMorning, nightSky, type SkySpan } from "../../sky/night-sky.js";
 import { horizontalOf } from "../../sky/request-visibility.js";
 import { targetPlace } from "../../sky/target-place.js";
-import { apiContext, sitesContext } from "../../state/contexts.js";
+import { apiContext, sitesContext, themeContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
+import type { Theme } from "../../state/theme.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import { ArchiveApi, previewPath } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -36,7 +37,8 @@ import "../../elements/feedback/status.js";
 import "../../elements/observatory/plan-timeline.js";
 import "../../elements/values/clock.js";
 import "../../elements/values/time.js";
-import "../../tiles/observatory/night-sky-view.js";
+import "../../elements/forms/button.js";
+import "../../tiles/observatory/night-glance.js";
 import "./night-state.js";
 
 const EVERY_MS = 15_000;
@@ -60,6 +62,19 @@ export class PageNight extends LitElement {
         grid-template-columns: minmax(0, 1fr) minmax(0, 1fr);
         align-items: start;
         gap: var(--t-space-4);
+      }
+      .plan-and-log {
+        display: grid;
+        grid-template-columns: minmax(0, 2fr) minmax(0, 1fr);
+        gap: var(--t-space-4);
+      }
+      .plan-and-log > * {
+        min-inline-size: 0;
+      }
+      /* As high as the plan beside it: the newest stands on top, the rest scrolls. */
+      .log {
+        max-block-size: 27rem;
+        overflow: auto;
       }
       .plan {
         --t-columns: 8rem minmax(8rem, 2fr) 8rem 6rem 9rem minmax(10rem, 3fr);
@@ -95,7 +110,8 @@ export class PageNight extends LitElement {
         background: linear-gradient(var(--t-accent) 0 0) no-repeat;
       }
       @media (max-width: 60rem) {
-        .two {
+        .two,
+        .plan-and-log {
           grid-template-columns: minmax(0, 1fr);
         }
       }
@@ -106,6 +122,8 @@ export class PageNight extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly theme = new ContextStoreController(this, themeContext);
+  private before: Theme = "auto";
   private readonly detail = new LoadController<SiteShape>(this);
   private readonly overview = new LoadController<SiteNightShape>(this);
   private readonly proposals = new LoadController<ProposalList>(this);
@@ -153,6 +171,7 @@ export class PageNight extends LitElement {
       <a href=${sitePath(this.site, "requests")}>Requests</a>
       <a href=${sitePath(this.site, "proposals")}>Proposals</a>
       <a href=${sitePath(this.site, "archive")}>Archive</a>
+      <t-button kind="quiet" @click=${this.switchRed}>${this.theme.store?.theme === "night" ? "Leave red" : "Red screen"}</t-button>
     </div>`;
     return html`${renderPageHead("Night", html`What ${this.sites.store?.siteRow(this.site)?.name ?? this.site} observes by itself. ${(this.overview.value?.state?.site_time_us ?? 0) > 0 ? nothing : html`<t-clock zone=${this.zone}></t-clock>`}`, links)}
     ${this.proposals.value?.observes === false
@@ -182,22 +201,18 @@ export class PageNight extends LitElement {
         .zone=${this.zone}
         @t-changed=${this.overview.invalidate}
       ></t-night-state>
-      ${this.renderPlan(overview, blocks, marks, ms)}
-      <div class="two">
-        <section class="sheet" aria-labelledby="sky">
-          <h2 id="sky">Sky now</h2>
-          <t-night-sky
-            .site=${this.site}
-            .detail=${this.detail.value ?? null}
-            .device=${this.detail.value?.devices.find(({ kind }) => kind === "telescope") ?? null}
-            .planned=${this.plannedAims(marks, ms)}
-            .ms=${ms}
-            ?online=${this.isOnline(overview)}
-          ></t-night-sky>
-        </section>
-        ${this.renderShares(marks)}
-      </div>
-      ${this.renderWaiting(blocks, overview.state?.request ?? "")} ${this.renderPictures(ms)} ${this.renderLog()}`;
+      <t-night-glance
+        .site=${this.site}
+        .detail=${this.detail.value ?? null}
+        .planned=${this.plannedAims(marks, ms)}
+        .target=${observed?.target ?? current?.name ?? ""}
+        .step=${overview.state?.step ?? ""}
+        .ms=${ms}
+        ?online=${this.isOnline(overview)}
+      ></t-night-glance>
+      <div class="plan-and-log">${this.renderPlan(overview, blocks, marks, ms)} ${this.renderLog()}</div>
+      <div class="two">${this.renderWaiting(blocks, overview.state?.request ?? "")} ${this.renderShares(marks)}</div>
+      ${this.renderPictures(ms)}`;
   }
 
   /** What is shown is old, and since when. */
@@ -341,7 +356,7 @@ export class PageNight extends LitElement {
   }
 
   private renderLog(): TemplateResult {
-    return html`<section class="sheet" aria-labelledby="log">
+    return html`<section class="sheet log" aria-labelledby="log" tabindex="0">
       <div class="head">
         <h2 id="log">Log</h2>
         <div class="actions"><a href=${sitePath(this.site, "logbook")}>All of the logbook</a></div>
@@ -361,6 +376,18 @@ export class PageNight extends LitElement {
       )}
     </section>`;
   }
+
+  /** Red for eyes that are used to the dark, and back to what was before. */
+  private readonly switchRed = (): void => {
+    const { store } = this.theme;
+    if (store === undefined) return;
+    if (store.theme === "night") {
+      store.setTheme(this.before);
+      return;
+    }
+    this.before = store.theme;
+    store.setTheme("night");
+  };
 
   private get zone(): string {
     return this.sites.store?.zoneOf(this.site) ?? "UTC";

@@ -28,12 +28,14 @@ import { RobotState } from "../../state/robot-state.js";
 import { Router } from "../../state/router.js";
 import { Session } from "../../state/session.js";
 import { Sites } from "../../state/sites.js";
+import { SleepWatch } from "../../controllers/sleep-watch.js";
 import { ThemeChoice } from "../../state/theme.js";
 import { UserActivity } from "../../state/user-activity.js";
 import { comeback } from "../../wire/backoff.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/hub-api.js";
 import { socketUrl } from "../../wire/media-socket.js";
+import { registerWorker } from "../../worker/shell-worker.js";
 import { onOpened } from "../../wire/web-push.js";
 import { firstPage, isOpen } from "../routes.js";
 import type { ConfirmPerson } from "./confirm-person.js";
@@ -43,10 +45,14 @@ import "./sign-in-again.js";
 
 /** A session that was taken up again this long ago (ms) may be at once. */
 const RESUME_PAUSE_MS = 10_000;
+/** Whether the device slept is looked at this often (ms). */
+const SLEEP_EVERY_MS = 1000;
 
 @customElement("t-app")
 export class App extends LitElement {
   @state() private unreachable = false;
+  /** The pages were updated while this one was open. */
+  @state() private outdated = false;
   @query("t-confirm-person") private readonly question!: ConfirmPerson;
 
   private readonly api = new HubApi();
@@ -66,6 +72,11 @@ export class App extends LitElement {
   private readonly session = new Session(this.api, browserStorage());
   private readonly sites = new Sites(this.api);
   private readonly theme = new ThemeChoice(document.documentElement, browserStorage());
+  private readonly sleep = new SleepWatch();
+  private sleepTimer: ReturnType<typeof setInterval> | undefined;
+  private readonly checkVersion = registerWorker(navigator.serviceWorker as ServiceWorkerContainer | undefined, () => {
+    this.outdated = true;
+  });
   private stops: (() => void)[] = [];
   private rights = "";
   private resumedAt = Number.NEGATIVE_INFINITY;
@@ -98,6 +109,7 @@ export class App extends LitElement {
     window.addEventListener("online", this.onWake);
     window.addEventListener("storage", this.onOtherTab);
     document.addEventListener("visibilitychange", this.onWake);
+    this.sleepTimer = setInterval(this.checkSleep, SLEEP_EVERY_MS);
     this.stops = [
       this.session.subscribe(this.onSessionChange),
       onOpened((path) => {
@@ -114,6 +126,8 @@ export class App extends LitElement {
         if (link === "open") {
           void this.sites.load();
           comeback.announce();
+          // A hub that was away may have been updated.
+          this.checkVersion();
         }
         // A hub that refuses the socket does not say why; the session does.
         if (link === "ended") this.session.notice = this.connection.endedReason;
@@ -144,13 +158,14 @@ export class App extends LitElement {
     window.removeEventListener("storage", this.onOtherTab);
     document.removeEventListener("visibilitychange", this.onWake);
     clearTimeout(this.retryTimer);
+    clearInterval(this.sleepTimer);
     for (const stop of this.stops) stop();
     this.stops = [];
     this.connection.stop();
   }
 
   override render(): TemplateResult {
-    return html`<t-shell ?unreachable=${this.unreachable}></t-shell><t-confirm-person></t-confirm-person><t-sign-in-again></t-sign-in-again>`;
+    return html`<t-shell ?unreachable=${this.unreachable} ?outdated=${this.outdated}></t-shell><t-confirm-person></t-confirm-person><t-sign-in-again></t-sign-in-again>`;
   }
 
   /** A browser is silent until somebody has touched the page. */
@@ -159,7 +174,17 @@ export class App extends LitElement {
   };
 
   private readonly onWake = (): void => {
-    if (document.visibilityState === "visible") this.connection.retryNow();
+    if (document.visibilityState !== "visible") return;
+    this.checkSleep();
+    this.connection.retryNow();
+  };
+
+  /** After a sleep what is shown is older than it looks, and sockets may be dead that nobody closed. */
+  private readonly checkSleep = (): void => {
+    const { slept, uncountedMs } = this.sleep.checkClocks();
+    if (!slept) return;
+    if (uncountedMs > 0) this.live.addAge(uncountedMs);
+    this.connection.probe();
   };
 
   /** Somebody signed in or out in another tab of this browser: here, too. */

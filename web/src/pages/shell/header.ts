@@ -87,8 +87,10 @@ export class Header extends LitElement {
       }
       select {
         min-block-size: var(--t-touch);
-        max-inline-size: 16rem;
-        /* Room for a word as long as "Observatory": which site it is must be read at a glance. */
+        flex: none;
+        /* As wide as its name: which site it is must be read at a glance, and is never cut at a desk. */
+        field-sizing: content;
+        max-inline-size: 22rem;
         min-inline-size: 9.5rem;
         padding-inline: var(--t-space-2);
         border: 1px solid transparent;
@@ -168,7 +170,7 @@ export class Header extends LitElement {
           display: none;
         }
         select {
-          max-inline-size: 11rem;
+          max-inline-size: 16rem;
         }
       }
       @media (max-width: 60rem) and (max-height: 30rem) {
@@ -191,8 +193,9 @@ export class Header extends LitElement {
           line-height: 1.2;
         }
         select {
-          flex: 1 1 auto;
-          max-inline-size: 60vw;
+          flex: 0 1 auto;
+          min-inline-size: 9rem;
+          max-inline-size: 62vw;
         }
       }
     `,
@@ -299,7 +302,7 @@ export class Header extends LitElement {
       return;
     }
     const kept =
-      page === "topics" || page === "anomalies" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "notes" || page === "missions" || page === "sightings" || page === "review" || page === "zones"
+      page === "topics" || page === "anomalies" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "notes" || page === "missions" || page === "sightings" || page === "review" || page === "zones" || page === "night"
         ? page
         : "live";
     this.router.navigate(sitePath(event.target.value, kept));

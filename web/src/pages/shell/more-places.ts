@@ -1,4 +1,4 @@
-/** What of a site has no place of its own in the navigation, behind its last one: *More*. Pure. */
+/** The pages of a site: all of them in a row of their own, or, where there is no room, behind *More*. Pure. */
 
 import { seesOnlyPublic } from "../../state/rights.js";
 import { sitePath, type PageName } from "../../state/router.js";
@@ -24,4 +24,33 @@ export function morePlaces(site: string, person: Me, { observing, archived }: { 
   const archive = { page: "archive", title: PAGES.archive.title, path: sitePath(site, "archive"), spared: true } as const;
   const boards = { page: "boards", title: PAGES.boards.title, path: "/boards", spared: true } as const;
   return [boards, ...(observing ? [devices] : []), ...(observing && archived ? [archive] : []), ...more];
+}
+
+/** What a site has, as far as the person may see it. */
+export interface SiteOffer {
+  /** Something to drive, command or stop. */
+  readonly actuable: boolean;
+  /** A telescope. */
+  readonly observing: boolean;
+  /** Pictures of exposures, or cameras that take them. */
+  readonly archived: boolean;
+}
+
+/** In the order of use: what is now, then what was, then the raw matter. */
+const SITE_ROW = ["live", "drive", "night", "cameras", "scene", "history", "logbook", "sightings", "anomalies", "recordings", "archive", "topics"] as const;
+/** What is public of a site stands on these. */
+const PUBLIC_ROW: readonly PageName[] = ["live", "history"];
+
+/** Every page of a site that a person may open, in one row. */
+export function sitePages(site: string, person: Me, { actuable, observing, archived }: SiteOffer): readonly Omit<MorePlace, "spared">[] {
+  if (site === "") return [];
+  const there: Partial<Record<PageName, boolean>> = { drive: actuable, night: observing, archive: archived };
+  return SITE_ROW.filter((page) => mayOpen(page, person) && there[page] !== false && (!seesOnlyPublic(person) || PUBLIC_ROW.includes(page))).map((page) => ({
+    page, title: PAGES[page].title, path: sitePath(site, page),
+  }));
+}
+
+/** The page of the row that another one belongs to. */
+export function rowPageOf(page: PageName): PageName {
+  return ["forecast", "requests", "proposals", "alertrules"].includes(page) ? "night" : page;
 }

@@ -9,7 +9,7 @@ import { seesOnlyPublic } from "../../state/rights.js";
 import { ADMIN_PAGES, sitePath, type PageName } from "../../state/router.js";
 import type { Me } from "../../generated/api.js";
 import { mayOpen, PAGES } from "../routes.js";
-import { morePlaces } from "./more-places.js";
+import { morePlaces, rowPageOf, sitePages } from "./more-places.js";
 import "../../elements/base/icon.js";
 import type { Menu } from "../../elements/layout/menu.js";
 import "../../elements/layout/menu.js";
@@ -39,6 +39,9 @@ const FULL = 8;
 
 /** Where the window is narrow, an observatory has these behind *More*. */
 const SPARE: readonly PageName[] = ["devices", "archive"];
+
+/** Of the places, those that are a site's own. */
+const OF_SITE: readonly PageName[] = ["live", "history", "drive", "night", "archive"];
 
 @customElement("t-nav")
 export class Navigation extends LitElement {
@@ -90,6 +93,25 @@ export class Navigation extends LitElement {
       t-menu.here {
         color: var(--t-text);
       }
+      /* All of a site's pages, in a row of their own. */
+      .row {
+        flex-wrap: wrap;
+        gap: 0 var(--t-space-1);
+        padding-inline: max(var(--t-space-3), env(safe-area-inset-left));
+        border-block-end: 1px solid var(--t-line);
+        background: var(--t-surface);
+      }
+      .row a {
+        min-block-size: 2.5rem;
+        padding-inline: var(--t-space-2);
+        font-size: var(--t-size-s);
+      }
+      /* They stand in that row, wherever there is the height for it. */
+      @media (min-width: 45.01rem) and (min-height: 30.01rem) {
+        .of-site {
+          display: none;
+        }
+      }
       .more {
         display: grid;
       }
@@ -124,7 +146,7 @@ export class Navigation extends LitElement {
           font-size: var(--t-size-s);
         }
       }
-      @media (max-width: 75rem) {
+      @media (max-width: 45rem), (max-width: 75rem) and (max-height: 30rem) {
         .spare {
           display: none;
         }
@@ -149,6 +171,8 @@ export class Navigation extends LitElement {
         nav > a {
           padding-inline: var(--t-space-1);
         }
+      }
+      @media (max-width: 52rem) and (min-width: 45.01rem) and (max-height: 30rem) {
         .people {
           display: none;
         }
@@ -210,6 +234,10 @@ export class Navigation extends LitElement {
   ];
 
   @query("t-menu") private readonly menu!: Menu | null;
+  /** It is the row of a site's own pages. */
+  @property({ type: Boolean }) row = false;
+  /** What the site is called. */
+  @property() name = "";
   /** It stands at the lower edge of the window. */
   @property({ type: Boolean }) below = false;
   @property() page: PageName = "home";
@@ -223,6 +251,7 @@ export class Navigation extends LitElement {
   @property({ type: Boolean }) observing = false;
 
   override render(): TemplateResult {
+    if (this.row) return this.renderRow();
     const places = this.visiblePlaces();
     const atDesk = places.filter(({ page }) => page !== "people");
     const admins = places.filter(({ page }) => page === "people");
@@ -231,11 +260,19 @@ export class Navigation extends LitElement {
     </nav>`;
   }
 
+  private renderRow(): TemplateResult {
+    const pages = this.person === null ? [] : sitePages(this.site, this.person, this);
+    const here = rowPageOf(this.page);
+    return html`<nav class="row" aria-label="Pages of ${this.name}">
+      ${map(pages, ({ page, title, path }) => html`<a href=${path} aria-current=${page === here ? "page" : nothing}>${title}</a>`)}
+    </nav>`;
+  }
+
   private renderPlaces(places: readonly NavigationPlace[]): unknown {
     return map(
         places,
         (place) => html`<a
-          class="${place.page} ${place.page === "boards" || (this.observing && SPARE.includes(place.page)) ? "spare" : ""}"
+          class="${place.page} ${!this.below && OF_SITE.includes(place.page) ? "of-site" : ""} ${place.page === "boards" || (this.observing && SPARE.includes(place.page)) ? "spare" : ""}"
           href=${this.pathOf(place.page) ?? nothing}
           aria-current=${this.isCurrent(place.page) ? "page" : nothing}
           aria-disabled=${this.pathOf(place.page) === null ? "true" : nothing}
@@ -250,7 +287,7 @@ export class Navigation extends LitElement {
     const more = person === null ? [] : morePlaces(site, person, { observing, archived });
     if (more.length === 0) return nothing;
     const here = more.some(({ page, spared }) => page === this.page && !spared);
-    return html`<t-menu ?up=${this.below} class=${here ? "here" : ""}>
+    return html`<t-menu ?up=${this.below} class="${here ? "here" : ""} ${this.below ? "" : "of-site"}">
       <span slot="label">More</span>
       <div class="more" @click=${this.closeMenu}>
         ${map(

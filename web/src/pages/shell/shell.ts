@@ -9,7 +9,7 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import { ADMIN_PAGES, localPath } from "../../state/router.js";
+import { ADMIN_PAGES, localPath, type PageName } from "../../state/router.js";
 import type { NightList, SiteShape, SiteSummary } from "../../generated/api.js";
 import { ArchiveApi } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -18,6 +18,7 @@ import "../../elements/feedback/banner.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
+import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
 import "./alarm-bar.js";
 import "./code-alert.js";
@@ -27,6 +28,8 @@ import "./interlock-bar.js";
 import "./navigation.js";
 import "./session-warning.js";
 import "./storage-warning.js";
+
+const WIDE_PAGES: readonly PageName[] = ["drive", "night"];
 
 @customElement("t-shell")
 export class Shell extends LitElement {
@@ -53,6 +56,10 @@ export class Shell extends LitElement {
         outline: none;
         min-inline-size: 0;
       }
+      /* Cockpits: whoever sits in front of a large screen wants all of it. */
+      main.wide {
+        max-inline-size: 170rem;
+      }
       /* A phone on its side: height is what there is least of. */
       @media (max-height: 30rem) {
         main {
@@ -78,6 +85,12 @@ export class Shell extends LitElement {
       .bottom {
         display: none;
       }
+      /* A phone has its pages below, and one on its side has no height for a row. */
+      @media (max-width: 45rem), (max-height: 30rem) {
+        .site-row {
+          display: none;
+        }
+      }
       @media (max-width: 45rem) {
         main {
           padding: var(--t-space-4) var(--t-space-3) calc(5.5rem + env(safe-area-inset-bottom));
@@ -98,6 +111,9 @@ export class Shell extends LitElement {
 
   /** The hub did not answer when it was last asked. */
   @property({ type: Boolean }) unreachable = false;
+
+  /** The hub has newer pages than those that run here. */
+  @property({ type: Boolean }) outdated = false;
 
   @state() private page: HTMLElement | null = null;
   @state() private broken = false;
@@ -173,12 +189,15 @@ export class Shell extends LitElement {
         <t-header .site=${site}>
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
         </t-header>
+        ${inside && site !== "" && !ADMIN_PAGES.includes(page) && page !== "account"
+          ? html`<t-nav class="site-row" row .name=${this.sites.store?.siteRow(site)?.name ?? site} .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>`
+          : nothing}
         ${this.renderBanner()} ${inside ? html`<t-session-end></t-session-end>` : nothing}
         ${inside ? html`<t-alarm-bar></t-alarm-bar>${this.renderInterlocks()}` : nothing}
         ${inside && person.codes_locked_us > 0 ? html`<t-code-alert></t-code-alert>` : nothing}
         ${inside && person.admin ? html`<t-storage-warning></t-storage-warning>` : nothing}
       </div>
-      <main id="main" tabindex="-1">${this.renderContent()}</main>
+      <main id="main" tabindex="-1" class=${WIDE_PAGES.includes(page) ? "wide" : ""}>${this.renderContent()}</main>
       ${inside ? html`<t-nav class="bottom" below .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
     `;
   }
@@ -227,7 +246,15 @@ export class Shell extends LitElement {
       >`;
     }
     const rivals = this.sites.store?.list.filter((row) => row.rival_us > 0) ?? [];
-    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()}`;
+    return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()} ${this.renderOutdated()}`;
+  }
+
+  /** Nobody's page is loaded anew behind their back: they may be driving. */
+  private renderOutdated(): unknown {
+    if (!this.outdated) return nothing;
+    return html`<t-banner
+      >Talaia was updated while this page was open. <t-button kind="quiet" @click=${this.reloadPage}>Load the new page</t-button></t-banner
+    >`;
   }
 
   private renderUnreachable(): unknown {

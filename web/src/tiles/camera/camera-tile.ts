@@ -36,6 +36,7 @@ let breaks = 0;
 
 /**
  * @slot over - lies over the picture, where that is `editing`
+ * @slot hud - lies over the picture, above its lower edge
  * @fires t-picture after each picture: detail is when it was taken, on this page's clock, or null
  */
 @customElement("t-camera")
@@ -196,7 +197,7 @@ export class CameraTile extends LitElement {
       ?earlier=${this.seen?.standing === "earlier"}
       ?editing=${this.editing}
       @t-fullscreen=${this.onFullScreenRequest}
-        ><slot name="over" slot="over"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
+        ><slot name="over" slot="over"></slot><slot name="hud" slot="hud"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
           this.marked.renderButton()
         }${
           this.blurred && this.stream !== ""

@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { padsFound } from "../../controllers/drive/gamepad.js";
 import { capWords } from "../../controllers/drive/drive-messages.js";
 import type { DriveSession } from "../../controllers/drive/drive-session.js";
 import { padStick } from "../../controllers/drive/stick.js";
@@ -17,10 +18,22 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import { formatMs } from "../../format/duration.js";
 import { lockText } from "../../format/interlock-reason.js";
 import type { HoldDetail } from "../../elements/drive/hold-event.js";
+import { readBrowserChoice, saveBrowserChoice } from "../../controllers/browser-choice.js";
 import { interlocksContext } from "../../state/contexts.js";
+import "../../elements/forms/choice.js";
 import type { DeviceShape, SignalShape } from "../../generated/api.js";
 
 const DRAW_EVERY_MS = 200;
+const HAND_KEY = "talaia.hand";
+
+/** Which thumb drives on a phone: `both` has pad and arrows, one has the pad at its own side. */
+type DrivingHand = "both" | "left" | "right";
+
+const HANDS = [
+  { id: "both", label: "Both" },
+  { id: "left", label: "Left" },
+  { id: "right", label: "Right" },
+] as const;
 
 @customElement("t-drive-pad")
 export class DrivePad extends LitElement {
@@ -67,6 +80,54 @@ export class DrivePad extends LitElement {
           display: none;
         }
       }
+      .hand {
+        display: none;
+      }
+      @media (max-width: 52rem) and (orientation: portrait) {
+        .hand {
+          display: flex;
+          flex-wrap: wrap;
+          align-items: center;
+          justify-content: space-between;
+          gap: var(--t-space-2);
+        }
+        /* One thumb reaches all that is needed while driving; the arrows say the same as the pad. */
+        :host([hand="left"]),
+        :host([hand="right"]) {
+          grid-template-columns: minmax(0, 1fr) 11.5rem;
+          grid-template-areas: "lease lease" "speed hands" "trouble trouble" "readout readout" "hand hand" "foot foot";
+          align-items: end;
+        }
+        :host([hand="left"]) {
+          grid-template-columns: 11.5rem minmax(0, 1fr);
+          grid-template-areas: "lease lease" "hands speed" "trouble trouble" "readout readout" "hand hand" "foot foot";
+        }
+        :host(:not([hand="both"])) .hands {
+          grid-area: hands;
+          grid-template-columns: 100%;
+        }
+        :host(:not([hand="both"])) t-arrows {
+          display: none;
+        }
+        :host(:not([hand="both"])) t-lease {
+          grid-area: lease;
+        }
+        :host(:not([hand="both"])) t-speed-limit {
+          grid-area: speed;
+        }
+        :host(:not([hand="both"])) .trouble {
+          grid-area: trouble;
+        }
+        :host(:not([hand="both"])) t-drive-readout {
+          grid-area: readout;
+        }
+        :host(:not([hand="both"])) .hand {
+          grid-area: hand;
+        }
+        :host(:not([hand="both"])) .foot {
+          grid-area: foot;
+        }
+      }
     `,
   ];
 
@@ -78,6 +139,8 @@ export class DrivePad extends LitElement {
   @property({ type: Boolean }) rehearsing = false;
   /** Age of the picture (ms); negative: none. */
   @property({ attribute: false }) pictureAge: () => number = () => -1;
+
+  @property({ reflect: true }) hand: DrivingHand = readBrowserChoice(HAND_KEY, ["both", "left", "right"]);
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
     this.followLock();
@@ -155,19 +218,32 @@ export class DrivePad extends LitElement {
         .cap=${this.speedCapReason()}
         .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
       ></t-drive-readout>
+      <div class="hand">
+        <span>Thumb</span><t-choice label="Thumb that drives" .options=${HANDS} .chosen=${this.hand} @t-choose=${this.onHand}></t-choice>
+      </div>
       <div class="foot">
       <details class="hint">
         <summary>Keys and gamepad</summary>
         <p>
           Hold W&nbsp;A&nbsp;D&nbsp;X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, +
-          and − change the speed, Escape is STOP. Gamepad: hold a shoulder button and push the left stick.
+          and − change the speed, Escape is STOP. Gamepad: hold a shoulder button and push the left stick or the cross;
+          the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.
         </p>
       </details>
+      ${this.renderPads()}
       <span class="loop" title="From this page to the gateway and back, measured while you have control"
         >Round trip ${formatMs(told && told.loop_ms > 0 ? told.loop_ms : Number.NaN)}</span
       >
       </div>
     `;
+  }
+
+  /** Whether a gamepad that is there can be driven by. */
+  private renderPads(): unknown {
+    const pads = navigator.getGamepads().filter((pad) => pad !== null);
+    const found = padsFound(pads.map(({ mapping }) => mapping));
+    if (found === "none") return nothing;
+    return html`<span class="pads">${found === "ready" ? "Gamepad ready" : "This gamepad has a layout of its own: no driving by it"}</span>`;
   }
 
   /** Why an interlock refuses driving now; empty when none does. */
@@ -244,6 +320,11 @@ export class DrivePad extends LitElement {
 
   private readonly onSpeedLevel = (event: CustomEvent<number>): void => {
     this.seat?.setLevel(event.detail);
+  };
+
+  private readonly onHand = (event: CustomEvent<string>): void => {
+    this.hand = HANDS.find(({ id }) => id === event.detail)?.id ?? "both";
+    saveBrowserChoice(HAND_KEY, this.hand);
   };
 
   private readonly takeControl = (): void => {

@@ -13,8 +13,8 @@ import { formatDuration } from "../../format/duration.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { apiContext } from "../../state/contexts.js";
 import { archivePath } from "../../state/router.js";
-import { ArchiveApi, filePath } from "../../wire/archive-api.js";
-import type { CommandShape, FrameDetail, SignalShape } from "../../generated/api.js";
+import { ArchiveApi, filePath, previewPath } from "../../wire/archive-api.js";
+import type { CommandShape, DeviceShape, FrameDetail, SignalShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../archive/frame-preview.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
@@ -58,6 +58,18 @@ export class CameraPart extends DevicePart {
       .forms > * + * {
         padding-block-start: var(--t-space-4);
         border-block-start: 1px solid var(--t-line);
+      }
+      .newest {
+        display: grid;
+        gap: var(--t-space-1);
+        font-size: var(--t-size-s);
+      }
+      img {
+        inline-size: 100%;
+        max-block-size: 9rem;
+        object-fit: contain;
+        background: #000;
+        filter: var(--t-picture-filter, none);
       }
       .progress {
         display: grid;
@@ -149,11 +161,25 @@ export class CameraPart extends DevicePart {
   override render(): TemplateResult | typeof nothing {
     const { device } = this;
     if (device === null) return nothing;
+    if (this.compact) return this.renderGlance(device);
     return html`<section class="two" aria-label="Camera">
       <div class="card">${this.renderPicture()}</div>
       <div class="card exposure">${this.renderExposure()}</div>
       ${this.renderCooler()} ${this.renderSettings()}
     </section>`;
+  }
+
+  private renderGlance(device: DeviceShape): TemplateResult {
+    const { state, remaining, temperature } = cameraSignals(device);
+    const frame = this.newest.value?.frame;
+    return html`<div class="readings">${map([state, temperature], (signal) => this.renderReading(signal, "m"))}</div>
+      ${this.renderProgress(remaining)}
+      ${frame === undefined
+        ? html`<p class="note">No picture is archived, or none is open to you.</p>`
+        : html`<a class="newest" href=${archivePath(this.site, device.id)}
+            ><img alt=${`The newest picture: ${frame.target === "" ? frame.kind || "no target named" : frame.target}`} src=${previewPath(this.site, frame.id, "asinh", 320)} />
+            <span>${frame.target === "" ? "Newest picture" : frame.target}, <t-time short .us=${frame.time_us} .zone=${this.detail?.zone ?? "UTC"}></t-time></span></a
+          >`}`;
   }
 
   private renderPicture(): unknown {

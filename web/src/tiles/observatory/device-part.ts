@@ -58,6 +58,8 @@ export abstract class DevicePart extends LitElement {
   @property({ attribute: false }) detail: SiteShape | null = null;
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = false;
+  /** Only how it stands, in little room; nothing can be asked of it. */
+  @property({ type: Boolean, reflect: true }) compact = false;
 
   protected readonly live = new LiveValuesController(this);
 

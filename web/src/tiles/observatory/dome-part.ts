@@ -67,18 +67,21 @@ export class DomePart extends DevicePart {
     const judged = this.shutterVerdict();
     const doubted = roof === "closed" && judged !== undefined && !judged.closed;
     const { buttons, forms } = domeCommands(device);
+    const drawing = html`<t-dome-drawing
+      .roof=${roof}
+      .azimuth=${azimuth.fresh ? azimuth.value : Number.NaN}
+      .opening=${opening.fresh && roof !== "unknown" ? opening.value / 100 : Number.NaN}
+      .telescope=${telescope.fresh ? telescope.value : Number.NaN}
+      .turns=${turns || blind}
+      .blind=${blind}
+      .segments=${this.segmentOpenings()}
+      ?turning=${this.isOn(signals.turning) === true}
+    ></t-dome-drawing>`;
+    const word = html`<t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? "Says closed" : SAID[roof].word}></t-status>`;
+    if (this.compact) return html`<div class="head" role="status">${word}</div>${drawing}${this.renderSensorProof(roof)}`;
     return html`<section class="two" aria-label="Dome">
       <div class="card">
-        <t-dome-drawing
-          .roof=${roof}
-          .azimuth=${azimuth.fresh ? azimuth.value : Number.NaN}
-          .opening=${opening.fresh && roof !== "unknown" ? opening.value / 100 : Number.NaN}
-          .telescope=${telescope.fresh ? telescope.value : Number.NaN}
-          .turns=${turns || blind}
-          .blind=${blind}
-          .segments=${this.segmentOpenings()}
-          ?turning=${this.isOn(signals.turning) === true}
-        ></t-dome-drawing>
+        ${drawing}
         ${!turns
           ? nothing
           : html`<p class="note">
@@ -88,7 +91,7 @@ export class DomePart extends DevicePart {
       <div class="card">
         <h2 class="visually-hidden">Shutter and rotation</h2>
         <div class="head">
-          <t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? "Says closed" : SAID[roof].word}></t-status>
+          ${word}
           ${!turns
             ? nothing
             : html`<span>looking to <strong>${azimuth.fresh ? formatAzimuth(azimuth.value) : "an unknown azimuth"}</strong></span>`}

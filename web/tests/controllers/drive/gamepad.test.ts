@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { GamepadGrip, pushOf, type PadReading } from "../../../src/controllers/drive/gamepad.js";
+import { GamepadGrip, GamepadPresses, padsFound, pushOf, type PadReading } from "../../../src/controllers/drive/gamepad.js";
 
 function pad(grip: boolean, axes: number[] = [0, 0], pressed: number[] = []): PadReading {
   const buttons = Array.from({ length: 17 }, (_, i) => ({
@@ -38,4 +38,17 @@ test("stick and cross push alike: up is forward, left is left", () => {
 test("a pad without axes or buttons is at rest", () => {
   expect(pushOf({ axes: [], buttons: [] })).toEqual({ forward: 0, turn: 0 });
   expect(new GamepadGrip().readChange({ axes: [Number.NaN], buttons: [] })).toBe("none");
+});
+
+test("a button counts once for each press", () => {
+  const presses = new GamepadPresses();
+  expect(presses.readPresses(pad(false, [], [1]))).toEqual([]);
+  expect(presses.readPresses(pad(false))).toEqual([]);
+  expect(presses.readPresses(pad(false, [], [0, 1]))).toEqual(["halt", "STOP"]);
+  expect(presses.readPresses(pad(false, [], [0, 1, 3]))).toEqual(["faster"]);
+  expect(presses.readPresses({ axes: [], buttons: [] })).toEqual([]);
+});
+
+test("whether there is a pad to drive by goes by its layout", () => {
+  expect([padsFound([]), padsFound([""]), padsFound(["", "standard"])]).toEqual(["none", "other", "ready"]);
 });

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Me } from "../../../src/generated/api.js";
-import { morePlaces } from "../../../src/pages/shell/more-places.js";
+import { morePlaces, rowPageOf, sitePages } from "../../../src/pages/shell/more-places.js";
 
 const person: Me = {
   name: "ada", role: "operator", admin: false, factor: false, factor_missing: false, codes_locked_us: 0,
@@ -28,4 +28,23 @@ test("an observatory's devices and pictures give way to its night where the wind
 test("guests have all of theirs on one page, and without a site there is nothing more", () => {
   expect(morePlaces("obs", { ...person, role: "guest", permissions: [] }, OBSERVATORY)).toEqual([]);
   expect(morePlaces("", person, OBSERVATORY)).toEqual([]);
+});
+
+test("a site's row has every page of it: now, then what was, then the raw matter", () => {
+  const all = sitePages("obs", person, { actuable: true, ...OBSERVATORY }).map(({ page }) => page);
+  expect(all).toEqual(["live", "drive", "night", "cameras", "scene", "history", "logbook", "sightings", "anomalies", "recordings", "archive", "topics"]);
+  const vehicle = sitePages("agv", person, { actuable: true, observing: false, archived: false }).map(({ page }) => page);
+  expect(vehicle).not.toContain("night");
+  expect(vehicle).not.toContain("archive");
+});
+
+test("the row of who sees only what is public has nothing behind closed doors; without a site there is none", () => {
+  const guest = { ...person, role: "guest", permissions: [] };
+  expect(sitePages("obs", guest, { actuable: true, ...OBSERVATORY }).map(({ path }) => path)).toEqual(["/sites/obs/live", "/sites/obs/history"]);
+  expect(sitePages("", person, { actuable: true, ...OBSERVATORY })).toEqual([]);
+});
+
+test("what is planned for a night belongs to it", () => {
+  expect(rowPageOf("forecast")).toBe("night");
+  expect(rowPageOf("logbook")).toBe("logbook");
 });
