@@ -169,8 +169,8 @@ class NightSection(Shape, frozen=True, kw_only=True):
         focuser: see `NightFocuser`; none: nobody focuses.
         centring: see `NightCentring`; none: fields are where the slew ends.
         guider: see `NightGuider`; none: nobody guides.
-        start: done before the roof opens. What stands behind the last that is ``required`` gets ready
-            while it opens, before anything is observed: the cooler.
+        start: done before the roof opens. What stands behind the last that is ``required`` gets
+            ready while it opens, before anything is observed: the cooler.
         end: done after the roof has closed in the morning: the cooler off.
         clouds: address of the cloud cover (%), or empty.
         seeing: address of the seeing (FWHM, ″), or empty; then it is that of the last field that

@@ -256,8 +256,10 @@ class _Places:
 
         # What lies behind a closing that may come is got only so likely.
         likely = self._asked.shutters[rows] * self._weights[rows, place[rows]]
-        spent = np.bincount(payers, weights=self._asked.blocks[rows], minlength=count)
+        spent = np.zeros(count)
+        np.add.at(spent, payers, self._asked.blocks[rows])
         group = self._until[rows, place[rows]] * count + payers
-        by_end = np.bincount(group, weights=likely, minlength=len(self.ends) * count)
+        by_end = np.zeros(len(self.ends) * count)
+        np.add.at(by_end, group, likely)
         planned_s = np.cumsum(by_end.reshape(-1, count), axis=0)
         return float(earned[rows].sum()), np.cumsum(demand)[:-1] - 1.0, spent, planned_s
