@@ -45,7 +45,7 @@ export const reviewStyle = css`
   /* What can be done with it stays in view. */
   .stage t-sighting-clip {
     inline-size: 100%;
-    max-block-size: max(16rem, 56vh);
+    max-block-size: max(16rem, 50vh);
   }
   .strip {
     display: grid;

@@ -11,7 +11,7 @@ import secrets
 import time
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -48,8 +48,6 @@ MOST_RUNNING, _MOST_KEPT = 2, 20
 _MOST_ANOMALIES, _PARTS = 200, 300
 # It computes so long and lets all else have as long: half of a core at the most.
 _SLICE_S = 0.001
-# Rows that are looked at between two glances at the clock.
-_ROWS = 256
 
 
 class TestState(StrEnum):
@@ -72,12 +70,14 @@ class PastTrial(Protocol):
         addresses: of the channels that make a row.
         step_us: a row is so long.
         learns_us: so long before the window it begins, so that it has learned.
+        rows_at_once: so many are looked at between two glances at the clock.
 
     """
 
     addresses: Sequence[str]
     step_us: int
     learns_us: int
+    rows_at_once: int
 
     @property
     def runner(self) -> EpisodeRunner:
@@ -86,14 +86,21 @@ class PastTrial(Protocol):
 
     def see_rows(
         self, times: NDArray[np.int64], rows: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
+    ) -> tuple[NDArray[np.float64], list[_Ended]]:
         """Look at the next rows (n,), (n, addresses), NaN where nothing came.
 
         Returns:
-            The score after each (n,), and what began and ended.
+            The score after each (n,), and what ended.
 
         """
         ...
+
+
+class _Ended(NamedTuple):
+    """An anomaly that is over, and who had what to do with it, of a group."""
+
+    turn: AnomalyEnded
+    shares: list[SignalShare]
 
 
 class SignalTrial:
@@ -107,19 +114,23 @@ class SignalTrial:
         self.addresses: Sequence[str] = (runner.address,)
         # Twice its learning, for a signal may come seldom.
         self.learns_us = 2 * runner.learning * self.step_us
+        # Few milliseconds, whichever way it goes: nothing else is answered meanwhile.
+        self.rows_at_once = 256 if runner.detector.faster_many else 64
 
     def see_rows(
         self, times: NDArray[np.int64], rows: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
+    ) -> tuple[NDArray[np.float64], list[_Ended]]:
         """See `PastTrial.see_rows`; of silence no detector that can be tried has an opinion."""
         there = np.isfinite(rows[:, 0])
         scores = np.full(len(times), self.runner.score)
         scores[there], turns = self.runner.score_many(times[there], rows[there, 0])
-        return scores, turns
+        return scores, [_Ended(turn, []) for turn in turns if isinstance(turn, AnomalyEnded)]
 
 
 class GroupTrial:
     """A group of signals."""
+
+    rows_at_once = 8
 
     def __init__(self, runner: GroupRunner) -> None:
         """Try ``runner``, which has seen nothing yet."""
@@ -136,15 +147,17 @@ class GroupTrial:
 
     def see_rows(
         self, times: NDArray[np.int64], rows: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], list[AnomalyBegan | AnomalyEnded]]:
+    ) -> tuple[NDArray[np.float64], list[_Ended]]:
         """See `PastTrial.see_rows`."""
         scores = np.empty(len(times))
-        turns: list[AnomalyBegan | AnomalyEnded] = []
+        ended: list[_Ended] = []
         for at, (time_us, row) in enumerate(zip(times.tolist(), rows.tolist(), strict=True)):
             turn = self._see_row(time_us, row)
-            turns += [] if turn is None else [turn]
+            if isinstance(turn, AnomalyEnded):
+                # Taken now: the next anomaly has shares of its own.
+                ended.append(_Ended(turn, list(self.runner.shares)))
             scores[at] = self.runner.score
-        return scores, turns
+        return scores, ended
 
     def _see_row(self, time_us: int, row: Sequence[float]) -> AnomalyBegan | AnomalyEnded | None:
         values = row
@@ -210,31 +223,29 @@ class BackTest:
         """Look at the next rows: times (µs) (n,), values (n, addresses)."""
         first = int(np.searchsorted(times, self.from_us))
         if first:
-            self._take_turns(self.trial.see_rows(times[:first], rows[:first])[1])
+            self._take_all(self.trial.see_rows(times[:first], rows[:first])[1])
         if first == len(times):
             return
         if not self.rows:
             self.learning = self.trial.runner.learning
-        scores, turns = self.trial.see_rows(times[first:], rows[first:])
+        scores, ended = self.trial.see_rows(times[first:], rows[first:])
         self.rows += len(scores)
         parts = (times[first:] - self.from_us) * _PARTS // (self.to_us - self.from_us)
         for part in np.unique(parts).tolist():
             at = min(_PARTS - 1, part)
             self.scores[at] = max(self.scores[at], float(scores[parts == part].max()))
-        self._take_turns(turns)
+        self._take_all(ended)
 
-    def _take_turns(self, turns: Sequence[AnomalyBegan | AnomalyEnded]) -> None:
-        for turn in turns:
-            if isinstance(turn, AnomalyEnded):
-                self.take_ended(turn)
+    def _take_all(self, ended: Sequence[_Ended]) -> None:
+        for one in ended:
+            self.take_ended(one.turn, one.shares)
 
-    def take_ended(self, ended: AnomalyEnded) -> None:
+    def take_ended(self, ended: AnomalyEnded, shares: list[SignalShare]) -> None:
         """Note an anomaly; one that was over before the window is none of it."""
         if ended.ended_us < self.from_us:
             return
         self.count += 1
         if len(self.anomalies) < _MOST_ANOMALIES:
-            shares = list(self.trial.runner.shares)
             self.anomalies.append(
                 PastAnomaly(ended.began_us, ended.ended_us, ended.score, ended.why, shares)
             )
@@ -298,7 +309,7 @@ class BackTests:
             test.state, test.problem = TestState.FAILED, f"the detector fails: {error}"
         else:
             if (ended := test.trial.runner.end_anomaly()) is not None:
-                test.take_ended(ended)
+                test.take_ended(ended, list(test.trial.runner.shares))
             test.state, test.done_us = TestState.DONE, test.to_us
 
     async def _show_past(self, test: BackTest) -> None:
@@ -313,10 +324,11 @@ class BackTests:
         )
         async for part in parts:
             waited_for = 0.0
-            for first in range(0, len(part.time_us), _ROWS):
+            many = trial.rows_at_once
+            for first in range(0, len(part.time_us), many):
                 began = time.perf_counter()
-                times = part.time_us[first : first + _ROWS]
-                test.see_rows(times, part.values[first : first + _ROWS])
+                times = part.time_us[first : first + many]
+                test.see_rows(times, part.values[first : first + many])
                 waited_for += time.perf_counter() - began
                 if waited_for > _SLICE_S:
                     test.cpu_s += waited_for
