@@ -30,7 +30,9 @@ from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api.maps import map_schemas
+from talaia.hub.api.missions import mission_schemas
 from talaia.hub.api.notes import note_schemas
+from talaia.hub.api.observing import outlook_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
     account_schemas,
@@ -45,11 +47,9 @@ from talaia.hub.api.schemas import (
     fleet_schemas,
     gateway_schemas,
     history_schemas,
-    mission_schemas,
     notification_schemas,
     observatory_schemas,
     observing_schemas,
-    outlook_schemas,
     recording_schemas,
     sighting_schemas,
     tap_schemas,

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Query, Request
 from talaia.hub.api.access import address_of, live_of, number_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.mission_schemas import (
+from talaia.hub.api.missions.mission_schemas import (
     MissionAsk,
     MissionList,
     MissionReading,

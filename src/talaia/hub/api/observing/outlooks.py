@@ -15,7 +15,7 @@ from talaia.hub.api.observing.nights import seen_requests
 from talaia.hub.api.observing.request_forms import group_ask, read_group
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.observing_schemas import GroupAsk, RequestAsk
-from talaia.hub.api.schemas.outlook_schemas import (
+from talaia.hub.api.observing.outlook_schemas import (
     FileProblemShape,
     ForecastReason,
     ForecastShape,

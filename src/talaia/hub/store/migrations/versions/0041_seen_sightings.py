@@ -8,8 +8,8 @@ from alembic import op
 from talaia.hub.store.migrations import steps
 from talaia.hub.store.migrations.steps import ID
 
-revision = "0042"
-down_revision = "0038"
+revision = "0041"
+down_revision = "0040"
 branch_labels = None
 depends_on = None
 
