@@ -16,6 +16,7 @@ const SCHEDULES = [["never", "Only when somebody presses start"], ["weekly", "On
 
 /**
  * @fires t-save-mission detail is the mission
+ * @fires t-draft detail is what is typed now
  * @fires t-leave the form is left
  */
 @customElement("t-mission-form")
@@ -141,6 +142,8 @@ export class MissionForm extends LitElement {
 
   private change(part: Partial<MissionDraft>): void {
     this.draft = { ...this.draft, ...part };
+    // The page keeps it: what was typed outlives an element that is drawn anew.
+    this.dispatchEvent(new CustomEvent<MissionDraft>("t-draft", { detail: this.draft }));
   }
 
   private readonly onSubmit = (event: Event): void => {
@@ -183,5 +186,6 @@ declare global {
   }
   interface GlobalEventHandlersEventMap {
     "t-save-mission": CustomEvent<MissionShape>;
+    "t-draft": CustomEvent<MissionDraft>;
   }
 }

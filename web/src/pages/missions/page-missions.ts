@@ -123,7 +123,7 @@ export class PageMissions extends LitElement {
     if (this.draft === null) return nothing;
     return html`<section class="sheet" aria-label="Mission">
       <h2>${this.draft.id === "" ? "New mission" : "Change the mission"}</h2>
-      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-save-mission=${this.onSave} @t-leave=${() => { this.draft = null; }}></t-mission-form>`)}
+      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-draft=${this.onDraft} @t-save-mission=${this.onSave} @t-leave=${() => { this.draft = null; }}></t-mission-form>`)}
     </section>`;
   }
 
@@ -197,8 +197,9 @@ export class PageMissions extends LitElement {
   }
 
   private reload(): void {
-    this.missions.invalidate();
-    this.runs.invalidate();
+    // A slow answer is waited for: asked anew each second, it would never count.
+    if (this.missions.result.state !== "loading") this.missions.invalidate();
+    if (this.runs.result.state !== "loading") this.runs.invalidate();
   }
 
   private async act(what: string, action: () => Promise<unknown>): Promise<boolean> {
@@ -209,6 +210,10 @@ export class PageMissions extends LitElement {
 
   private readonly onAct = (event: CustomEvent<RunActAsk["act"]>): void => {
     void this.act(`${event.detail} the mission`, () => this.missionsApi.actOnRun(event.detail));
+  };
+
+  private readonly onDraft = (event: CustomEvent<MissionDraft>): void => {
+    this.draft = event.detail;
   };
 
   private readonly onSave = (event: CustomEvent<MissionShape>): void => {
