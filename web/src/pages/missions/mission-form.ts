@@ -101,9 +101,9 @@ export class MissionForm extends LitElement {
       <t-field label=${limit} hint=${step.kind === "pause" ? "" : "Empty: an hour"} .error=${error("seconds")}><input inputmode="decimal" .value=${step.seconds} @input=${(event: Event) => { change({ seconds: textOf(event) }); }} /></t-field>
       <t-field label="Name" hint="Empty: what it does"><input .value=${step.name} maxlength="200" @input=${(event: Event) => { change({ name: textOf(event) }); }} /></t-field>
       <div class="moves">
-        <t-button ?disabled=${at === 0} aria-label=${`Move step ${String(at + 1)} up`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, -1) }); }}>Up</t-button>
-        <t-button ?disabled=${at === last} aria-label=${`Move step ${String(at + 1)} down`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, 1) }); }}>Down</t-button>
-        <t-button ?disabled=${last === 0} aria-label=${`Remove step ${String(at + 1)}`} @click=${() => { this.change({ steps: this.draft.steps.filter(({ key }) => key !== step.key) }); }}>Remove</t-button>
+        <t-button ?disabled=${at === 0} label=${`Move step ${String(at + 1)} up`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, -1) }); }}>Up</t-button>
+        <t-button ?disabled=${at === last} label=${`Move step ${String(at + 1)} down`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, 1) }); }}>Down</t-button>
+        <t-button ?disabled=${last === 0} label=${`Remove step ${String(at + 1)}`} @click=${() => { this.change({ steps: this.draft.steps.filter(({ key }) => key !== step.key) }); }}>Remove</t-button>
         ${step.kind === "pause" ? nothing : html`<label class="tick"><input type="checkbox" .checked=${step.goesOn} @change=${(event: Event) => { change({ goesOn: isTicked(event) }); }} />Go on when it fails</label>`}
       </div>
     </fieldset>`;

@@ -157,11 +157,11 @@ export class PageMissions extends LitElement {
       </div>
       <div class="actions">
         ${may
-          ? html`<t-button kind="primary" aria-label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${() => { void this.act("start the mission", () => this.missionsApi.startMission(row.id)); }}>Start</t-button>
-              <t-button aria-label=${`Change ${mission.name}`} @click=${() => { this.draft = draftOf(row.id, mission); }}>Change</t-button>`
+          ? html`<t-button kind="primary" label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${() => { void this.act("start the mission", () => this.missionsApi.startMission(row.id)); }}>Start</t-button>
+              <t-button label=${`Change ${mission.name}`} @click=${() => { this.draft = draftOf(row.id, mission); }}>Change</t-button>`
           : nothing}
-        <t-button aria-label=${`Export ${mission.name}`} @click=${() => void this.exportMission(row)}>Export</t-button>
-        ${may ? html`<t-button aria-label=${`Remove ${mission.name}`} @click=${() => { this.removing = row; }}>Remove…</t-button>` : nothing}
+        <t-button label=${`Export ${mission.name}`} @click=${() => void this.exportMission(row)}>Export</t-button>
+        ${may ? html`<t-button label=${`Remove ${mission.name}`} @click=${() => { this.removing = row; }}>Remove…</t-button>` : nothing}
       </div>
     </li>`;
   }
