@@ -30,6 +30,7 @@ from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api.maps import map_schemas
+from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
     account_schemas,
@@ -41,10 +42,8 @@ from talaia.hub.api.schemas import (
     common,
     description_schemas,
     extension_schemas,
-    fleet_schemas,
     gateway_schemas,
     history_schemas,
-    mission_schemas,
     notification_schemas,
     observatory_schemas,
     observing_schemas,

@@ -7,8 +7,8 @@ import { base, plainList } from "../../elements/base/base-style.js";
 import { argumentLimitText, initialText, listHint } from "../../elements/command/argument-check.js";
 import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
-import type { ArgumentShape, MissionShape, SiteShape } from "../../generated/api.js";
-import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, type DraftErrors, type MissionDraft, type ScheduleKind, type StepDraft, type StepKind } from "./mission-draft.js";
+import type { ArgumentShape, MissionShape, SiteShape, StepKind } from "../../generated/api.js";
+import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, type DraftErrors, type MissionDraft, type ScheduleKind, type StepDraft } from "./mission-draft.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
@@ -87,7 +87,7 @@ export class MissionForm extends LitElement {
   private renderStep(step: StepDraft, at: number): TemplateResult {
     const last = this.draft.steps.length - 1;
     const change = (part: Partial<StepDraft>): void => {
-      this.change({ steps: this.draft.steps.map((one) => (one.key === step.key ? { ...one, ...part } : one)) });
+      this.change({ steps: this.draft.steps.map((other) => (other.key === step.key ? { ...other, ...part } : other)) });
     };
     const error = (field: string): string => this.errors[`${String(step.key)}/${field}`] ?? "";
     const limit = step.kind === "pause" ? "Seconds" : "At most (s)";
@@ -137,7 +137,7 @@ export class MissionForm extends LitElement {
 
   private tickDay(day: string, ticked: boolean): void {
     const days = ticked ? [...this.draft.days, day] : this.draft.days.filter((other) => other !== day);
-    this.change({ days: DAYS.map(([one]) => one).filter((one) => days.includes(one)) });
+    this.change({ days: DAYS.map(([name]) => name).filter((name) => days.includes(name)) });
   }
 
   private change(part: Partial<MissionDraft>): void {
