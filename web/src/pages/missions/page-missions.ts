@@ -16,7 +16,7 @@ import type { MissionList, MissionReading, MissionRow, MissionRunList, MissionRu
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { MissionsApi } from "../../wire/missions-api.js";
+import { MissionsApi } from "./missions-api.js";
 import { draftOf, emptyDraft, scheduleText, type MissionDraft } from "./mission-draft.js";
 import { runStatus } from "./mission-run.js";
 import "../../elements/feedback/confirm.js";
