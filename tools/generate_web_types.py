@@ -30,7 +30,7 @@ from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api.maps import map_schemas
-from talaia.hub.api.missions import mission_schemas
+from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
 from talaia.hub.api.observing import outlook_schemas
 from talaia.hub.api.schemas import (
@@ -44,7 +44,6 @@ from talaia.hub.api.schemas import (
     common,
     description_schemas,
     extension_schemas,
-    fleet_schemas,
     gateway_schemas,
     history_schemas,
     notification_schemas,

@@ -101,10 +101,10 @@ export class FleetCommand extends LitElement {
     if (this.chosen.length === 0) return html`<p class="text">Choose the sites first. ${this.renderResults()}</p>`;
     const offered = commandsOf(this.chosen, this.commands);
     if (offered.length === 0) return html`<t-empty heading="No command is open to you at these sites" icon="devices"></t-empty>`;
-    const command = offered.find((one) => commandKey(one) === this.key);
-    const options = offered.map((one) => {
-      const count = this.chosen.filter(({ site }) => one.sites.includes(site)).length;
-      return [commandKey(one), `${one.device_name}: ${one.command.name} (${String(count)} of ${String(this.chosen.length)})`] as const;
+    const command = offered.find((shared) => commandKey(shared) === this.key);
+    const options = offered.map((shared) => {
+      const count = this.chosen.filter(({ site }) => shared.sites.includes(site)).length;
+      return [commandKey(shared), `${shared.device_name}: ${shared.command.name} (${String(count)} of ${String(this.chosen.length)})`] as const;
     });
     return html`
       <label>Command<select @change=${this.onCommand}>${renderOptions([["", "Choose a command"], ...options], this.key)}</select></label>

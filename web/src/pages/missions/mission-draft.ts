@@ -1,11 +1,10 @@
 /** A mission while it is written in a form: what was typed, and the mission that it makes. Pure. */
 
 import { checkArgument, initialText, type ArgumentValue } from "../../elements/command/argument-check.js";
-import type { CommandShape, MissionScheduleShape, MissionShape, MissionStepShape, SiteShape } from "../../generated/api.js";
+import type { CommandShape, MissionScheduleShape, MissionShape, MissionStepShape, SiteShape, StepKind } from "../../generated/api.js";
 
 export const DAYS = [["mon", "Mon"], ["tue", "Tue"], ["wed", "Wed"], ["thu", "Thu"], ["fri", "Fri"], ["sat", "Sat"], ["sun", "Sun"]] as const;
 export const KINDS = [["command", "Command"], ["until", "Wait until"], ["pause", "Wait for a time"]] as const;
-export type StepKind = MissionStepShape["kind"];
 /** never: it begins when somebody presses start. */
 export type ScheduleKind = "never" | "weekly" | "once";
 

@@ -7,8 +7,8 @@ import { base, plainList } from "../../elements/base/base-style.js";
 import { argumentLimitText, initialText, listHint } from "../../elements/command/argument-check.js";
 import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
-import type { ArgumentShape, MissionShape, SiteShape } from "../../generated/api.js";
-import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, type DraftErrors, type MissionDraft, type ScheduleKind, type StepDraft, type StepKind } from "./mission-draft.js";
+import type { ArgumentShape, MissionShape, SiteShape, StepKind } from "../../generated/api.js";
+import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, type DraftErrors, type MissionDraft, type ScheduleKind, type StepDraft } from "./mission-draft.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
@@ -16,6 +16,7 @@ const SCHEDULES = [["never", "Only when somebody presses start"], ["weekly", "On
 
 /**
  * @fires t-save-mission detail is the mission
+ * @fires t-draft detail is what is typed now
  * @fires t-leave the form is left
  */
 @customElement("t-mission-form")
@@ -86,7 +87,7 @@ export class MissionForm extends LitElement {
   private renderStep(step: StepDraft, at: number): TemplateResult {
     const last = this.draft.steps.length - 1;
     const change = (part: Partial<StepDraft>): void => {
-      this.change({ steps: this.draft.steps.map((one) => (one.key === step.key ? { ...one, ...part } : one)) });
+      this.change({ steps: this.draft.steps.map((other) => (other.key === step.key ? { ...other, ...part } : other)) });
     };
     const error = (field: string): string => this.errors[`${String(step.key)}/${field}`] ?? "";
     const limit = step.kind === "pause" ? "Seconds" : "At most (s)";
@@ -100,9 +101,9 @@ export class MissionForm extends LitElement {
       <t-field label=${limit} hint=${step.kind === "pause" ? "" : "Empty: an hour"} .error=${error("seconds")}><input inputmode="decimal" .value=${step.seconds} @input=${(event: Event) => { change({ seconds: textOf(event) }); }} /></t-field>
       <t-field label="Name" hint="Empty: what it does"><input .value=${step.name} maxlength="200" @input=${(event: Event) => { change({ name: textOf(event) }); }} /></t-field>
       <div class="moves">
-        <t-button ?disabled=${at === 0} aria-label=${`Move step ${String(at + 1)} up`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, -1) }); }}>Up</t-button>
-        <t-button ?disabled=${at === last} aria-label=${`Move step ${String(at + 1)} down`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, 1) }); }}>Down</t-button>
-        <t-button ?disabled=${last === 0} aria-label=${`Remove step ${String(at + 1)}`} @click=${() => { this.change({ steps: this.draft.steps.filter(({ key }) => key !== step.key) }); }}>Remove</t-button>
+        <t-button ?disabled=${at === 0} label=${`Move step ${String(at + 1)} up`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, -1) }); }}>Up</t-button>
+        <t-button ?disabled=${at === last} label=${`Move step ${String(at + 1)} down`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, 1) }); }}>Down</t-button>
+        <t-button ?disabled=${last === 0} label=${`Remove step ${String(at + 1)}`} @click=${() => { this.change({ steps: this.draft.steps.filter(({ key }) => key !== step.key) }); }}>Remove</t-button>
         ${step.kind === "pause" ? nothing : html`<label class="tick"><input type="checkbox" .checked=${step.goesOn} @change=${(event: Event) => { change({ goesOn: isTicked(event) }); }} />Go on when it fails</label>`}
       </div>
     </fieldset>`;
@@ -136,11 +137,13 @@ export class MissionForm extends LitElement {
 
   private tickDay(day: string, ticked: boolean): void {
     const days = ticked ? [...this.draft.days, day] : this.draft.days.filter((other) => other !== day);
-    this.change({ days: DAYS.map(([one]) => one).filter((one) => days.includes(one)) });
+    this.change({ days: DAYS.map(([name]) => name).filter((name) => days.includes(name)) });
   }
 
   private change(part: Partial<MissionDraft>): void {
     this.draft = { ...this.draft, ...part };
+    // The page keeps it: what was typed outlives an element that is drawn anew.
+    this.dispatchEvent(new CustomEvent<MissionDraft>("t-draft", { detail: this.draft }));
   }
 
   private readonly onSubmit = (event: Event): void => {
@@ -183,5 +186,6 @@ declare global {
   }
   interface GlobalEventHandlersEventMap {
     "t-save-mission": CustomEvent<MissionShape>;
+    "t-draft": CustomEvent<MissionDraft>;
   }
 }

@@ -16,7 +16,7 @@ import type { MissionList, MissionReading, MissionRow, MissionRunList, MissionRu
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { MissionsApi } from "../../wire/missions-api.js";
+import { MissionsApi } from "./missions-api.js";
 import { draftOf, emptyDraft, scheduleText, type MissionDraft } from "./mission-draft.js";
 import { runStatus } from "./mission-run.js";
 import "../../elements/feedback/confirm.js";
@@ -123,7 +123,7 @@ export class PageMissions extends LitElement {
     if (this.draft === null) return nothing;
     return html`<section class="sheet" aria-label="Mission">
       <h2>${this.draft.id === "" ? "New mission" : "Change the mission"}</h2>
-      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-save-mission=${this.onSave} @t-leave=${() => { this.draft = null; }}></t-mission-form>`)}
+      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-draft=${this.onDraft} @t-save-mission=${this.onSave} @t-leave=${() => { this.draft = null; }}></t-mission-form>`)}
     </section>`;
   }
 
@@ -157,11 +157,11 @@ export class PageMissions extends LitElement {
       </div>
       <div class="actions">
         ${may
-          ? html`<t-button kind="primary" aria-label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${() => { void this.act("start the mission", () => this.missionsApi.startMission(row.id)); }}>Start</t-button>
-              <t-button aria-label=${`Change ${mission.name}`} @click=${() => { this.draft = draftOf(row.id, mission); }}>Change</t-button>`
+          ? html`<t-button kind="primary" label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${() => { void this.act("start the mission", () => this.missionsApi.startMission(row.id)); }}>Start</t-button>
+              <t-button label=${`Change ${mission.name}`} @click=${() => { this.draft = draftOf(row.id, mission); }}>Change</t-button>`
           : nothing}
-        <t-button aria-label=${`Export ${mission.name}`} @click=${() => void this.exportMission(row)}>Export</t-button>
-        ${may ? html`<t-button aria-label=${`Remove ${mission.name}`} @click=${() => { this.removing = row; }}>Remove…</t-button>` : nothing}
+        <t-button label=${`Export ${mission.name}`} @click=${() => void this.exportMission(row)}>Export</t-button>
+        ${may ? html`<t-button label=${`Remove ${mission.name}`} @click=${() => { this.removing = row; }}>Remove…</t-button>` : nothing}
       </div>
     </li>`;
   }
@@ -197,8 +197,9 @@ export class PageMissions extends LitElement {
   }
 
   private reload(): void {
-    this.missions.invalidate();
-    this.runs.invalidate();
+    // A slow answer is waited for: asked anew each second, it would never count.
+    if (this.missions.result.state !== "loading") this.missions.invalidate();
+    if (this.runs.result.state !== "loading") this.runs.invalidate();
   }
 
   private async act(what: string, action: () => Promise<unknown>): Promise<boolean> {
@@ -209,6 +210,10 @@ export class PageMissions extends LitElement {
 
   private readonly onAct = (event: CustomEvent<RunActAsk["act"]>): void => {
     void this.act(`${event.detail} the mission`, () => this.missionsApi.actOnRun(event.detail));
+  };
+
+  private readonly onDraft = (event: CustomEvent<MissionDraft>): void => {
+    this.draft = event.detail;
   };
 
   private readonly onSave = (event: CustomEvent<MissionShape>): void => {

@@ -10,7 +10,6 @@ from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import address_of, live_of, number_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
-from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.missions.mission_schemas import (
     MissionAsk,
     MissionList,
@@ -27,6 +26,7 @@ from talaia.hub.api.missions.mission_schemas import (
     MissionText,
     RunActAsk,
 )
+from talaia.hub.api.problems import ApiProblem
 from talaia.hub.live.missions.mission_service import NotStarted
 from talaia.hub.live.missions.start_check import start_problem
 from talaia.hub.store.missions.mission_store import MOST_MISSIONS
@@ -63,18 +63,18 @@ class MissionPages:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/missions"
-        router.get(at)(self.overview)
-        router.post(at)(self.add)
+        router.get(at)(self.list_missions)
+        router.post(at)(self.add_mission)
         router.post(at + "/reading")(self.read_text)
-        router.put(at + "/{mission}", status_code=204)(self.change)
-        router.delete(at + "/{mission}", status_code=204)(self.remove)
+        router.put(at + "/{mission}", status_code=204)(self.change_mission)
+        router.delete(at + "/{mission}", status_code=204)(self.remove_mission)
         router.get(at + "/{mission}/text")(self.write_text)
-        router.post(at + "/{mission}/start")(self.start)
-        router.get("/api/sites/{site}/mission-runs")(self.runs)
-        router.post("/api/sites/{site}/mission-runs/act", status_code=204)(self.act)
+        router.post(at + "/{mission}/start")(self.start_mission)
+        router.get("/api/sites/{site}/mission-runs")(self.list_runs)
+        router.post("/api/sites/{site}/mission-runs/act", status_code=204)(self.act_on_run)
         return router
 
-    async def overview(self, request: Request, site: str) -> MissionList:
+    async def list_missions(self, request: Request, site: str) -> MissionList:
         """List the missions of a site, and the run that goes on there."""
         live, who = live_of(request), who_of(request)
         now = self._clock.monotonic_ns()
@@ -94,7 +94,7 @@ class MissionPages:
             run=None if run is None else _run_shape(run),
         )
 
-    async def add(self, request: Request, site: str, ask: MissionAsk) -> MissionSaved:
+    async def add_mission(self, request: Request, site: str, ask: MissionAsk) -> MissionSaved:
         """Keep a new mission."""
         live = _by_a_person(request)
         mission = _mission_of(ask.mission, live)
@@ -106,7 +106,9 @@ class MissionPages:
         self._append_record(request, "mission saved", _words(mission, number))
         return MissionSaved(id=str(number))
 
-    async def change(self, request: Request, site: str, mission: str, ask: MissionAsk) -> None:
+    async def change_mission(
+        self, request: Request, site: str, mission: str, ask: MissionAsk
+    ) -> None:
         """Save another version; its schedule has your rights from now on."""
         live = _by_a_person(request)
         number = number_of(mission, "mission")
@@ -122,7 +124,7 @@ class MissionPages:
             raise ApiProblem(404, "unknown", _UNKNOWN)
         self._append_record(request, "mission saved", _words(changed, number))
 
-    async def remove(self, request: Request, site: str, mission: str) -> None:
+    async def remove_mission(self, request: Request, site: str, mission: str) -> None:
         """Remove a mission; a run that goes on is not ended by it, and runs stay listed."""
         _by_a_person(request)
         kept = await self._find(site, mission)
@@ -147,7 +149,7 @@ class MissionPages:
             return MissionReading(mission=None, where=where, problem=problem, remedy=remedy)
         return MissionReading(mission=_shape_of(mission), where="", problem="", remedy="")
 
-    async def start(
+    async def start_mission(
         self, request: Request, site: str, mission: str, ask: MissionStartAsk
     ) -> MissionRunShape:
         """Begin a mission now, with your rights; 409 says why it is not begun."""
@@ -167,7 +169,7 @@ class MissionPages:
             raise ApiProblem(409, "not_started", error.why) from error
         return _run_shape(run)
 
-    async def runs(
+    async def list_runs(
         self, site: str, limit: Annotated[int, Query(ge=1, le=200)] = 50
     ) -> MissionRunList:
         """List the runs of a site, the newest first."""
@@ -178,7 +180,7 @@ class MissionPages:
             runs=[_run_shape(now if now is not None and now.id == one.id else one) for one in runs]
         )
 
-    async def act(self, request: Request, site: str, ask: RunActAsk) -> None:
+    async def act_on_run(self, request: Request, site: str, ask: RunActAsk) -> None:
         """Pause, resume or cancel the run that goes on at a site."""
         live, who = live_of(request), who_of(request).name
         try:

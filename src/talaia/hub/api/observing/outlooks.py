@@ -12,9 +12,6 @@ from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.observing.admission import group_problems
 from talaia.hub.api.observing.night_forms import plan_shape, why_not_shape
 from talaia.hub.api.observing.nights import seen_requests
-from talaia.hub.api.observing.request_forms import group_ask, read_group
-from talaia.hub.api.problems import ApiProblem
-from talaia.hub.api.schemas.observing_schemas import GroupAsk, RequestAsk
 from talaia.hub.api.observing.outlook_schemas import (
     FileProblemShape,
     ForecastReason,
@@ -28,6 +25,9 @@ from talaia.hub.api.observing.outlook_schemas import (
     WeekNightShape,
     WeekShape,
 )
+from talaia.hub.api.observing.request_forms import group_ask, read_group
+from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.schemas.observing_schemas import GroupAsk, RequestAsk
 from talaia.hub.errors import HubBusy
 from talaia.hub.live.observing.forecast_service import ForecastFailed
 from talaia.hub.live.observing.observing_sites import instrument_of, is_observatory

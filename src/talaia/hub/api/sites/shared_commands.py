@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.api.schemas.fleet_schemas import SharedCommandShape
+from talaia.hub.api.missions.fleet_schemas import SharedCommandShape
 from talaia.hub.api.sites.site_views import describe_command, heartbeat_commands
 from talaia.hub.auth.permissions import Right
 

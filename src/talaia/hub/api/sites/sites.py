@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
+from talaia.hub.api.missions.fleet_schemas import SharedCommandList
 from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
 from talaia.hub.api.records.sightings import seen_shape
 from talaia.hub.api.schemas.account_schemas import DeviceList
@@ -19,7 +20,6 @@ from talaia.hub.api.schemas.common import (
     SiteShape,
     SiteSummary,
 )
-from talaia.hub.api.schemas.fleet_schemas import SharedCommandList
 from talaia.hub.api.sites.shared_commands import list_shared_commands
 from talaia.hub.api.sites.site_views import describe_site, list_devices, summarise_site
 from talaia.hub.auth.permissions import Right, sees_site

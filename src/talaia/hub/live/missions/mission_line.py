@@ -47,11 +47,11 @@ class MissionLine:
         """Who asks, for robots and the log."""
         return self._browser.signature
 
-    def open(self) -> None:
+    def begin_hearing(self) -> None:
         """Begin to hear."""
         self._serving = asyncio.create_task(self._service.serve(self._browser))
 
-    async def close(self) -> None:
+    async def end_hearing(self) -> None:
         """End it."""
         self._browser.end(_OVER)
         if self._serving is not None:

@@ -94,17 +94,17 @@ class MissionRun:
         self._cancelled = ""
         self._paused = False
 
-    def pause(self) -> None:
+    def pause_steps(self) -> None:
         """Begin no further step; a command that is under way goes on."""
         self._paused = True
         self.record.state = "paused"
 
-    def resume(self) -> None:
+    def resume_steps(self) -> None:
         """Go on with the next step."""
         self._paused = False
         self.record.state = "running"
 
-    def cancel(self, why: str) -> None:
+    def cancel_steps(self, why: str) -> None:
         """End it, and what is under way."""
         self._cancelled = self._cancelled or why
 

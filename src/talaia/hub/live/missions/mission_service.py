@@ -1,4 +1,7 @@
-"""Missions of all sites: begun by people or by their schedules, one at a time at each site."""
+"""Missions of all sites: begun by people or by their schedules, one at a time at each site.
+
+Long, because all ways in which a run begins and ends meet here: people, schedules, the hub's end.
+"""
 
 from __future__ import annotations
 
@@ -103,7 +106,7 @@ class MissionService:
     async def close(self) -> None:
         """End every run: without the hub nothing new begins."""
         for going in list(self._going.values()):
-            going.run.cancel("the hub ends")
+            going.run.cancel_steps("the hub ends")
         tasks = [going.task for going in self._going.values()]
         if not tasks:
             return
@@ -199,7 +202,7 @@ class MissionService:
         """
         going = self._find_going(live)
         await self._allowed_account(live, going.mission, going.user)
-        going.run.resume()
+        going.run.resume_steps()
         self._report(live, going.run.record, "mission resumed", f"by {who}")
         await self._save(going.run.record)
 
@@ -211,7 +214,7 @@ class MissionService:
 
         """
         going = self._find_going(live)
-        going.run.pause()
+        going.run.pause_steps()
         self._report(live, going.run.record, "mission paused", f"by {who}")
         await self._save(going.run.record)
 
@@ -222,7 +225,7 @@ class MissionService:
             NotStarted: none goes on there.
 
         """
-        self._find_going(live).run.cancel(f"cancelled by {who}")
+        self._find_going(live).run.cancel_steps(f"cancelled by {who}")
 
     def _find_going(self, live: LiveSite) -> _Going:
         going = self._going.get(live.name)
@@ -231,7 +234,7 @@ class MissionService:
         return going
 
     async def _serve(self, live: LiveSite, run: MissionRun, line: MissionLine, first: int) -> None:
-        line.open()
+        line.begin_hearing()
         end = RunEnd("interrupted", "it ended by a mistake of the hub's; see its log")
         try:
             end = await run.do_steps(first)
@@ -240,7 +243,7 @@ class MissionService:
         except Exception:  # noqa: BLE001 - whatever it is, the run is over and that is told
             _LOG.exception("mission %s of %s", run.record.name, live.name)
         finally:
-            await line.close()
+            await line.end_hearing()
             del self._going[live.name]
         await self._end_record(run.record, end)
 

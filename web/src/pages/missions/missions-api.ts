@@ -1,7 +1,7 @@
 /** What may be asked of the hub about missions. */
 
-import type { MissionList, MissionReading, MissionRunList, MissionRunShape, MissionSaved, MissionShape, MissionText, RunActAsk } from "../generated/api.js";
-import type { HubApi } from "./hub-api.js";
+import type { MissionList, MissionReading, MissionRunList, MissionRunShape, MissionSaved, MissionShape, MissionText, RunActAsk } from "../../generated/api.js";
+import type { HubApi } from "../../wire/hub-api.js";
 
 export class MissionsApi {
   constructor(
