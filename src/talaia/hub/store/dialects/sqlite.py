@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import sqlite3
+import time
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import URL, Connection, Engine, Table
     from sqlalchemy.engine import Dialect as EngineDialect
-    from sqlalchemy.engine.interfaces import DBAPIConnection
+    from sqlalchemy.engine.interfaces import DBAPIConnection, DBAPICursor
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
@@ -39,6 +40,8 @@ _ALWAYS = (
     "synchronous=FULL",
     "journal_size_limit=16777216",
 )
+# Who is refused while a file is opened tries again so often, for so long (s).
+_AGAIN_S, _OPEN_S = 0.01, 10.0
 # Of pages, each of the history's connections holds so many (KiB). More is of no use: each commit
 # makes the readers forget theirs, the journal is only ever added to, and what is read again comes
 # from the system's cache.
@@ -58,7 +61,25 @@ class SqliteConnection(sqlite3.Connection):
     (https://sqlite.org/c3ref/close.html), and a statement lives as long as somebody holds the
     exception that left its transaction: one request that was cut off would keep all others from
     writing.
+
+    It sets its pragmas while it is opened, in the thread that opens it: from outside, each of them
+    is a way to that thread and back.
     """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - sqlite3's own
+        """Open the file, and keep foreign keys.
+
+        Raises:
+            sqlite3.Error: it cannot be opened, or is no database.
+
+        """
+        super().__init__(*arguments, **options)
+        try:
+            _set_pragmas(self, (*_ALWAYS, "foreign_keys=ON"))
+        except sqlite3.Error:
+            # Whoever keeps the exception keeps this object.
+            self.close()
+            raise
 
     def close(self) -> None:
         """Give up what was begun, and close."""
@@ -92,8 +113,7 @@ class SqliteDialect:
         return {}
 
     def prepare_accounts(self, engine: Engine) -> None:
-        """Begin transactions ourselves, and keep foreign keys."""
-        event.listen(engine, "connect", open_sqlite("foreign_keys=ON"))
+        """Begin transactions ourselves; `SqliteConnection` keeps foreign keys."""
         event.listen(engine, "begin", _begin_accounts)
         event.listen(engine, "do_connect", _note_thread)
 
@@ -179,20 +199,41 @@ class SqliteDialect:
 
 
 def open_sqlite(*more: str) -> Callable[[DBAPIConnection, ConnectionPoolEntry], None]:
-    """Give a listener for SQLAlchemy's ``connect`` event that sets our pragmas and ``more``.
-
-    The driver would begin transactions late and commit before a change of tables; whoever listens
-    here begins them itself, so that nothing is ever half applied.
-    """
+    """Give a listener for SQLAlchemy's ``connect`` event that sets our pragmas and ``more``."""
 
     def opened(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
-        connection.isolation_level = None
-        cursor = connection.cursor()
-        for pragma in (*_ALWAYS, *more):
-            cursor.execute(f"PRAGMA {pragma}")
-        cursor.close()
+        _set_pragmas(connection, (*_ALWAYS, *more))
 
     return opened
+
+
+def _set_pragmas(connection: DBAPIConnection | sqlite3.Connection, pragmas: Sequence[str]) -> None:
+    """Set them, and leave it to us when transactions begin.
+
+    The driver would begin transactions late and commit before a change of tables; who opens a
+    connection here begins them itself, so that nothing is ever half applied.
+    """
+    connection.isolation_level = None
+    cursor = connection.cursor()
+    for pragma in pragmas:
+        _set_pragma(cursor, pragma)
+    cursor.close()
+
+
+def _set_pragma(cursor: DBAPICursor | sqlite3.Cursor, pragma: str) -> None:
+    ends = time.monotonic() + _OPEN_S
+    while True:
+        try:
+            cursor.execute(f"PRAGMA {pragma}")
+        except sqlite3.OperationalError as error:
+            # Of several that open a new file at once, one changes its journal; SQLite refuses the
+            # others without waiting, for they read the file already.
+            is_busy = getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
+            if not is_busy or time.monotonic() > ends:
+                raise
+            time.sleep(_AGAIN_S)
+        else:
+            return
 
 
 def copy_file(path: Path, file: Path) -> str:
