@@ -33,7 +33,7 @@ from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
 from talaia.hub.store.database_url import parse_database_url
-from talaia.hub.store.dialects.sqlite import SqliteConnection
+from talaia.hub.store.dialects.sqlite_opening import SqliteConnection
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata, roles
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import sqlite3
-import time
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -17,31 +16,21 @@ from sqlalchemy import event
 from sqlalchemy.exc import OperationalError
 
 from talaia.hub.store.dialects.dialect import SINGLE, WRITES
+from talaia.hub.store.dialects.sqlite_opening import SqliteConnection, open_sqlite
 from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, run_for_rows
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from sqlalchemy import URL, Connection, Engine, Table
     from sqlalchemy.engine import Dialect as EngineDialect
-    from sqlalchemy.engine.interfaces import DBAPIConnection, DBAPICursor
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
 
-__all__ = ["SqliteConnection", "SqliteDialect", "copy_file", "open_sqlite"]
+__all__ = ["SqliteDialect", "copy_file"]
 
-# A commit is on the disk when it ends (FULL), and stops no reader (WAL). Without a time to wait, a
-# second writer would fail at once.
-_ALWAYS = (
-    "busy_timeout=10000",
-    "journal_mode=WAL",
-    "synchronous=FULL",
-    "journal_size_limit=16777216",
-)
-# Who is refused while a file is opened tries again so often, for so long (s).
-_AGAIN_S, _OPEN_S = 0.01, 10.0
 # Of pages, each of the history's connections holds so many (KiB). More is of no use: each commit
 # makes the readers forget theirs, the journal is only ever added to, and what is read again comes
 # from the system's cache.
@@ -52,41 +41,6 @@ _CACHE_KIB = 2048
 _THREADS: WeakKeyDictionary[EngineDialect, WeakSet[threading.Thread]] = WeakKeyDictionary()
 # How long to wait for the end of one at most (s); it is not told to people.
 _THREAD_S = 2.0
-
-
-class SqliteConnection(sqlite3.Connection):
-    """Gives its locks back the moment it is closed; a ``factory`` of sqlite3.
-
-    SQLite itself waits with that until the last statement is gone
-    (https://sqlite.org/c3ref/close.html), and a statement lives as long as somebody holds the
-    exception that left its transaction: one request that was cut off would keep all others from
-    writing.
-
-    It sets its pragmas while it is opened, in the thread that opens it: from outside, each of them
-    is a way to that thread and back.
-    """
-
-    def __init__(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - sqlite3's own
-        """Open the file, and keep foreign keys.
-
-        Raises:
-            sqlite3.Error: it cannot be opened, or is no database.
-
-        """
-        super().__init__(*arguments, **options)
-        try:
-            _set_pragmas(self, (*_ALWAYS, "foreign_keys=ON"))
-        except sqlite3.Error:
-            # Whoever keeps the exception keeps this object.
-            self.close()
-            raise
-
-    def close(self) -> None:
-        """Give up what was begun, and close."""
-        # One that is closed already says so, here and below.
-        with contextlib.suppress(sqlite3.Error):
-            self.rollback()
-        super().close()
 
 
 class SqliteDialect:
@@ -196,44 +150,6 @@ class SqliteDialect:
     def file_of(self, url: URL) -> Path | None:
         """Give the file; none of a database in memory."""
         return Path(url.database) if url.database else None
-
-
-def open_sqlite(*more: str) -> Callable[[DBAPIConnection, ConnectionPoolEntry], None]:
-    """Give a listener for SQLAlchemy's ``connect`` event that sets our pragmas and ``more``."""
-
-    def opened(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
-        _set_pragmas(connection, (*_ALWAYS, *more))
-
-    return opened
-
-
-def _set_pragmas(connection: DBAPIConnection | sqlite3.Connection, pragmas: Sequence[str]) -> None:
-    """Set them, and leave it to us when transactions begin.
-
-    The driver would begin transactions late and commit before a change of tables; who opens a
-    connection here begins them itself, so that nothing is ever half applied.
-    """
-    connection.isolation_level = None
-    cursor = connection.cursor()
-    for pragma in pragmas:
-        _set_pragma(cursor, pragma)
-    cursor.close()
-
-
-def _set_pragma(cursor: DBAPICursor | sqlite3.Cursor, pragma: str) -> None:
-    ends = time.monotonic() + _OPEN_S
-    while True:
-        try:
-            cursor.execute(f"PRAGMA {pragma}")
-        except sqlite3.OperationalError as error:
-            # Of several that open a new file at once, one changes its journal; SQLite refuses the
-            # others without waiting, for they read the file already.
-            is_busy = getattr(error, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
-            if not is_busy or time.monotonic() > ends:
-                raise
-            time.sleep(_AGAIN_S)
-        else:
-            return
 
 
 def copy_file(path: Path, file: Path) -> str:
