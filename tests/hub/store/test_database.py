@@ -1,7 +1,9 @@
 """The database: migrations, the audit log's chain, gateway keys."""
 
 import asyncio
+import contextlib
 import signal
+import sqlite3
 import ssl
 import sys
 import threading
@@ -31,6 +33,7 @@ from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
 from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.dialects.sqlite_opening import SqliteConnection
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata, roles
 
@@ -279,6 +282,38 @@ async def test_sqlite_is_opened_so_that_a_commit_lasts(sqlite) -> None:
             for name in ("journal_mode", "synchronous", "foreign_keys")
         ]
     assert found == ["wal", 2, 1]
+
+
+class RefusedTwice(sqlite3.Cursor):
+    """A cursor of a file that others are opening, too."""
+
+    refusals = 0
+
+    def execute(self, words):
+        if words == "PRAGMA journal_mode=WAL" and self.refusals < 2:
+            self.refusals += 1
+            error = sqlite3.OperationalError("database is locked")
+            error.sqlite_errorcode = sqlite3.SQLITE_BUSY
+            raise error
+        return super().execute(words)
+
+
+class OfRefusedCursors(SqliteConnection):
+    def cursor(self):
+        self.used = RefusedTwice(self)
+        return self.used
+
+
+def test_who_opens_a_new_file_beside_others_tries_again(tmp_path) -> None:
+    with contextlib.closing(OfRefusedCursors(tmp_path / "new.db")) as connection:
+        assert connection.used.refusals == 2
+        assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
+
+
+def test_file_that_is_no_database_is_refused_as_it_is_opened(tmp_path) -> None:
+    (tmp_path / "notes.txt").write_text("no database at all, " * 100)
+    with pytest.raises(sqlite3.DatabaseError, match="not a database"):
+        SqliteConnection(tmp_path / "notes.txt")
 
 
 async def test_database_that_cannot_be_opened_says_which_and_why(tmp_path) -> None:

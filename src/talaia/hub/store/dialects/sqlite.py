@@ -16,29 +16,21 @@ from sqlalchemy import event
 from sqlalchemy.exc import OperationalError
 
 from talaia.hub.store.dialects.dialect import SINGLE, WRITES
+from talaia.hub.store.dialects.sqlite_opening import SqliteConnection, open_sqlite
 from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, run_for_rows
 
 if TYPE_CHECKING:
     import threading
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from sqlalchemy import URL, Connection, Engine, Table
     from sqlalchemy.engine import Dialect as EngineDialect
-    from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
 
-__all__ = ["SqliteConnection", "SqliteDialect", "copy_file", "open_sqlite"]
+__all__ = ["SqliteDialect", "copy_file"]
 
-# A commit is on the disk when it ends (FULL), and stops no reader (WAL). Without a time to wait, a
-# second writer would fail at once.
-_ALWAYS = (
-    "busy_timeout=10000",
-    "journal_mode=WAL",
-    "synchronous=FULL",
-    "journal_size_limit=16777216",
-)
 # Of pages, each of the history's connections holds so many (KiB). More is of no use: each commit
 # makes the readers forget theirs, the journal is only ever added to, and what is read again comes
 # from the system's cache.
@@ -49,23 +41,6 @@ _CACHE_KIB = 2048
 _THREADS: WeakKeyDictionary[EngineDialect, WeakSet[threading.Thread]] = WeakKeyDictionary()
 # How long to wait for the end of one at most (s); it is not told to people.
 _THREAD_S = 2.0
-
-
-class SqliteConnection(sqlite3.Connection):
-    """Gives its locks back the moment it is closed; a ``factory`` of sqlite3.
-
-    SQLite itself waits with that until the last statement is gone
-    (https://sqlite.org/c3ref/close.html), and a statement lives as long as somebody holds the
-    exception that left its transaction: one request that was cut off would keep all others from
-    writing.
-    """
-
-    def close(self) -> None:
-        """Give up what was begun, and close."""
-        # One that is closed already says so, here and below.
-        with contextlib.suppress(sqlite3.Error):
-            self.rollback()
-        super().close()
 
 
 class SqliteDialect:
@@ -92,8 +67,7 @@ class SqliteDialect:
         return {}
 
     def prepare_accounts(self, engine: Engine) -> None:
-        """Begin transactions ourselves, and keep foreign keys."""
-        event.listen(engine, "connect", open_sqlite("foreign_keys=ON"))
+        """Begin transactions ourselves; `SqliteConnection` keeps foreign keys."""
         event.listen(engine, "begin", _begin_accounts)
         event.listen(engine, "do_connect", _note_thread)
 
@@ -176,23 +150,6 @@ class SqliteDialect:
     def file_of(self, url: URL) -> Path | None:
         """Give the file; none of a database in memory."""
         return Path(url.database) if url.database else None
-
-
-def open_sqlite(*more: str) -> Callable[[DBAPIConnection, ConnectionPoolEntry], None]:
-    """Give a listener for SQLAlchemy's ``connect`` event that sets our pragmas and ``more``.
-
-    The driver would begin transactions late and commit before a change of tables; whoever listens
-    here begins them itself, so that nothing is ever half applied.
-    """
-
-    def opened(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
-        connection.isolation_level = None
-        cursor = connection.cursor()
-        for pragma in (*_ALWAYS, *more):
-            cursor.execute(f"PRAGMA {pragma}")
-        cursor.close()
-
-    return opened
 
 
 def copy_file(path: Path, file: Path) -> str:
