@@ -6,13 +6,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.cli.scripting.hub_options import quiet_pipe
 from talaia.planner.bound import bound_value
 from talaia.planner.drive import DrivenNight
 from talaia.planner.errors import NotANight
@@ -50,8 +50,15 @@ def main(argv: Sequence[str]) -> int:
     fairness = EVEN_HANDED if options.fair else INDIFFERENT
     if options.word == "drive":
         return answer_lines(sys.stdin.buffer, sys.stdout.buffer, fairness)
-    with quiet_pipe():
-        return print_night(options.file, fairness)
+    try:
+        done = print_night(options.file, fairness)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever reads has had enough (`| head`), and Python flushes at its end once more. The
+        # commands of scripts have this, too, but need the extra `client`, which planning does not.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    return done
 
 
 def answer_lines(lines: BinaryIO, answers: BinaryIO, fairness: FairnessRule) -> int:
