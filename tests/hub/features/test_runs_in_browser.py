@@ -7,7 +7,7 @@ from playwright.async_api import expect
 
 from ..chromium import sign_in
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
 NOW = 1_700_000_000_000_000
 # An hour later the same again, half as much more everywhere.
 LATER = NOW + 3_600_000_000
