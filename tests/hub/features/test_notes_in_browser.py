@@ -9,7 +9,7 @@ from playwright.async_api import expect
 
 from ..chromium import sign_in
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
 AXE = Path(__file__).parents[3] / "web/node_modules/axe-core/axe.min.js"
 NOW = 1_700_000_000_000_000
 NOTES = "/api/sites/agv/notes"
