@@ -60,6 +60,8 @@ class TwinController:
         self.rehearsal = Rehearsal()
         # Why it is off, or why the last frame was refused.
         self._why = ""
+        # The path is of one rehearsal: another begins a new one.
+        self._rehearsing = False
         self._sampled_ns = 0
         self._reported_ns = -REPORT_NS
         self._changed = True
@@ -159,6 +161,13 @@ class TwinController:
         if now_ns - self._sampled_ns < SAMPLE_NS:
             return False
         self._sampled_ns = now_ns
+        mode = self.mode_at(now_ns)
+        if mode is TwinMode.REHEARSING and not self._rehearsing:
+            self._rehearsing = True
+            self.clear_rehearsal()
+        # One that is not heard for a moment still rehearses.
+        elif mode is TwinMode.FOLLOWING:
+            self._rehearsing = False
         return True
 
     def sample_rehearsal(self, why: str, share: float, now_ns: int) -> None:
