@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.driving.rehearsal import FloorPose, Rehearsal
+from talaia.gateway.driving.rehearsal import Rehearsal, TwinPose
 from talaia.gateway.driving.velocity_limits import VelocityLimiter
 from talaia.model.twins.twin import TwinMode
 from talaia.model.twins.twin_topics import twin_drive
@@ -177,7 +177,7 @@ class TwinController:
         if x is None or y is None or yaw is None:
             return
         before = (len(self.rehearsal.path), self.rehearsal.metres)
-        self.rehearsal.add_pose(FloorPose(x, y, yaw), now_ns)
+        self.rehearsal.add_pose(TwinPose(x, y, yaw), now_ns)
         self.rehearsal.add_verdict(why, share)
         if before != (len(self.rehearsal.path), self.rehearsal.metres):
             self._changed = True
