@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults fuzz soak docs lock pages clean
+.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults fuzz soak docs site lock pages clean
 
 help:  ## list the words
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -44,6 +44,7 @@ check: setup  ## style, types, import direction, generated files
 	$(VENV)/python tools/check_tests.py
 	$(VENV)/python tools/check_names.py
 	$(VENV)/python tools/check_pages.py
+	$(VENV)/python tools/build_site.py
 	$(VENV)/python tools/node.py run check
 
 bench: setup  ## measure speed and memory; prints each figure beside its limit
@@ -64,6 +65,9 @@ docs: setup  ## write docs/reference from the code
 	$(VENV)/python tools/generate_asyncapi.py
 	$(VENV)/python tools/generate_notice.py
 	$(VENV)/python tools/generate_web_types.py
+
+site: setup  ## build the documentation site in build/docs (ARGS="--version 1.2 --source URL")
+	$(VENV)/python tools/build_site.py $(ARGS)
 
 lock: setup  ## resolve the Python lock files anew
 	$(VENV)/python tools/lock.py

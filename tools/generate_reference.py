@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, get_args
@@ -44,7 +45,7 @@ CODECS = {
     "TopicFromBrowser": browser.TOPIC_FROM_BROWSER,
 }
 WIRE = """A binary frame is a MessagePack map, a text frame the same as JSON (bytes as base64);
-`t` is the message's kind, told behind its name below. Fields a reader does not know are ignored,
+`t` is the message's kind, written below its name. Fields a reader does not know are ignored,
 fields it misses take their defaults, and kinds it does not know are skipped once hello and welcome
 are said: so version N talks with N-1 and N+1. A frame over its limit, or with a field over its
 own, closes the connection. [asyncapi.yaml](asyncapi.yaml) says the same to programs."""
@@ -66,6 +67,8 @@ NIGHT_SHAPES: tuple[type[msgspec.Struct], ...] = (
     *(night.SettingCommand, night.NightFlats),
     *(night.NightDarks, night.NightSun, night.Instrument),
 )
+# One example for each key, by section; the tests hold it against the shapes.
+EXAMPLES = ROOT / "tools/description_examples.yaml"
 NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"
 
 
@@ -95,19 +98,25 @@ def main(*, check_only: bool) -> int:
     return 0
 
 
-def site_page() -> str:
-    """Describe every key of the site description."""
+def site_shapes() -> list[type[msgspec.Struct]]:
+    """List every part of the site description, in the order of its page."""
     shapes = [
         *(site.Site, site.Ros2Settings, *get_args(connection.Connection)),
         *(site.Device, site.Signal, *get_args(connection.Source), site.Stream, site.Command),
         *(site.Argument, site.Drive, site.Stop, ai_services.AiServices),
         *NIGHT_SHAPES,
     ]
+    return insert_parts(shapes)
+
+
+def site_page() -> str:
+    """Describe every key of the site description."""
+    examples = read_examples(EXAMPLES.read_text())
     parts = [
         NOTE + "# Site description\n",
         "One YAML file says all there is to know of a site. `talaia check FILE` says whether it is"
         " right; [site.schema.json](site.schema.json) lets an editor complete it.\n",
-        *(struct_section(shape) for shape in shapes),
+        *(struct_section(shape) + example_of(shape, examples) for shape in site_shapes()),
         *roles_sections(),
         "## Units\n",
         table(
@@ -116,6 +125,45 @@ def site_page() -> str:
         ),
     ]
     return "\n".join(parts)
+
+
+def read_examples(text: str) -> dict[str, str]:
+    """Cut the file of examples into its sections: each as it was written, two columns less in."""
+    sections = re.split(r"(?m)^(\w+):\n", text)[1:]
+    return {
+        name: textwrap.dedent(body).strip()
+        for name, body in zip(sections[::2], sections[1::2], strict=True)
+    }
+
+
+def example_of(shape: type[msgspec.Struct], examples: dict[str, str]) -> str:
+    """Show each key of a part of the description with an example."""
+    tag = msgspec.inspect.type_info(shape).tag  # type: ignore[attr-defined]
+    kind = f"kind: {tag}\n" if isinstance(tag, str) and not issubclass(shape, SourceShape) else ""
+    said = "Each key by an example; not all of them go together:"
+    return f"\n{said}\n\n```yaml\n{kind}{examples[shape.__name__]}\n```\n"
+
+
+def insert_parts(shapes: list[type[msgspec.Struct]]) -> list[type[msgspec.Struct]]:
+    """Add each struct that a listed one holds and nobody listed, right behind its first holder."""
+    listed = set(shapes)
+    described: list[type[msgspec.Struct]] = []
+    waiting = list(reversed(shapes))
+    while waiting:
+        shape = waiting.pop()
+        described.append(shape)
+        found = dict.fromkeys(part for part in held_structs(shape) if part not in listed)
+        listed |= set(found)
+        waiting += reversed(found)
+    return described
+
+
+def held_structs(shape: type[msgspec.Struct]) -> list[type[msgspec.Struct]]:
+    """List the structs that the fields of one may hold."""
+    info = msgspec.inspect.type_info(shape)
+    if not isinstance(info, msgspec.inspect.StructType):
+        raise TypeError(f"{shape} is not a struct")
+    return [part for field in info.fields for part in structs_in(field.type)]
 
 
 def roles_sections() -> list[str]:
@@ -167,12 +215,12 @@ def wire_page() -> str:
 
 def parts_of_messages() -> list[type[msgspec.Struct]]:
     """List the structs that stand in messages and are none, by name."""
-    unions = [frames.FromGateway, frames.FromHub, frames.MediaFromGateway]
-    messages = {shape for union in unions for shape in get_args(union)}
+    rooms = {"frames": frames, "browser": browser}
+    unions = [getattr(rooms[room], name) for _, _, room, name in CHANNELS]
+    messages = {shape for union in unions for shape in (get_args(union) or (union,))}
     known: dict[type[msgspec.Struct], None] = dict.fromkeys(messages)
     for waiting in (queue := [*messages]):
-        fields = msgspec.inspect.type_info(waiting).fields
-        found = {s: None for field in fields for s in structs_in(field.type)}
+        found = dict.fromkeys(held_structs(waiting))
         queue += [s for s in found if s not in known]
         known |= found
     return sorted(known.keys() - messages, key=lambda shape: shape.__name__)
@@ -185,6 +233,8 @@ def structs_in(kind: msgspec.inspect.Type) -> list[type[msgspec.Struct]]:
             return [kind.cls]
         case msgspec.inspect.ListType() | msgspec.inspect.VarTupleType():
             return structs_in(kind.item_type)
+        case msgspec.inspect.DictType():
+            return structs_in(kind.value_type)
         case msgspec.inspect.UnionType():
             return [s for each in kind.types for s in structs_in(each)]
         case _:
@@ -260,8 +310,9 @@ def struct_section(shape: type[msgspec.Struct], level: str = "##", *, wire: bool
     ]
     # A source's tag is never written: the device's connection says it.
     tagged = isinstance(info.tag, str) and not issubclass(shape, SourceShape)
-    tag = f" · `{info.tag}`" if tagged else ""
-    return f"{level} {shape.__name__}{tag}\n\n{head.strip()}\n\n" + table(
+    # Not in the heading: its anchor, which other rows link to, is the name alone.
+    tag = f"Written as `{info.tag_field}: {info.tag}`.\n\n" if tagged else ""
+    return f"{level} {shape.__name__}\n\n{tag}{head.strip()}\n\n" + table(
         ("field", "type", *(("limits",) if wire else ()), "default", "meaning"), rows
     )
 

@@ -81,6 +81,19 @@ def test_asvs_table_names_tests_and_places_that_exist_and_lists_what_is_open() -
     assert said[1].split(", ") == [row[0] for row in rows if row[3] in {"part", "no"}]
 
 
+def test_each_requirement_of_the_founding_designs_is_shown_by_tests_that_exist() -> None:
+    page = (ROOT / "docs/requirements.md").read_text()
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")]
+    asked = [row for row in rows if row[0] not in {"id", "---"}]
+    assert {len(row) for row in asked} == {4}
+    assert {"R1.01.01", "R4.06.01", "hardware", "V1", "V23"} <= {row[0] for row in asked}
+    there = written_tests()
+    for row in asked:
+        named = set(re.findall(r"`(test_\w+)`", row[3]))
+        assert named or row[2] == "not there yet", row
+        assert named <= there, row
+
+
 def test_every_place_that_the_glossary_names_is_there() -> None:
     rows = [line for line in (ROOT / "docs/glossary.md").read_text().splitlines() if "|" in line]
     places = {

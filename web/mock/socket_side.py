@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from fastapi import WebSocket
 
 
+# Messages that wait for one page, at most; what comes later is left out until it reads again.
+MOST_WAITING = 500
+
+
 class Browser:
     """One connected page. Everything that is sent goes through ``outbox``."""
 
@@ -187,6 +191,9 @@ class Browser:
 
     def tick(self) -> None:
         """Send what is due; called 20 times a second."""
+        # A page that reads nothing (frozen, or its writer has ended) would fill the memory.
+        if self.outbox.qsize() > MOST_WAITING:
+            return
         self.ticks += 1
         world, now = self.world, time.time()
         if world.holder_key == id(self) and now > world.until:
