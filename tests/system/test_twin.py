@@ -28,6 +28,7 @@ DESCRIPTION = (
     .read_text()
     .replace("site: twin", f"site: {SITE}")
 )
+RENEW_S = 0.5
 CHANNELS = ("twin/mode", "twin/pose_error", "twin/resets", "base/pose.x", "twin/pose.x")
 WAITING, FOLLOWING, REHEARSING = range(3)
 # Puts the vehicle somewhere, as a person who carries it.
@@ -135,12 +136,13 @@ class TwinPage(Page):
         """Hold the stick for a while, as the page does, and let go."""
         from asyncio import sleep
 
-        end, turn = time.monotonic() + seconds, 0
+        end, renewed = time.monotonic() + seconds, 0.0
         while time.monotonic() < end:
-            await self.twin_frame(linear, live=live)
-            turn += 1
-            if turn % 20 == 0:
+            # By the clock: on a busy machine twenty frames take longer than a lease lasts.
+            if time.monotonic() - renewed > RENEW_S:
+                renewed = time.monotonic()
                 await self.renew()
+            await self.twin_frame(linear, live=live)
             await sleep(PERIOD_S)
         for _ in range(3):
             await self.twin_frame(0.0, live=live)
@@ -149,6 +151,11 @@ class TwinPage(Page):
         from talaia.wire.frames import LeaseOp
 
         await self.say(browser.PageLease(site=SITE, device="base", op=LeaseOp.RENEW))
+
+    async def take_anew(self) -> None:
+        """Take the lease whether or not it ran out while something was waited for."""
+        await self.free()
+        await self.take()
 
     async def switch(self, op: TwinOp) -> browser.TwinUpdate:
         since = len(self.got)
@@ -228,8 +235,7 @@ async def sent_as_a_goal(stack: TwinStack, person: TwinPage) -> None:
 
 async def driven_live(stack: TwinStack, person: TwinPage) -> None:
     """With live on the robot moves, and the twin by its side."""
-    await person.free()
-    await person.take()
+    await person.take_anew()
     told = stack.told()
     assert (await person.switch(TwinOp.LIVE)).live
     await person.drive_twin(0.2, live=True, linear=0.0)
@@ -251,8 +257,8 @@ async def stopped(stack: TwinStack, person: TwinPage) -> None:
     await person.drive_twin(0.4, live=False)
     assert not stack.moved_by("cmd_vel", told)
     assert person.newest("twin/mode") == FOLLOWING
+    await person.take_anew()
     reset = browser.PageReset(site=SITE, device="base", epoch=person.epoch)
-    await person.renew()
     await person.say(reset)
     token = (await person.sees(browser.ResetTokenUpdate, since=since)).token
     await person.say(browser.PageReset(site=SITE, device="base", epoch=person.epoch, token=token))
@@ -262,7 +268,7 @@ async def stopped(stack: TwinStack, person: TwinPage) -> None:
 
 async def killed(stack: TwinStack, person: TwinPage, twin: Process) -> None:
     """A twin that dies while the robot is driven through it stops that, and nothing else."""
-    await person.renew()
+    await person.take_anew()
     assert (await person.switch(TwinOp.LIVE)).live
     await person.drive_twin(0.2, live=True, linear=0.0)
     since = len(person.got)
@@ -275,8 +281,7 @@ async def killed(stack: TwinStack, person: TwinPage, twin: Process) -> None:
     await person.drive_twin(0.4, live=True)
     assert not stack.moved_by("cmd_vel", told)
     # The robot itself needs no twin.
-    await person.free()
-    await person.take()
+    await person.take_anew()
     told = stack.told()
     person.press(0.1)
     await until(lambda: stack.moved_by("cmd_vel", told), what="the robot driven as ever")

@@ -339,6 +339,19 @@ def test_an_interlock_stops_the_robot_and_is_told_of_a_rehearsal(bench: Bench) -
     assert bench.world.twin.path == []
 
 
+def test_a_rehearsal_begins_a_path_of_its_own(bench: Bench) -> None:
+    epoch = bench.lease()
+    bench.mode, bench.x = TwinMode.REHEARSING, 5.0
+    bench.hold(epoch, live=False)
+    bench.mode = TwinMode.FOLLOWING
+    bench.hold(epoch, live=False)
+    # The one before is shown until there is another.
+    assert bench.world.twin.path[0] == 5.0
+    bench.mode, bench.x = TwinMode.REHEARSING, 1.0
+    bench.hold(epoch, live=False)
+    assert bench.world.twin.path[0] == 1.0
+
+
 def test_driving_the_twin_alone_ends_live(bench: Bench) -> None:
     epoch = bench.lease()
     bench.switch(TwinOp.LIVE, epoch)

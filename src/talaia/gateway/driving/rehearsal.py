@@ -8,14 +8,14 @@ from typing import NamedTuple
 from talaia.clock import SECOND
 from talaia.wire.frames import MOST_POSES, MOST_VERDICTS, RehearsalVerdict
 
-__all__ = ["FloorPose", "Rehearsal"]
+__all__ = ["Rehearsal", "TwinPose"]
 
 # Poses nearer than this to the last that was kept add nothing to a line (m, rad).
 STEP_M = 0.02
 STEP_RAD = 0.1
 
 
-class FloorPose(NamedTuple):
+class TwinPose(NamedTuple):
     """A place on the floor: m and rad."""
 
     x: float
@@ -28,8 +28,8 @@ class Rehearsal:
 
     def __init__(self) -> None:
         """Begin with nothing driven."""
-        self._kept: list[FloorPose] = []
-        self._newest: FloorPose | None = None
+        self._kept: list[TwinPose] = []
+        self._newest: TwinPose | None = None
         # Doubled each time the path is thinned, so that a long one stays as long as a short one.
         self._coarseness = 1
         self._verdicts: list[RehearsalVerdict] = []
@@ -43,7 +43,7 @@ class Rehearsal:
         return self._seconds
 
     @property
-    def path(self) -> list[FloorPose]:
+    def path(self) -> list[TwinPose]:
         """The way that it went: at most `MOST_POSES` poses, the newest last."""
         newest = [] if self._newest is None or self._newest in self._kept[-1:] else [self._newest]
         return [*self._kept, *newest]
@@ -53,7 +53,7 @@ class Rehearsal:
         """What would have been said, each where it changed."""
         return list(self._verdicts)
 
-    def add_pose(self, pose: FloorPose, now_ns: int) -> None:
+    def add_pose(self, pose: TwinPose, now_ns: int) -> None:
         """Take where the twin is; what is no number is left out."""
         if not all(map(math.isfinite, pose)):
             return
@@ -82,7 +82,7 @@ class Rehearsal:
             at = max(0, len(self.path) - 1)
             self._verdicts.append(RehearsalVerdict(at=at, why=why, share=share))
 
-    def _is_farther(self, before: FloorPose, pose: FloorPose) -> bool:
+    def _is_farther(self, before: TwinPose, pose: TwinPose) -> bool:
         moved = math.hypot(pose.x - before.x, pose.y - before.y)
         turned = math.remainder(pose.yaw - before.yaw, 2 * math.pi)
         return moved >= STEP_M * self._coarseness or abs(turned) >= STEP_RAD * self._coarseness

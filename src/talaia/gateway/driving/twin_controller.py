@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import MS, SECOND
-from talaia.gateway.driving.rehearsal import FloorPose, Rehearsal
+from talaia.gateway.driving.rehearsal import Rehearsal, TwinPose
 from talaia.gateway.driving.velocity_limits import VelocityLimiter
 from talaia.model.twins.twin import TwinMode
 from talaia.model.twins.twin_topics import twin_drive
@@ -60,6 +60,8 @@ class TwinController:
         self.rehearsal = Rehearsal()
         # Why it is off, or why the last frame was refused.
         self._why = ""
+        # The path is of one rehearsal: another begins a new one.
+        self._rehearsing = False
         self._sampled_ns = 0
         self._reported_ns = -REPORT_NS
         self._changed = True
@@ -159,6 +161,13 @@ class TwinController:
         if now_ns - self._sampled_ns < SAMPLE_NS:
             return False
         self._sampled_ns = now_ns
+        mode = self.mode_at(now_ns)
+        if mode is TwinMode.REHEARSING and not self._rehearsing:
+            self._rehearsing = True
+            self.clear_rehearsal()
+        # One that is not heard for a moment still rehearses.
+        elif mode is TwinMode.FOLLOWING:
+            self._rehearsing = False
         return True
 
     def sample_rehearsal(self, why: str, share: float, now_ns: int) -> None:
@@ -168,7 +177,7 @@ class TwinController:
         if x is None or y is None or yaw is None:
             return
         before = (len(self.rehearsal.path), self.rehearsal.metres)
-        self.rehearsal.add_pose(FloorPose(x, y, yaw), now_ns)
+        self.rehearsal.add_pose(TwinPose(x, y, yaw), now_ns)
         self.rehearsal.add_verdict(why, share)
         if before != (len(self.rehearsal.path), self.rehearsal.metres):
             self._changed = True

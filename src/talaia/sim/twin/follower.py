@@ -16,7 +16,7 @@ from talaia.model.twins.twin import TwinMode
 if TYPE_CHECKING:
     from talaia.model.twins.twin import Twin
 
-__all__ = ["Correction", "Difference", "TwinFollower", "VehicleState", "difference_of"]
+__all__ = ["Correction", "TwinDifference", "TwinFollower", "VehicleState", "difference_of"]
 
 SILENT_NS = SECOND
 """Nothing heard of the robot for so long: it is not known where it is."""
@@ -44,7 +44,7 @@ class VehicleState:
         return all(map(math.isfinite, (self.x, self.y, self.yaw, self.speed, self.turn)))
 
 
-class Difference(NamedTuple):
+class TwinDifference(NamedTuple):
     """The robot less the twin: distance (m, at least 0), heading (rad, -π to π), speed (m/s)."""
 
     pose: float
@@ -63,9 +63,9 @@ class Correction(NamedTuple):
 NOWHERE = Correction(0.0, 0.0, 0.0)
 
 
-def difference_of(real: VehicleState, twin: VehicleState) -> Difference:
+def difference_of(real: VehicleState, twin: VehicleState) -> TwinDifference:
     """Compare two states."""
-    return Difference(
+    return TwinDifference(
         math.hypot(real.x - twin.x, real.y - twin.y),
         # The short way round: 359° and 1° are 2° apart.
         math.remainder(real.yaw - twin.yaw, 2 * math.pi),
@@ -157,7 +157,7 @@ class TwinFollower:
         share = min(1.0, self._twin.follow_rate * seconds)
         return Correction(whole.x * share, whole.y * share, whole.yaw * share)
 
-    def difference(self, twin: VehicleState) -> Difference | None:
+    def difference(self, twin: VehicleState) -> TwinDifference | None:
         """Give how far robot and twin are apart; none while they are not to be the same."""
         if self.mode is not TwinMode.FOLLOWING or self._real is None:
             return None
@@ -168,7 +168,7 @@ class TwinFollower:
         if moves and now_ns - self._moved_ns > IDLE_NS:
             self.mode = TwinMode.WAITING
 
-    def _is_lost(self, error: Difference, now_ns: int) -> bool:
+    def _is_lost(self, error: TwinDifference, now_ns: int) -> bool:
         twin = self._twin
         if error.pose <= twin.reset_beyond and abs(error.heading) <= twin.reset_turn:
             self._beyond_ns = None
