@@ -96,6 +96,19 @@ describe("live values", () => {
     expect(reading && live.ageS(reading)).toBeCloseTo(7.5);
   });
 
+  test("are older than the page's clock says where that stood still, and who watches is told", async () => {
+    const feed = new HandFeed();
+    const live = new LiveValues(feed, () => 10_000);
+    let told = 0;
+    live.watchChannel("agv", "a/y", () => (told += 1));
+    await microtask();
+    feed.say(0, 5, 1.5);
+    live.addAge(3_600_000);
+    const reading = live.latestReading("agv", "a/y");
+    expect(reading && live.ageS(reading)).toBeCloseTo(3600);
+    expect(told).toBe(2);
+  });
+
   test("never go back in time", async () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed, () => 0);

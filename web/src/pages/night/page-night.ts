@@ -123,7 +123,7 @@ export class PageNight extends LitElement {
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly theme = new ContextStoreController(this, themeContext);
-  private before: Theme = "auto";
+  private formerTheme: Theme = "auto";
   private readonly detail = new LoadController<SiteShape>(this);
   private readonly overview = new LoadController<SiteNightShape>(this);
   private readonly proposals = new LoadController<ProposalList>(this);
@@ -382,10 +382,10 @@ export class PageNight extends LitElement {
     const { store } = this.theme;
     if (store === undefined) return;
     if (store.theme === "night") {
-      store.setTheme(this.before);
+      store.setTheme(this.formerTheme);
       return;
     }
-    this.before = store.theme;
+    this.formerTheme = store.theme;
     store.setTheme("night");
   };
 

@@ -35,6 +35,13 @@ export class NightGlance extends LitElement {
         ${panelBox}
         min-inline-size: 0;
       }
+      /* So that the plan stands below it on the same screen; a station with many limits scrolls. */
+      @media (min-width: 75rem) {
+        section {
+          max-block-size: 21rem;
+          overflow: auto;
+        }
+      }
       h2 {
         font-size: var(--t-size-m);
       }
