@@ -7,7 +7,7 @@ import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { exportPath, type ExportQuery } from "../../wire/hub-api.js";
-import { notesExportPath } from "../../wire/notes-api.js";
+import { notesExportPath } from "../notes/notes-api.js";
 import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 

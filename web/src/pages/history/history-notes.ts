@@ -5,7 +5,7 @@ import type { SpanChange } from "../../elements/chart/chart-model.js";
 import type { NoteShape, SiteShape } from "../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { NotesApi } from "../../wire/notes-api.js";
+import { NotesApi } from "../notes/notes-api.js";
 import { NoteWriter } from "../notes/note-writer.js";
 import { NotesLoader } from "../notes/notes-loader.js";
 import { draftAt } from "../notes/notes-query.js";

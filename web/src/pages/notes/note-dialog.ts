@@ -17,7 +17,7 @@ import { clockOf, momentProblem, type ZoneClock } from "../../series/zone-clock.
 import { apiContext, sessionContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { NotesApi } from "../../wire/notes-api.js";
+import { NotesApi } from "./notes-api.js";
 import type { NoteDraft } from "./notes-query.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/forms/button.js";

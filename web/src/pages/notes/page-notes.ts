@@ -23,7 +23,7 @@ import { clockOf, momentProblem, type ZoneClock } from "../../series/zone-clock.
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { NotesApi, notesExportPath } from "../../wire/notes-api.js";
+import { NotesApi, notesExportPath } from "./notes-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { noteStyle } from "./note-style.js";
 import { renderNoteQuestion, renderNoteRow } from "./note-row.js";

@@ -13,8 +13,8 @@ import { clockOf, momentProblem, type ZoneClock } from "../../series/zone-clock.
 import type { TimeSpan } from "../../series/time-window.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { NotesApi } from "../../wire/notes-api.js";
 import { RecordingsApi } from "../../wire/recordings-api.js";
+import { NotesApi } from "../notes/notes-api.js";
 import { alignRuns, runOffers, type RunOffer } from "./run-offers.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/forms/button.js";

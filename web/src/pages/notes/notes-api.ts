@@ -1,7 +1,7 @@
 /** What may be asked of the hub about notes that people write. */
 
-import type { NoteAsk, NoteChangeAsk, NoteList, NoteShape } from "../generated/api.js";
-import type { HubApi } from "./hub-api.js";
+import type { NoteAsk, NoteChangeAsk, NoteList, NoteShape } from "../../generated/api.js";
+import type { HubApi } from "../../wire/hub-api.js";
 
 const notesUrl = (site: string, more = ""): string => `/api/sites/${encodeURIComponent(site)}/notes${more}`;
 
