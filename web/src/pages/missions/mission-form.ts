@@ -2,13 +2,15 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, plainList } from "../../elements/base/base-style.js";
+import { settled } from "../../elements/base/stable-field.js";
 import { argumentLimitText, initialText, listHint } from "../../elements/command/argument-check.js";
 import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
-import type { ArgumentShape, MissionShape, SiteShape, StepKind } from "../../generated/api.js";
-import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, type DraftErrors, type MissionDraft, type ScheduleKind, type StepDraft } from "./mission-draft.js";
+import type { ArgumentShape, MissionShape, SiteShape } from "../../generated/api.js";
+import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, type DraftErrors, type MissionDraft, type StepDraft } from "./mission-draft.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
@@ -71,14 +73,14 @@ export class MissionForm extends LitElement {
 
   override render(): TemplateResult {
     const { draft } = this;
-    return html`<form novalidate @submit=${this.onSubmit}>
-      <t-field label="Name" .error=${this.errors["name"] ?? ""}><input .value=${draft.name} maxlength="200" @input=${(event: Event) => { this.change({ name: textOf(event) }); }} /></t-field>
-      <t-field label="What it is for"><input .value=${draft.note} maxlength="1000" @input=${(event: Event) => { this.change({ note: textOf(event) }); }} /></t-field>
+    return html`<form novalidate @submit=${this.onSubmit} @input=${this.onInput}>
+      <t-field label="Name" .error=${this.errors["name"] ?? ""}><input data-field="name" .value=${settled(draft.name)} maxlength="200" /></t-field>
+      <t-field label="What it is for"><input data-field="note" .value=${settled(draft.note)} maxlength="1000" /></t-field>
       <h3>Steps</h3>
       <ol>
         ${repeat(draft.steps, ({ key }) => key, (step, at) => html`<li>${this.renderStep(step, at)}</li>`)}
       </ol>
-      <div class="moves"><t-button @click=${() => { this.change({ steps: [...draft.steps, emptyStep()] }); }}>Add a step</t-button></div>
+      <div class="moves"><t-button @click=${this.addStep}>Add a step</t-button></div>
       <h3>When it begins</h3>
       ${this.renderSchedule()} ${renderFormActions({ submit: "Save", busy: this.busy, cancel: this.onLeave })}
     </form>`;
@@ -86,65 +88,89 @@ export class MissionForm extends LitElement {
 
   private renderStep(step: StepDraft, at: number): TemplateResult {
     const last = this.draft.steps.length - 1;
-    const change = (part: Partial<StepDraft>): void => {
-      this.change({ steps: this.draft.steps.map((other) => (other.key === step.key ? { ...other, ...part } : other)) });
-    };
     const error = (field: string): string => this.errors[`${String(step.key)}/${field}`] ?? "";
     const limit = step.kind === "pause" ? "Seconds" : "At most (s)";
-    return html`<fieldset>
+    return html`<fieldset data-step=${step.key}>
       <legend>Step ${at + 1}</legend>
-      <t-field label="What"><select @change=${(event: Event) => { change({ kind: textOf(event) as StepKind }); }}>${renderOptions(KINDS, step.kind)}</select></t-field>
-      ${step.kind === "command" ? this.renderCommand(step, change, error) : nothing}
+      <t-field label="What"><select data-field="kind">${renderOptions(KINDS, step.kind)}</select></t-field>
+      ${step.kind === "command" ? this.renderCommand(step, error) : nothing}
       ${step.kind === "until"
-        ? html`<t-field label="Until" hint="As an alarm's expression: {base/battery} > 80" .error=${error("condition")}><input .value=${step.condition} spellcheck="false" autocomplete="off" @input=${(event: Event) => { change({ condition: textOf(event) }); }} /></t-field>`
+        ? html`<t-field label="Until" hint="As an alarm's expression: {base/battery} &gt; 80" .error=${error("condition")}><input data-field="condition" .value=${settled(step.condition)} spellcheck="false" autocomplete="off" /></t-field>`
         : nothing}
-      <t-field label=${limit} hint=${step.kind === "pause" ? "" : "Empty: an hour"} .error=${error("seconds")}><input inputmode="decimal" .value=${step.seconds} @input=${(event: Event) => { change({ seconds: textOf(event) }); }} /></t-field>
-      <t-field label="Name" hint="Empty: what it does"><input .value=${step.name} maxlength="200" @input=${(event: Event) => { change({ name: textOf(event) }); }} /></t-field>
+      <t-field label=${limit} hint=${step.kind === "pause" ? "" : "Empty: an hour"} .error=${error("seconds")}><input data-field="seconds" inputmode="decimal" .value=${settled(step.seconds)} /></t-field>
+      <t-field label="Name" hint="Empty: what it does"><input data-field="name" .value=${settled(step.name)} maxlength="200" /></t-field>
       <div class="moves">
-        <t-button ?disabled=${at === 0} label=${`Move step ${String(at + 1)} up`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, -1) }); }}>Up</t-button>
-        <t-button ?disabled=${at === last} label=${`Move step ${String(at + 1)} down`} @click=${() => { this.change({ steps: movedStep(this.draft.steps, step.key, 1) }); }}>Down</t-button>
-        <t-button ?disabled=${last === 0} label=${`Remove step ${String(at + 1)}`} @click=${() => { this.change({ steps: this.draft.steps.filter(({ key }) => key !== step.key) }); }}>Remove</t-button>
-        ${step.kind === "pause" ? nothing : html`<label class="tick"><input type="checkbox" .checked=${step.goesOn} @change=${(event: Event) => { change({ goesOn: isTicked(event) }); }} />Go on when it fails</label>`}
+        <t-button ?disabled=${at === 0} label=${`Move step ${String(at + 1)} up`} @click=${this.moveUp}>Up</t-button>
+        <t-button ?disabled=${at === last} label=${`Move step ${String(at + 1)} down`} @click=${this.moveDown}>Down</t-button>
+        <t-button ?disabled=${last === 0} label=${`Remove step ${String(at + 1)}`} @click=${this.removeStep}>Remove</t-button>
+        ${step.kind === "pause" ? nothing : html`<label class="tick"><input data-field="goesOn" type="checkbox" .checked=${step.goesOn} />Go on when it fails</label>`}
       </div>
     </fieldset>`;
   }
 
-  private renderCommand(step: StepDraft, change: (part: Partial<StepDraft>) => void, error: (field: string) => string): unknown {
+  private renderCommand(step: StepDraft, error: (field: string) => string): TemplateResult {
     const options = (this.site?.devices ?? []).flatMap((device) => device.commands.map((command) => [`${device.id}/${command.id}`, `${device.name}: ${command.name}`] as const));
     return html`<t-field label="Command" .error=${error("command")}
-        ><select @change=${(event: Event) => { change({ command: textOf(event), typed: {} }); }}>${renderOptions([["", "Choose a command"], ...options], step.command)}</select></t-field
+        ><select data-field="command">${renderOptions([["", "Choose a command"], ...options], step.command)}</select></t-field
       >
-      ${(commandAt(this.site, step.command)?.arguments ?? []).map((argument) => renderArgument(argument, step, change, error(argument.id)))}`;
+      ${map(commandAt(this.site, step.command)?.arguments, (argument) => renderArgument(argument, step, error(argument.id)))}`;
   }
 
   private renderSchedule(): TemplateResult {
     const { draft } = this;
     return html`<fieldset>
       <legend class="visually-hidden">When it begins</legend>
-      <t-field label="Begins"><select @change=${(event: Event) => { this.change({ schedule: textOf(event) as ScheduleKind }); }}>${renderOptions(SCHEDULES, draft.schedule)}</select></t-field>
+      <t-field label="Begins"><select data-field="schedule">${renderOptions(SCHEDULES, draft.schedule)}</select></t-field>
       ${draft.schedule === "never"
         ? nothing
-        : html`<t-field label="At" hint=${`Time in ${this.site?.zone ?? "the site's zone"}`} .error=${this.errors["at"] ?? ""}><input type="time" .value=${draft.at} @input=${(event: Event) => { this.change({ at: textOf(event) }); }} /></t-field>`}
-      ${draft.schedule === "once" ? html`<t-field label="Day" .error=${this.errors["date"] ?? ""}><input type="date" .value=${draft.date} @input=${(event: Event) => { this.change({ date: textOf(event) }); }} /></t-field>` : nothing}
+        : html`<t-field label="At" hint=${`Time in ${this.site?.zone ?? "the site's zone"}`} .error=${this.errors["at"] ?? ""}><input data-field="at" type="time" .value=${settled(draft.at)} /></t-field>`}
+      ${draft.schedule === "once" ? html`<t-field label="Day" .error=${this.errors["date"] ?? ""}><input data-field="date" type="date" .value=${settled(draft.date)} /></t-field>` : nothing}
       ${draft.schedule === "weekly"
         ? html`<div class="days" role="group" aria-label="Days; none for every day">
-            ${DAYS.map(([day, name]) => html`<label class="tick"><input type="checkbox" .checked=${draft.days.includes(day)} @change=${(event: Event) => { this.tickDay(day, isTicked(event)); }} />${name}</label>`)}
+            ${map(DAYS, ([day, name]) => html`<label class="tick"><input data-field="days" type="checkbox" .value=${day} .checked=${draft.days.includes(day)} />${name}</label>`)}
           </div>`
         : nothing}
       ${draft.schedule === "never" ? nothing : html`<p class="days">It has your rights then, as they are at that time. What is missed is told, and not done late.</p>`}
     </fieldset>`;
   }
 
-  private tickDay(day: string, ticked: boolean): void {
-    const days = ticked ? [...this.draft.days, day] : this.draft.days.filter((other) => other !== day);
-    this.change({ days: DAYS.map(([name]) => name).filter((name) => days.includes(name)) });
+  private change(draft: MissionDraft): void {
+    this.draft = draft;
+    // The page keeps it: what was typed outlives an element that is drawn anew.
+    this.dispatchEvent(new CustomEvent<MissionDraft>("t-draft", { detail: draft }));
   }
 
-  private change(part: Partial<MissionDraft>): void {
-    this.draft = { ...this.draft, ...part };
-    // The page keeps it: what was typed outlives an element that is drawn anew.
-    this.dispatchEvent(new CustomEvent<MissionDraft>("t-draft", { detail: this.draft }));
+  /** Reads what is so now, not what was when the form was drawn: several fields may change in between. */
+  private readonly onInput = (event: Event): void => {
+    const control = event.target;
+    if (!isControl(control)) return;
+    const { draft } = this;
+    const key = stepOf(control);
+    if (key === null) this.change(withField(draft, control));
+    else this.change({ ...draft, steps: draft.steps.map((step) => (step.key === key ? withStepField(step, control) : step)) });
+  };
+
+  private readonly addStep = (): void => {
+    this.change({ ...this.draft, steps: [...this.draft.steps, emptyStep()] });
+  };
+
+  private readonly moveUp = (event: Event): void => {
+    this.moveStep(event, -1);
+  };
+
+  private readonly moveDown = (event: Event): void => {
+    this.moveStep(event, 1);
+  };
+
+  private moveStep(event: Event, by: -1 | 1): void {
+    const key = stepOf(event.currentTarget);
+    if (key !== null) this.change({ ...this.draft, steps: movedStep(this.draft.steps, key, by) });
   }
+
+  private readonly removeStep = (event: Event): void => {
+    const removed = stepOf(event.currentTarget);
+    this.change({ ...this.draft, steps: this.draft.steps.filter(({ key }) => key !== removed) });
+  };
 
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
@@ -159,25 +185,48 @@ export class MissionForm extends LitElement {
   };
 }
 
-function renderArgument(argument: ArgumentShape, step: StepDraft, change: (part: Partial<StepDraft>) => void, error: string): TemplateResult {
+function renderArgument(argument: ArgumentShape, step: StepDraft, error: string): TemplateResult {
   const value = step.typed[argument.id] ?? initialText(argument);
-  const put = (text: string): void => {
-    change({ typed: { ...step.typed, [argument.id]: text } });
-  };
   if (argument.type === "boolean") {
-    return html`<label class="tick"><input type="checkbox" .checked=${value === "true"} @change=${(event: Event) => { put(String(isTicked(event))); }} />${argument.name}</label>`;
+    return html`<label class="tick"><input data-argument=${argument.id} type="checkbox" .checked=${value === "true"} />${argument.name}</label>`;
   }
   const label = argument.unit === "" ? argument.name : `${argument.name} (${argument.unit})`;
   const hint = [listHint(argument), argumentLimitText(argument)].filter((part) => part !== "").join("; ");
-  return html`<t-field .label=${label} .hint=${hint} .error=${error}><input .value=${value} autocomplete="off" @input=${(event: Event) => { put(textOf(event)); }} /></t-field>`;
+  return html`<t-field .label=${label} .hint=${hint} .error=${error}><input data-argument=${argument.id} .value=${settled(value)} autocomplete="off" /></t-field>`;
 }
 
-function textOf(event: Event): string {
-  return event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement ? event.target.value : "";
+type Control = HTMLInputElement | HTMLSelectElement;
+
+function isControl(target: EventTarget | null): target is Control {
+  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
 }
 
-function isTicked(event: Event): boolean {
-  return event.target instanceof HTMLInputElement && event.target.checked;
+/** The key of the step that an element belongs to; null: to none. */
+function stepOf(target: EventTarget | null): number | null {
+  const key = target instanceof Element ? target.closest<HTMLElement>("[data-step]")?.dataset["step"] : undefined;
+  return key === undefined ? null : Number(key);
+}
+
+function isTicked(control: Control): boolean {
+  return control instanceof HTMLInputElement && control.checked;
+}
+
+function withField(draft: MissionDraft, control: Control): MissionDraft {
+  const field = control.dataset["field"] ?? "";
+  if (field === "days") {
+    const days = DAYS.map(([day]) => day).filter((day) => (day === control.value ? isTicked(control) : draft.days.includes(day)));
+    return { ...draft, days };
+  }
+  return field in draft ? { ...draft, [field]: control.value } : draft;
+}
+
+function withStepField(step: StepDraft, control: Control): StepDraft {
+  const { field = "", argument } = control.dataset;
+  if (argument !== undefined) return { ...step, typed: { ...step.typed, [argument]: control.type === "checkbox" ? String(isTicked(control)) : control.value } };
+  if (field === "goesOn") return { ...step, goesOn: isTicked(control) };
+  // Another command has other arguments.
+  if (field === "command") return { ...step, command: control.value, typed: {} };
+  return field in step ? { ...step, [field]: control.value } : step;
 }
 
 declare global {

@@ -94,8 +94,8 @@ export class MissionRunView extends LitElement {
       ${run.why === "" ? nothing : html`<p>${run.why}</p>`}
       ${goesOn && this.allowed
         ? html`<div class="actions">
-            ${run.state === "running" ? html`<t-button @click=${() => { this.fireAct("pause"); }}>Pause after this step</t-button>` : html`<t-button kind="primary" @click=${() => { this.fireAct("resume"); }}>Go on</t-button>`}
-            <t-button @click=${() => { this.fireAct("cancel"); }}>Cancel the mission</t-button>
+            ${run.state === "running" ? html`<t-button @click=${this.pause}>Pause after this step</t-button>` : html`<t-button kind="primary" @click=${this.resume}>Go on</t-button>`}
+            <t-button @click=${this.cancel}>Cancel the mission</t-button>
           </div>`
         : nothing}
       <ol aria-label="Steps">
@@ -103,6 +103,18 @@ export class MissionRunView extends LitElement {
       </ol>
     `;
   }
+
+  private readonly pause = (): void => {
+    this.fireAct("pause");
+  };
+
+  private readonly resume = (): void => {
+    this.fireAct("resume");
+  };
+
+  private readonly cancel = (): void => {
+    this.fireAct("cancel");
+  };
 
   private fireAct(act: RunActAsk["act"]): void {
     this.dispatchEvent(new CustomEvent<RunActAsk["act"]>("t-act", { detail: act }));

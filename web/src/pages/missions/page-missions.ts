@@ -97,7 +97,7 @@ export class PageMissions extends LitElement {
         "Steps in order, by hand or at a time. Each step is asked for as a person's command: by the same rights and interlocks. STOP ends a mission.",
         may
           ? html`<div class="actions">
-              <t-button kind="primary" ?disabled=${this.draft !== null} @click=${() => { this.draft = emptyDraft(); }}>New mission</t-button>
+              <t-button kind="primary" ?disabled=${this.draft !== null} @click=${this.openNew}>New mission</t-button>
               <t-button @click=${this.chooseFile}>Import…</t-button>
               <input type="file" accept=".yaml,.yml,text/yaml" aria-label="A mission's file" @change=${this.onFile} />
             </div>`
@@ -123,7 +123,7 @@ export class PageMissions extends LitElement {
     if (this.draft === null) return nothing;
     return html`<section class="sheet" aria-label="Mission">
       <h2>${this.draft.id === "" ? "New mission" : "Change the mission"}</h2>
-      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-draft=${this.onDraft} @t-save-mission=${this.onSave} @t-leave=${() => { this.draft = null; }}></t-mission-form>`)}
+      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-draft=${this.onDraft} @t-save-mission=${this.onSave} @t-leave=${this.closeForm}></t-mission-form>`)}
     </section>`;
   }
 
@@ -148,7 +148,7 @@ export class PageMissions extends LitElement {
 
   private renderMission(row: MissionRow, run: MissionRunShape | null, may: boolean): TemplateResult {
     const { mission } = row;
-    return html`<li class="mission">
+    return html`<li class="mission" data-mission=${row.id}>
       <div>
         <h3>${mission.name}</h3>
         ${mission.note === "" ? nothing : html`<p>${mission.note}</p>`}
@@ -157,11 +157,11 @@ export class PageMissions extends LitElement {
       </div>
       <div class="actions">
         ${may
-          ? html`<t-button kind="primary" label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${() => { void this.act("start the mission", () => this.missionsApi.startMission(row.id)); }}>Start</t-button>
-              <t-button label=${`Change ${mission.name}`} @click=${() => { this.draft = draftOf(row.id, mission); }}>Change</t-button>`
+          ? html`<t-button kind="primary" label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${this.onStart}>Start</t-button>
+              <t-button label=${`Change ${mission.name}`} @click=${this.onChange}>Change</t-button>`
           : nothing}
-        <t-button label=${`Export ${mission.name}`} @click=${() => void this.exportMission(row)}>Export</t-button>
-        ${may ? html`<t-button label=${`Remove ${mission.name}`} @click=${() => { this.removing = row; }}>Remove…</t-button>` : nothing}
+        <t-button label=${`Export ${mission.name}`} @click=${this.onExport}>Export</t-button>
+        ${may ? html`<t-button label=${`Remove ${mission.name}`} @click=${this.onRemove}>Remove…</t-button>` : nothing}
       </div>
     </li>`;
   }
@@ -189,11 +189,7 @@ export class PageMissions extends LitElement {
 
   private renderRemoval(): TemplateResult {
     const row = this.removing;
-    const remove = (): void => {
-      if (row !== null) void this.act("remove the mission", () => this.missionsApi.removeMission(row.id));
-      this.removing = null;
-    };
-    return html`<t-confirm heading=${`Remove ${row?.mission.name ?? ""}?`} action="Remove" keep="Keep it" ?open=${row !== null} @t-close=${() => { this.removing = null; }} @t-confirm=${remove}><p>Its runs stay listed. One that goes on is not ended by it.</p></t-confirm>`;
+    return html`<t-confirm heading=${`Remove ${row?.mission.name ?? ""}?`} action="Remove" keep="Keep it" ?open=${row !== null} @t-close=${this.keepMission} @t-confirm=${this.removeMission}><p>Its runs stay listed. One that goes on is not ended by it.</p></t-confirm>`;
   }
 
   private reload(): void {
@@ -207,6 +203,49 @@ export class PageMissions extends LitElement {
     this.reload();
     return done;
   }
+
+  /** The mission in whose line something was pressed. */
+  private rowOf(event: Event): MissionRow | undefined {
+    const line = event.currentTarget instanceof Element ? event.currentTarget.closest<HTMLElement>("[data-mission]") : null;
+    return this.missions.value?.missions.find(({ id }) => id === line?.dataset["mission"]);
+  }
+
+  private readonly openNew = (): void => {
+    this.draft = emptyDraft();
+  };
+
+  private readonly closeForm = (): void => {
+    this.draft = null;
+  };
+
+  private readonly onStart = (event: Event): void => {
+    const row = this.rowOf(event);
+    if (row !== undefined) void this.act("start the mission", () => this.missionsApi.startMission(row.id));
+  };
+
+  private readonly onChange = (event: Event): void => {
+    const row = this.rowOf(event);
+    if (row !== undefined) this.draft = draftOf(row.id, row.mission);
+  };
+
+  private readonly onExport = (event: Event): void => {
+    const row = this.rowOf(event);
+    if (row !== undefined) void this.exportMission(row);
+  };
+
+  private readonly onRemove = (event: Event): void => {
+    this.removing = this.rowOf(event) ?? null;
+  };
+
+  private readonly keepMission = (): void => {
+    this.removing = null;
+  };
+
+  private readonly removeMission = (): void => {
+    const { removing } = this;
+    if (removing !== null) void this.act("remove the mission", () => this.missionsApi.removeMission(removing.id));
+    this.removing = null;
+  };
 
   private readonly onAct = (event: CustomEvent<RunActAsk["act"]>): void => {
     void this.act(`${event.detail} the mission`, () => this.missionsApi.actOnRun(event.detail));

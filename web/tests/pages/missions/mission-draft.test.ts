@@ -32,20 +32,22 @@ test("a mission that goes through the form comes out the same", () => {
 
 test("what is missing or out of its limits is told at its place", () => {
   const draft = draftOf("7", MISSION);
-  const [command, until, pause] = draft.steps;
-  const steps = [{ ...command!, typed: { angle: "999" } }, { ...until!, condition: " " }, { ...pause!, seconds: "0" }, emptyStep()];
+  const wrong = [{ typed: { angle: "999" } }, { condition: " " }, { seconds: "0" }];
+  const steps = [...draft.steps.map((step, at) => ({ ...step, ...wrong[at] })), emptyStep()];
   const { mission, errors } = readDraft({ ...draft, name: "", schedule: "once", date: "", steps }, SITE);
   expect(mission).toBeNull();
-  const places = [`${String(command!.key)}/angle`, `${String(until!.key)}/condition`, `${String(pause!.key)}/seconds`, `${String(steps[3]!.key)}/command`];
+  const fields = ["angle", "condition", "seconds", "command"];
+  const places = steps.map(({ key }, at) => `${String(key)}/${String(fields[at])}`);
   expect(Object.keys(errors).sort()).toEqual(["date", "name", ...places].sort());
 });
 
 test("a step is moved up and down, and stays where there is no further", () => {
-  const steps = [emptyStep(), emptyStep("pause"), emptyStep("until")];
-  const [a, b, c] = steps.map(({ key }) => key);
-  expect(movedStep(steps, b!, -1).map(({ key }) => key)).toEqual([b, a, c]);
-  expect(movedStep(steps, b!, 1).map(({ key }) => key)).toEqual([a, c, b]);
-  expect(movedStep(steps, a!, -1)).toEqual(steps);
+  const [first, second, third] = [emptyStep(), emptyStep("pause"), emptyStep("until")] as const;
+  const steps = [first, second, third];
+  const [a, b, c] = [first.key, second.key, third.key] as const;
+  expect(movedStep(steps, b, -1).map(({ key }) => key)).toEqual([b, a, c]);
+  expect(movedStep(steps, b, 1).map(({ key }) => key)).toEqual([a, c, b]);
+  expect(movedStep(steps, a, -1)).toEqual(steps);
 });
 
 test("when it begins is said in words", () => {
