@@ -8,7 +8,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import type { SiteSummary } from "../../generated/api.js";
 import type { SiteTrouble } from "../../tiles/site-trouble.js";
-import { fleetGroups, tagsOf, uniqueNames } from "../home/fleet-list.js";
+import { fleetGroups, tagsOf, uniqueNames, type FleetGroup } from "../home/fleet-list.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -88,19 +88,23 @@ export class FleetChooser extends LitElement {
 
   override render(): TemplateResult {
     const { rows } = this;
-    const groups = fleetGroups(rows, { words: this.words, tag: this.tag, order: "name" }, NO_TROUBLES);
-    const found = groups.flatMap((group) => group.rows.map(({ site }) => site));
+    const groups = this.foundGroups();
+    const found = sitesOf(groups);
     const names = uniqueNames(rows);
     const tags = tagsOf(rows);
     return html`
       <div class="tools" role="search">
         <input type="search" placeholder="Search names, tags, states" aria-label="Search sites" .value=${this.words} @input=${this.onWords} />
         ${tags.length === 0 ? nothing : html`<select aria-label="Tag" @change=${this.onTag}>${renderOptions([["", "All tags"], ...tags.map((tag) => [tag, tag] as const)], this.tag)}</select>`}
-        <t-button ?disabled=${found.length === 0} @click=${() => { this.choose([...this.chosen, ...found]); }}>Choose all ${found.length}</t-button>
-        <t-button ?disabled=${this.chosen.size === 0} @click=${() => { this.choose([]); }}>Choose none</t-button>
+        <t-button ?disabled=${found.length === 0} @click=${this.chooseFound}>Choose all ${found.length}</t-button>
+        <t-button ?disabled=${this.chosen.size === 0} @click=${this.chooseNone}>Choose none</t-button>
       </div>
       ${found.length === 0 ? html`<t-empty heading="No site fits" icon="devices"></t-empty>` : groups.map(({ name, rows: members }) => this.renderGroup(name || (groups.length > 1 ? "In no group" : "Sites"), members, names))}
     `;
+  }
+
+  private foundGroups(): readonly FleetGroup[] {
+    return fleetGroups(this.rows, { words: this.words, tag: this.tag, order: "name" }, NO_TROUBLES);
   }
 
   private renderGroup(name: string, rows: readonly SiteSummary[], names: ReadonlyMap<string, string>): TemplateResult {
@@ -136,9 +140,21 @@ export class FleetChooser extends LitElement {
     if (event.target instanceof HTMLSelectElement) this.tag = event.target.value;
   };
 
+  private readonly chooseFound = (): void => {
+    this.choose([...this.chosen, ...sitesOf(this.foundGroups())]);
+  };
+
+  private readonly chooseNone = (): void => {
+    this.choose([]);
+  };
+
   private choose(sites: readonly string[]): void {
     this.dispatchEvent(new CustomEvent<readonly string[]>("t-choose-sites", { detail: [...new Set(sites)] }));
   }
+}
+
+function sitesOf(groups: readonly FleetGroup[]): readonly string[] {
+  return groups.flatMap(({ rows }) => rows.map(({ site }) => site));
 }
 
 declare global {

@@ -101,7 +101,7 @@ export class FleetCommand extends LitElement {
     if (this.chosen.length === 0) return html`<p class="text">Choose the sites first. ${this.renderResults()}</p>`;
     const offered = commandsOf(this.chosen, this.commands);
     if (offered.length === 0) return html`<t-empty heading="No command is open to you at these sites" icon="devices"></t-empty>`;
-    const command = offered.find((shared) => commandKey(shared) === this.key);
+    const command = this.chosenCommand(offered);
     const options = offered.map((shared) => {
       const count = this.chosen.filter(({ site }) => shared.sites.includes(site)).length;
       return [commandKey(shared), `${shared.device_name}: ${shared.command.name} (${String(count)} of ${String(this.chosen.length)})`] as const;
@@ -110,6 +110,10 @@ export class FleetCommand extends LitElement {
       <label>Command<select @change=${this.onCommand}>${renderOptions([["", "Choose a command"], ...options], this.key)}</select></label>
       ${command === undefined ? nothing : this.renderChosen(command)} ${this.renderResults()}
     `;
+  }
+
+  private chosenCommand(offered: readonly SharedCommandShape[]): SharedCommandShape | undefined {
+    return offered.find((shared) => commandKey(shared) === this.key);
   }
 
   private renderChosen(command: SharedCommandShape): TemplateResult {
@@ -126,7 +130,7 @@ export class FleetCommand extends LitElement {
       <ul aria-label="Who will do it">
         ${repeat(members, ({ site }) => site, renderMember)}
       </ul>
-      <t-command .command=${shape} .allowed=${able.length > 0} @t-ask=${(event: CustomEvent<CommandArguments>) => { this.send(command, event.detail); }}></t-command>
+      <t-command .command=${shape} .allowed=${able.length > 0} @t-ask=${this.onAsk}></t-command>
     `;
   }
 
@@ -180,6 +184,11 @@ export class FleetCommand extends LitElement {
     const units = Object.fromEntries(command.command.arguments.map(({ id, unit }) => [id, unit] as const));
     this.line?.sendCommand(sites, { device: command.device, command: command.command.id, args, units });
   }
+
+  private readonly onAsk = (event: CustomEvent<CommandArguments>): void => {
+    const command = this.chosenCommand(commandsOf(this.chosen, this.commands));
+    if (command !== undefined) this.send(command, event.detail);
+  };
 
   private readonly onCommand = (event: Event): void => {
     if (event.target instanceof HTMLSelectElement) this.key = event.target.value;

@@ -74,7 +74,7 @@ export class App extends LitElement {
   private readonly theme = new ThemeChoice(document.documentElement, browserStorage());
   private readonly sleep = new SleepWatch();
   private sleepTimer: ReturnType<typeof setInterval> | undefined;
-  private readonly checkVersion = registerWorker(navigator.serviceWorker as ServiceWorkerContainer | undefined, () => {
+  private readonly checkVersion = registerWorker(navigator.serviceWorker, () => {
     this.outdated = true;
   });
   private stops: (() => void)[] = [];

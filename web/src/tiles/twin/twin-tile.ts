@@ -4,6 +4,7 @@ import { ContextConsumer } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { keyed } from "lit/directives/keyed.js";
+import { map } from "lit/directives/map.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { CommandClient } from "../../controllers/drive/command-client.js";
 import { DriveController } from "../../controllers/drive/drive-controller.js";
@@ -92,7 +93,7 @@ export class TwinTile extends LitElement {
     return html`<section aria-labelledby="difference">
         <h2 id="difference">Difference to ${real.name}</h2>
         <div class="values">
-          ${SHOWN.map((id) => html`<t-signal-value .site=${this.site} .signal=${this.signalOf(id)} size="l"></t-signal-value>`)}
+          ${map(SHOWN, (id) => html`<t-signal-value .site=${this.site} .signal=${this.signalOf(id)} size="l"></t-signal-value>`)}
         </div>
         <p class="muted">The robot less its twin. A twin that is too far away for too long is put where the robot is.</p>
       </section>
@@ -150,25 +151,24 @@ export class TwinTile extends LitElement {
       <p>${summary}</p>
       ${lines.length === 0
         ? html`<p><t-status kind="ok" word="Nothing would have been refused"></t-status></p>`
-        : html`<ul>${lines.map((line) => html`<li>${line}</li>`)}</ul>`}
+        : html`<ul>${map(lines, (line) => html`<li>${line}</li>`)}</ul>`}
       <p class="muted">By what is so now: weather, batteries and people may be others when ${real.name} drives there.</p>
-      ${this.renderDeeds(real, twin, poses)}
+      ${this.renderDeeds(real)}
     </section>`;
   }
 
-  private renderDeeds(real: DeviceShape, twin: TwinLink, poses: readonly FloorPose[]): unknown {
+  private renderDeeds(real: DeviceShape): unknown {
     const seat = this.controller?.seat;
     if (seat === null || seat === undefined) return nothing;
-    const last = poses.at(-1) ?? null;
     const command = poseCommands([real]).find(({ role }) => role === "vehicle.goal")?.command;
     const follow = this.device?.commands.find(({ id }) => id === "follow");
     const { epoch } = seat.lease;
     return html`<div class="deeds">
         ${command === undefined
           ? html`<p class="muted">${real.name} has no command of the role <code>vehicle.goal</code>: the path cannot be sent to it.</p>`
-          : html`<t-button kind="primary" @click=${() => (this.goal = last)}>Send as a goal…</t-button>`}
+          : html`<t-button kind="primary" @click=${this.openGoal}>Send as a goal…</t-button>`}
         ${follow === undefined ? nothing : html`<t-button ?disabled=${this.line === null} @click=${this.followRobot}>Follow the robot again</t-button>`}
-        <t-button ?disabled=${epoch === 0} @click=${() => { this.goal = null; twin.clearRehearsal(epoch); }}>Forget the path</t-button>
+        <t-button ?disabled=${epoch === 0} @click=${this.forgetPath}>Forget the path</t-button>
       </div>
       ${this.goal === null || command === undefined
         ? nothing
@@ -177,6 +177,15 @@ export class TwinTile extends LitElement {
             html`<t-command-card .site=${this.site} .device=${real} .command=${filledCommand(command, this.goal)} .line=${this.commands} .online=${this.online}></t-command-card>`,
           )}`;
   }
+
+  private readonly openGoal = (): void => {
+    this.goal = pathPoses(this.twin?.told?.path ?? [], FRAME).at(-1) ?? null;
+  };
+
+  private readonly forgetPath = (): void => {
+    this.goal = null;
+    this.twin?.clearRehearsal(this.controller?.seat?.lease.epoch ?? 0);
+  };
 
   private readonly followRobot = (): void => {
     if (this.device !== null) this.line?.sendCommand(this.device.id, "follow", {});
