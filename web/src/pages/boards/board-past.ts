@@ -157,7 +157,8 @@ export class BoardPast implements ReactiveController {
     }
     const notes = noteMarks(noted.notes, NO_NAMES);
     const clusters = clusterMarks(mergeMarks(eventMarks(happened.list.events, NO_NAMES), notes), span, APART);
-    return html`${notes.map((note) => this.renderStretch(note, span))}${repeat(clusters, ({ timeUs }) => timeUs, (cluster) => this.renderMark(cluster, (cluster.timeUs - span.fromUs) / this.lengthUs, zone))}`;
+    const stretches = notes.map((note) => this.renderStretch(note, span));
+    return html`${stretches}${repeat(clusters, ({ timeUs }) => timeUs, (cluster) => this.renderMark(cluster, (cluster.timeUs - span.fromUs) / this.lengthUs, zone))}`;
   }
 
   /** The part of the bar over which a note lasts; its mark says what it is. */
