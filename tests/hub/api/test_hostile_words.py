@@ -53,14 +53,16 @@ async def test_no_filter_and_no_name_in_a_path_becomes_sql(
     world = shared_world
     client = await world.admin()
     by_token = await prometheus_server.token(world.hub, prometheus_server.EVERYWHERE)
+    asking = {}
+    for path, methods in described.items():
+        if "get" in methods:
+            recipe = RECIPES["GET", path]
+            asking[path] = await recipe.make(world, client, recipe.objects[0])
+    # Now everybody and everything is there that is asked about.
     before = await world.state()
     asked = 0
-    for path, methods in described.items():
-        operation = methods.get("get")
-        if operation is None:
-            continue
-        recipe = RECIPES["GET", path]
-        right = await recipe.make(world, client, recipe.objects[0])
+    for path, right in asking.items():
+        operation = described[path]["get"]
         # A session is nobody to what serves clients of other tools.
         serves_clients = need_of_route("GET", path) is AccessNeed.CLIENT
         for parameter in _parameters(operation):

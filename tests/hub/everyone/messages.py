@@ -97,6 +97,8 @@ ASKS = (
     frames.LeaseRequest,
     frames.LeaseForceRequest,
     frames.DriveFrame,
+    frames.TwinFrame,
+    frames.TwinRequest,
     frames.StopRequest,
     frames.ResetRequest,
     frames.CommandRequest,

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field
 
+from talaia.hub.api.schemas.common import Schema
 from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
 
 __all__ = [
@@ -102,7 +103,7 @@ class SeenShape(BaseModel):
     )
 
 
-class SeenAsk(BaseModel):
+class SeenAsk(Schema):
     """Mark sightings as looked at, or as not, for the person who asks."""
 
     ids: list[Annotated[str, Field(pattern=r"^\d{1,18}$")]] = Field(min_length=1, max_length=500)
