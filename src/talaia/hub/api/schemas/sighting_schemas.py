@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from talaia.hub.api.schemas.common import Schema
 from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
 
 __all__ = [
@@ -103,8 +102,11 @@ class SeenShape(BaseModel):
     )
 
 
-class SeenAsk(Schema):
+class SeenAsk(BaseModel):
     """Mark sightings as looked at, or as not, for the person who asks."""
+
+    # As `common.Schema`, whose module imports this one.
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     ids: list[Annotated[str, Field(pattern=r"^\d{1,18}$")]] = Field(min_length=1, max_length=500)
     seen: bool = True
