@@ -52,13 +52,16 @@ class Mailbox:
     def __init__(self) -> None:
         """Listen at a port of its own."""
         self.mails: list[tuple[list[str], str, str]] = []
+        self.pictures: list[bytes] = []
         self.port = free_port()
         self._server = Controller(self, hostname="127.0.0.1", port=self.port)
         self._server.start()
 
     async def handle_DATA(self, _server, _session, envelope) -> str:  # noqa: N802 - aiosmtpd's name
         mail = email.message_from_bytes(envelope.content, policy=email.policy.default)
-        self.mails.append((envelope.rcpt_tos, mail["Subject"], mail.get_content()))
+        text = mail.get_body(("plain",)).get_content()
+        self.pictures += [part.get_content() for part in mail.iter_attachments()]
+        self.mails.append((envelope.rcpt_tos, mail["Subject"], text))
         return "250 OK"
 
     def close(self) -> None:
@@ -208,6 +211,8 @@ async def test_a_person_and_a_dog_are_framed_logged_and_told_of(
         assert 0.6 < await boxed(page, "dog") < 1.0
         await picture_of(page, "objects-boxes")
         assert "dog seen" in await mail_of(mailbox, "A dog is about")
+        # What was seen goes with the words.
+        assert any(picture.startswith(b"\xff\xd8") for picture in mailbox.pictures)
 
         # A page that shows no camera leaves the machine to those who drive.
         await page.goto(f"{seeing.address}/sites/{SITE}/logbook")

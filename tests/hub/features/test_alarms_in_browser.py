@@ -48,7 +48,7 @@ async def test_bar_shows_an_alarm_on_every_page_until_it_is_acknowledged(hub, ch
     await expect(page.locator("li[data-alarm=lost]")).to_contain_text("cannot be judged")
     await row.get_by_role("button", name="More").click()
     await expect(row).to_contain_text("acknowledged by operator")
-    await page.get_by_role("link", name="Logbook").click()
+    await page.get_by_role("link", name="Logbook", exact=True).click()
     await expect(page.get_by_text("Battery low: Voltage is 10 V, below 11 V")).to_be_visible()
     await page.get_by_label("What", exact=True).select_option("Connections")
     await expect(page.get_by_text("gateway connected")).to_be_visible()

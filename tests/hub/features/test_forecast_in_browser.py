@@ -66,7 +66,7 @@ async def observatory(hub):
 async def test_the_week_is_forecast_with_chances_shares_and_reasons(observatory, chromium):
     page = await sign_in(chromium, observatory, "operator")
     await page.goto(f"{observatory.origin}/sites/{SITE}/night")
-    await page.get_by_role("link", name="Forecast").click()
+    await page.get_by_role("link", name="Forecast", exact=True).first.click()
     forecast = page.locator("t-page-forecast")
     await expect(forecast).to_contain_text("Worked out")
     await expect(forecast).to_contain_text("70 % of the time")
