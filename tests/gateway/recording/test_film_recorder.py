@@ -388,7 +388,7 @@ class Events:
 shelf = RecordingStore(Path({folder!r}), 10**9, 0, FILM)
 shelf.open(recover_film)
 films = FilmRecorder(
-    plan=Recording(), cameras=(), clips={}, shelf=shelf, clock=SystemClock(), events=Events(),
+    plan=Recording(), cameras=(), clips={{}}, shelf=shelf, clock=SystemClock(), events=Events(),
     finished=lambda: None, changed=lambda: None,
 )
 films.start()
