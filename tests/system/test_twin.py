@@ -207,6 +207,8 @@ async def kidnapped(stack: TwinStack, person: TwinPage) -> None:
 
 async def rehearsed(stack: TwinStack, person: TwinPage) -> None:
     """What is driven in the twin alone moves nothing else, and leaves a path."""
+    # A gateway that has begun is locked until the charge was enough for some seconds.
+    await until(lambda: not person.all(browser.InterlockUpdate)[-1].locked, what="it may drive")
     told = stack.told()
     await person.take()
     await person.drive_twin(1.5, live=False)

@@ -63,6 +63,8 @@ def test_only_who_publishes_may_write() -> None:
         "try": [],
         "images": ["attestations", "id-token", "packages"],
         "publish": ["id-token"],
+        # A branch of its own: pages that were read before they were merged.
+        "documentation": ["contents"],
         "announce": ["contents"],
     }
     # What is published was tried, and somebody said yes.
