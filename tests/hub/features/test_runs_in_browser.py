@@ -30,7 +30,7 @@ async def test_two_runs_are_laid_over_each_other_and_played_side_by_side(
     page = await sign_in(chromium, hub, "operator")
     await page.goto(f"{hub.origin}/sites/agv/history?c=base/turn_rate")
     await page.get_by_role("button", name="Compare runs").click()
-    dialog = page.get_by_role("dialog", name="Compare two runs")
+    dialog = page.locator("t-run-picker")
     runs = {
         text: await dialog.locator("option", has_text=text).first.get_attribute("value")
         for text in ("Wet run", "Dry run")

@@ -164,7 +164,7 @@ export class TimeBar extends LitElement {
           margin-inline-start: 0;
         }
         .rail {
-          padding-block-start: 1rem;
+          padding-block-start: 0.5rem;
         }
         :host(:not([expanded])) :is(.utc, .ends, .keys, .said:not(.warn)) {
           display: none;
