@@ -179,7 +179,7 @@ def test_a_guest_sees_public_data_and_no_actions_beside_an_operator_who_has_them
     assert main.get_by_role("button").count() == 0
     assert main.get_by_role("textbox").count() == 0
     guests = guest.get_by_role(NAV, name="Pages").first.get_by_role("link").all_inner_texts()
-    operators = operator.get_by_role(NAV, name="Pages").first
+    operators = operator.get_by_role(NAV, name="Pages of House vehicle")
     expect(operators.get_by_role("link", name="Actuate")).to_be_visible()
     assert guests == ["Public data", "Boards", "Devices", "Real-time", "History"]
 

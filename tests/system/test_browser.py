@@ -266,7 +266,7 @@ def test_an_export_holds_what_was_driven(context: BrowserContext, demo: Demo) ->
     page.goto(f"{demo.address}/sites/agv/history?c=base/speed&last=600")
     page.get_by_role("button", name="Export").click()
     with page.expect_download() as waiting:
-        page.get_by_role("link", name="CSV").click()
+        page.get_by_role("link", name="CSV spreadsheets").click()
     lines = waiting.value.path().read_text().splitlines()
     assert "base/speed" in lines[0]
     assert len(lines) > 10

@@ -6,6 +6,7 @@ import dataclasses
 import io
 import json
 import struct
+import time
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,13 @@ async def has_tile_colour(page) -> bool:
     return {c: n for n, c in shot.getcolors(1 << 24) or []}.get(TILE, 0) > 1000
 
 
+async def until_tiles(page, *, drawn: bool) -> None:
+    """Look again until the file's tiles are drawn, or until none is any more."""
+    deadline = time.monotonic() + 60
+    while await has_tile_colour(page) is not drawn:
+        assert time.monotonic() < deadline, "the tiles are " + ("missing" if drawn else "there")
+
+
 async def test_a_fleet_stands_on_a_map_whose_ground_a_person_chooses(
     chromium, hub, history
 ) -> None:
@@ -82,11 +90,11 @@ async def test_a_fleet_stands_on_a_map_whose_ground_a_person_chooses(
     await expect(ground).to_have_value("file yard")
     await expect(page.get_by_text("Test makers")).to_be_visible()
     await expect(page.get_by_role("img", name="and 1 zones")).to_be_visible()
-    assert await has_tile_colour(page)
+    await until_tiles(page, drawn=True)
     # Without the file there is the coarse world; the choice stays.
     await ground.select_option("world")
     await expect(page.get_by_text("Test makers")).to_be_hidden()
-    assert not await has_tile_colour(page)
+    await until_tiles(page, drawn=False)
     await page.reload()
     await expect(ground).to_have_value("world")
 
