@@ -37,14 +37,14 @@ export interface SiteOffer {
 }
 
 /** In the order of use: what is now, then what was, then the raw matter. */
-const SITE_ROW = ["live", "drive", "night", "cameras", "scene", "history", "logbook", "sightings", "anomalies", "recordings", "archive", "topics"] as const;
+const SITE_ROW = ["live", "drive", "missions", "night", "cameras", "scene", "history", "logbook", "notes", "sightings", "review", "anomalies", "recordings", "archive", "topics"] as const;
 /** What is public of a site stands on these. */
 const PUBLIC_ROW: readonly PageName[] = ["live", "history"];
 
 /** Every page of a site that a person may open, in one row. */
 export function sitePages(site: string, person: Me, { actuable, observing, archived }: SiteOffer): readonly Omit<MorePlace, "spared">[] {
   if (site === "") return [];
-  const there: Partial<Record<PageName, boolean>> = { drive: actuable, night: observing, archive: archived };
+  const there: Partial<Record<PageName, boolean>> = { drive: actuable, missions: actuable, night: observing, archive: archived };
   return SITE_ROW.filter((page) => mayOpen(page, person) && there[page] !== false && (!seesOnlyPublic(person) || PUBLIC_ROW.includes(page))).map((page) => ({
     page, title: PAGES[page].title, path: sitePath(site, page),
   }));
@@ -52,5 +52,6 @@ export function sitePages(site: string, person: Me, { actuable, observing, archi
 
 /** The page of the row that another one belongs to. */
 export function rowPageOf(page: PageName): PageName {
+  if (page === "zones") return "cameras";
   return ["forecast", "requests", "proposals", "alertrules"].includes(page) ? "night" : page;
 }

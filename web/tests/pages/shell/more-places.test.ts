@@ -32,7 +32,7 @@ test("guests have all of theirs on one page, and without a site there is nothing
 
 test("a site's row has every page of it: now, then what was, then the raw matter", () => {
   const all = sitePages("obs", person, { actuable: true, ...OBSERVATORY }).map(({ page }) => page);
-  expect(all).toEqual(["live", "drive", "night", "cameras", "scene", "history", "logbook", "sightings", "anomalies", "recordings", "archive", "topics"]);
+  expect(all).toEqual(["live", "drive", "missions", "night", "cameras", "scene", "history", "logbook", "notes", "sightings", "review", "anomalies", "recordings", "archive", "topics"]);
   const vehicle = sitePages("agv", person, { actuable: true, observing: false, archived: false }).map(({ page }) => page);
   expect(vehicle).not.toContain("night");
   expect(vehicle).not.toContain("archive");
@@ -47,4 +47,6 @@ test("the row of who sees only what is public has nothing behind closed doors; w
 test("what is planned for a night belongs to it", () => {
   expect(rowPageOf("forecast")).toBe("night");
   expect(rowPageOf("logbook")).toBe("logbook");
+  // Zones are drawn over a camera's picture.
+  expect(rowPageOf("zones")).toBe("cameras");
 });
