@@ -16,7 +16,7 @@ from playwright.async_api import expect
 from ..chromium import sign_in
 from .test_maps import MAPPED, NOW
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
 AXE = Path(__file__).parents[3] / "web/node_modules/axe-core/axe.min.js"
 # In no theme of ours.
 TILE = (200, 30, 180)
