@@ -8,7 +8,7 @@ import type { CommandArguments } from "../../controllers/drive/command-client.js
 import { isFinal } from "../../controllers/drive/command-machine.js";
 import type { GroupCommandClient } from "../../controllers/drive/group-command-client.js";
 import { StoreController } from "../../controllers/store-controller.js";
-import { base, plainList, quietText } from "../../elements/base/base-style.js";
+import { base } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
@@ -19,6 +19,7 @@ import { devicePath } from "../../state/router.js";
 import type { Reachability } from "../../state/device-reachability.js";
 import { consume } from "@lit/context";
 import { commandKey, commandsOf, nameList, previewGroup, type GroupFacts, type GroupMember } from "./group-preview.js";
+import { groupRows } from "./group-rows-style.js";
 import "../../elements/command/command-form.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
@@ -28,10 +29,12 @@ import "../../elements/forms/button.js";
 export class FleetCommand extends LitElement {
   static override styles = [
     base,
+    groupRows,
     control,
     css`
       :host {
         display: grid;
+        --t-word: 9rem;
         gap: var(--t-space-4);
         min-inline-size: 0;
       }
@@ -43,40 +46,6 @@ export class FleetCommand extends LitElement {
         display: grid;
         gap: var(--t-space-1);
         font-weight: var(--t-weight-strong);
-      }
-      ul {
-        display: grid;
-        ${plainList}
-      }
-      li {
-        display: grid;
-        grid-template-columns: minmax(8rem, 1fr) 9rem minmax(0, 3fr) auto;
-        align-items: center;
-        gap: 0 var(--t-space-4);
-        padding-block: var(--t-space-2);
-        border-block-start: 1px solid var(--t-line);
-        overflow-wrap: anywhere;
-      }
-      @media (max-width: 45rem) {
-        li {
-          grid-template-columns: minmax(0, 1fr) auto;
-        }
-        .text {
-          grid-column: 1 / -1;
-        }
-      }
-      .name {
-        font-weight: var(--t-weight-strong);
-      }
-      .text {
-        ${quietText}
-      }
-      .head {
-        display: flex;
-        flex-wrap: wrap;
-        align-items: center;
-        justify-content: space-between;
-        gap: var(--t-space-2);
       }
     `,
   ];

@@ -5,10 +5,11 @@ import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { GroupStopClient, GroupStopRow } from "../../controllers/drive/group-stop-client.js";
 import { StoreController } from "../../controllers/store-controller.js";
-import { base, plainList, quietText } from "../../elements/base/base-style.js";
+import { base } from "../../elements/base/base-style.js";
 import type { SiteSummary } from "../../generated/api.js";
 import { sitePath } from "../../state/router.js";
 import { nameList } from "./group-preview.js";
+import { groupRows } from "./group-rows-style.js";
 import { stopSummary, stopWords } from "./group-stop-text.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -18,50 +19,17 @@ import "../../elements/stop/stop-button.js";
 export class FleetStop extends LitElement {
   static override styles = [
     base,
+    groupRows,
     css`
       /* Its parts stand in the page's own grid, so that the button stays in reach while the page is long. */
       :host {
         display: contents;
+        --t-word: 7rem;
       }
       t-stop-button {
         position: sticky;
         inset-block-start: calc(var(--t-header, 3.75rem) + var(--t-space-2));
         z-index: 10;
-      }
-      ul {
-        display: grid;
-        ${plainList}
-      }
-      li {
-        display: grid;
-        grid-template-columns: minmax(8rem, 1fr) 7rem minmax(0, 3fr) auto;
-        align-items: center;
-        gap: 0 var(--t-space-4);
-        padding-block: var(--t-space-2);
-        border-block-start: 1px solid var(--t-line);
-        overflow-wrap: anywhere;
-      }
-      @media (max-width: 45rem) {
-        li {
-          grid-template-columns: minmax(0, 1fr) auto;
-        }
-        .text {
-          grid-column: 1 / -1;
-        }
-      }
-      .name {
-        font-weight: var(--t-weight-strong);
-      }
-      .text,
-      .note {
-        ${quietText}
-      }
-      .head {
-        display: flex;
-        flex-wrap: wrap;
-        align-items: center;
-        justify-content: space-between;
-        gap: var(--t-space-2);
       }
     `,
   ];
