@@ -5,8 +5,7 @@
 
 import { GamepadHands } from "./gamepad-hands.js";
 import { meaningOf, sourceOf, usesKeys, type KeyTaker } from "./drive-keys.js";
-import type { DriveSession } from "./drive-session.js";
-import { LEVEL_STEP } from "./drive-machine.js";
+import { applySeatPress, type DriveSession } from "./drive-session.js";
 import { PUSH } from "./stick.js";
 import type { StopClient } from "./stop-client.js";
 
@@ -64,20 +63,8 @@ export class DriveInputs {
     this.checkDialog();
     if (!seat.machine.mayDrive) return;
     event.preventDefault();
-    switch (meaning.kind) {
-      case "push":
-        seat.pressHold(sourceOf(event), PUSH[meaning.direction]);
-        return;
-      case "halt":
-        seat.haltMotion("stop key");
-        return;
-      case "faster":
-        seat.setLevel(seat.machine.speedLevel + LEVEL_STEP);
-        return;
-      case "slower":
-        seat.setLevel(seat.machine.speedLevel - LEVEL_STEP);
-        return;
-    }
+    if (meaning.kind === "push") seat.pressHold(sourceOf(event), PUSH[meaning.direction]);
+    else applySeatPress(seat, meaning.kind);
   };
 
   private readonly onKeyUp = (event: KeyboardEvent): void => {

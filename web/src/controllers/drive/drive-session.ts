@@ -9,7 +9,7 @@ import { Store } from "../../state/store.js";
 import type { DriveUpdate, FromBrowser, LeaseUpdate } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
 import { LeaseMachine, type LeaseAsk } from "./lease-machine.js";
-import { DriveMachine, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
+import { DriveMachine, LEVEL_STEP, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
 import type { Stick } from "./stick.js";
 import { haltWords } from "./drive-messages.js";
 
@@ -266,4 +266,19 @@ export class DriveSession extends Store {
     }
     if (ended || this.lease.state.kind !== "mine") this.updateAndSchedule();
   };
+}
+
+/** Does what a key or a gamepad's button asks for besides a direction. */
+export function applySeatPress(seat: Pick<DriveSession, "machine" | "haltMotion" | "setLevel">, press: "halt" | "faster" | "slower"): void {
+  switch (press) {
+    case "halt":
+      seat.haltMotion("stop key");
+      return;
+    case "faster":
+      seat.setLevel(seat.machine.speedLevel + LEVEL_STEP);
+      return;
+    case "slower":
+      seat.setLevel(seat.machine.speedLevel - LEVEL_STEP);
+      return;
+  }
 }

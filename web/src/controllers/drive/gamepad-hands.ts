@@ -5,8 +5,7 @@
  * page in sight, so that the focus is asked for here.
  */
 
-import type { DriveSession } from "./drive-session.js";
-import { LEVEL_STEP } from "./drive-machine.js";
+import { applySeatPress, type DriveSession } from "./drive-session.js";
 import { GamepadGrip, GamepadPresses, pushOf, type PadPress, type PadReading } from "./gamepad.js";
 import type { StopClient } from "./stop-client.js";
 
@@ -92,17 +91,7 @@ export class GamepadHands {
     }
     const { seat } = this;
     if (seat?.machine.mayDrive !== true) return;
-    switch (press) {
-      case "halt":
-        seat.haltMotion("stop key");
-        return;
-      case "faster":
-        seat.setLevel(seat.machine.speedLevel + LEVEL_STEP);
-        return;
-      case "slower":
-        seat.setLevel(seat.machine.speedLevel - LEVEL_STEP);
-        return;
-    }
+    applySeatPress(seat, press);
   }
 }
 
