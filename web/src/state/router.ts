@@ -57,7 +57,15 @@ export interface Route {
   readonly device: string;
 }
 
-const SITE_PAGES: readonly PageName[] = ["live", "topics", "anomalies", "scene", "history", "recordings", "missions", "drive", "archive", "cameras", "logbook", "notes", "sightings", "zones", "review", "night", "forecast", "requests", "proposals", "alertrules"];
+/** What is planned for a night; these pages belong to `night`. */
+const PLANNING_PAGES = ["forecast", "requests", "proposals", "alertrules"] as const satisfies readonly PageName[];
+const SITE_PAGES = [
+  "live", "topics", "anomalies", "scene", "history", "recordings", "missions", "drive", "archive", "cameras",
+  "logbook", "notes", "sightings", "zones", "review", "night", ...PLANNING_PAGES,
+] as const satisfies readonly PageName[];
+
+/** A page that each site has at an address of its own. */
+export type SitePageName = (typeof SITE_PAGES)[number];
 const PLAIN: Readonly<Record<string, PageName>> = {
   "/": "home",
   "/home": "home",
@@ -121,11 +129,19 @@ export function boardKeyOf(path: string): string {
 }
 
 /** The path of a site's page. */
-export function sitePath(
-  site: string,
-  page: "live" | "topics" | "anomalies" | "scene" | "history" | "recordings" | "missions" | "drive" | "archive" | "cameras" | "logbook" | "notes" | "sightings" | "zones" | "review" | "night" | "forecast" | "requests" | "proposals" | "alertrules",
-): string {
+export function sitePath(site: string, page: SitePageName): string {
   return `/sites/${encodeURIComponent(site)}/${page}`;
+}
+
+/** Whether a page is one of those of a night's planning. */
+export function isPlanningPage(page: PageName): boolean {
+  return PLANNING_PAGES.some((name) => name === page);
+}
+
+/** The page of another site to go to from a page: the same, or its first one. */
+export function pageAtOtherSite(page: PageName): SitePageName {
+  // Planning is of observatories only.
+  return (isPlanningPage(page) ? undefined : SITE_PAGES.find((name) => name === page)) ?? "live";
 }
 
 /** The path of a site's raw topics at one of them. */

@@ -11,7 +11,7 @@ import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
-import { sitePath, templatePath, type PageName, type Router } from "../../state/router.js";
+import { pageAtOtherSite, sitePath, templatePath, type PageName, type Router } from "../../state/router.js";
 import { THEMES } from "../../state/theme.js";
 import type { Me } from "../../generated/api.js";
 import type { LinkState } from "../../wire/connection.js";
@@ -301,11 +301,7 @@ export class Header extends LitElement {
       this.router.navigate(templatePath(event.target.value));
       return;
     }
-    const kept =
-      page === "topics" || page === "anomalies" || page === "scene" || page === "live" || page === "history" || page === "recordings" || page === "drive" || page === "archive" || page === "cameras" || page === "logbook" || page === "notes" || page === "missions" || page === "sightings" || page === "review" || page === "zones" || page === "night"
-        ? page
-        : "live";
-    this.router.navigate(sitePath(event.target.value, kept));
+    this.router.navigate(sitePath(event.target.value, pageAtOtherSite(page)));
   };
 
   private readonly chooseTheme = (event: CustomEvent<string>): void => {

@@ -1,7 +1,7 @@
 /** The pages of a site: all of them in a row of their own, or, where there is no room, behind *More*. Pure. */
 
 import { seesOnlyPublic } from "../../state/rights.js";
-import { sitePath, type PageName } from "../../state/router.js";
+import { isPlanningPage, sitePath, type PageName } from "../../state/router.js";
 import type { Me } from "../../generated/api.js";
 import { mayOpen, PAGES } from "../routes.js";
 
@@ -53,5 +53,5 @@ export function sitePages(site: string, person: Me, { actuable, observing, archi
 /** The page of the row that another one belongs to. */
 export function rowPageOf(page: PageName): PageName {
   if (page === "zones") return "cameras";
-  return ["forecast", "requests", "proposals", "alertrules"].includes(page) ? "night" : page;
+  return isPlanningPage(page) ? "night" : page;
 }

@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import type { IconName } from "../../elements/base/icons.js";
 import { seesOnlyPublic } from "../../state/rights.js";
-import { ADMIN_PAGES, sitePath, type PageName } from "../../state/router.js";
+import { ADMIN_PAGES, isPlanningPage, sitePath, type PageName } from "../../state/router.js";
 import type { Me } from "../../generated/api.js";
 import { mayOpen, PAGES } from "../routes.js";
 import { morePlaces, rowPageOf, sitePages } from "./more-places.js";
@@ -320,7 +320,7 @@ export class Navigation extends LitElement {
       (page === "devices" && (this.page === "device" || this.page === "cameras" || this.page === "zones")) ||
       (page === "live" && ["topics", "scene"].includes(this.page)) ||
       (page === "history" && this.page === "recordings") ||
-      (page === "night" && ["forecast", "requests", "proposals", "alertrules"].includes(this.page)) ||
+      (page === "night" && isPlanningPage(this.page)) ||
       (page === "alarms" && ["logbook", "notes", "anomalies", "sightings", "review"].includes(this.page))
     );
   }
