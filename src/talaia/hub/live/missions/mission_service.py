@@ -267,11 +267,18 @@ class MissionService:
 
     async def watch_schedules(self) -> None:
         """Begin what is due until cancelled."""
+        readable = True
         while True:
             try:
                 await self.look_at_schedules()
+                if not readable:
+                    _LOG.warning("schedules of missions are read again")
+                readable = True
             except StoreDown as error:
-                _LOG.warning("schedules of missions cannot be read: %s", error)
+                # Once, and not at each look.
+                if readable:
+                    _LOG.warning("schedules of missions cannot be read: %s", error)
+                readable = False
             await asyncio.sleep(_LOOK_S)
 
     async def look_at_schedules(self) -> None:
