@@ -316,6 +316,37 @@ async def measure_idle_hub(path: Path, seconds: float) -> tuple[float, float]:
     return percent, float(np.percentile(waits, 99)) * 1e3
 
 
+async def measure_short_series(
+    path: Path, series: int, each: int, size: int
+) -> tuple[float, float]:
+    """Store a few samples of many signals; give CPU in s a million samples, and bytes a sample."""
+    store = HistoryStore(f"sqlite:///{path}", SystemClock())
+    await store.create_tables()
+    await store.open()
+    addresses = tuple(f"base/s{i}" for i in range(series))
+    made = [(first, batch(first, series, size, 1)) for first in range(0, series * each, size)]
+    cpu = time.process_time()
+    for first, columns in made:
+        await store.append_samples("agv", "b", first, addresses=addresses, columns=columns)
+    await store.close()
+    cpu = time.process_time() - cpu
+    return cpu / (series * each) * 1e6, size_of(f"sqlite:///{path}") / (series * each)
+
+
+def on_short_series(folder: str, series: int, each: int = 30) -> int:
+    """Measure many signals that have said little; give how many limits are missed."""
+    missed = 0
+    for size in (1_000, 10_000):
+        path = Path(folder) / f"short{size}.db"
+        cpu, room = asyncio.run(measure_short_series(path, series, each, size))
+        missed += (cpu > 0.8) + (room > 6)
+        print(
+            f"{series} signals of {each} samples, {size} a commit: {cpu:.2f} s of CPU a million "
+            f"(limit 0.8), {room:.1f} bytes a sample (limit 6)"
+        )
+    return missed
+
+
 def on_sqlite(folder: str, chosen: argparse.Namespace) -> int:
     """Measure SQLite; give how many limits are missed."""
     size = (chosen.samples, chosen.signals)
@@ -343,12 +374,15 @@ def main() -> int:
     parser.add_argument("--rows", type=int, default=1, help="0 leaves the tables of rows out")
     parser.add_argument("--servers", type=int, default=3_000_000, help="samples on each server")
     parser.add_argument("--large", type=int, default=0, help="days of a large store; 0 for none")
+    parser.add_argument("--series", type=int, default=10_000, help="signals of 30 samples each")
     parser.add_argument("--seconds", type=float, default=8.0, help="length of the hub's load")
     chosen = parser.parse_args()
     missed = 0
     with tempfile.TemporaryDirectory() as folder:
         if chosen.samples:
             missed += on_sqlite(folder, chosen)
+        if chosen.series:
+            missed += on_short_series(folder, chosen.series)
         if chosen.large:
             missed += on_large(folder, chosen.large)
     if chosen.servers:

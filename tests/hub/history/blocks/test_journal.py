@@ -29,9 +29,14 @@ def of_channels(columns):
     return found
 
 
-@given(st.lists(row, min_size=1, max_size=12), st.sampled_from([1, 20, 60]))
-def test_what_is_packed_comes_back_channel_by_channel(rows, times) -> None:
-    columns = batch(rows * times)
+@given(st.lists(row, min_size=1, max_size=12), st.sampled_from([1, 20, 60]), st.booleans())
+def test_what_is_packed_comes_back_channel_by_channel(rows, times, apart) -> None:
+    # Apart, each of the repeated samples has a channel of its own, as with many short series.
+    rows = [
+        ((channel + at * apart) % 65_536, time_us, value)
+        for at, (channel, time_us, value) in enumerate(rows * times)
+    ]
+    columns = batch(rows)
     assert of_channels(read_row(write_row(columns))) == of_channels(columns)
 
 
@@ -42,9 +47,16 @@ def test_a_large_batch_takes_a_fraction_of_its_bytes() -> None:
     assert len(write_row(columns)) < 5_000
 
 
-@pytest.mark.parametrize("count", [5, 500])
-def test_damage_is_told_and_never_taken_for_samples(count) -> None:
-    body = write_row(batch([(at % 3, at, float(at)) for at in range(count)]))
+def test_a_batch_of_as_many_channels_as_samples_takes_little_more() -> None:
+    index = np.arange(1_000)
+    value = np.round(np.sin(index / 50), 3)
+    columns = Columns(index.astype(np.uint16), 10**15 + index * 500, value, {})
+    assert len(write_row(columns)) < 4_000
+
+
+@pytest.mark.parametrize(("count", "channels"), [(5, 3), (500, 3), (500, 500)])
+def test_damage_is_told_and_never_taken_for_samples(count, channels) -> None:
+    body = write_row(batch([(at % channels, at, float(at)) for at in range(count)]))
     for junk in (b"", body[:9], body[: len(body) // 2], b"\x07" + body[1:], body[:-3]):
         with pytest.raises(HistoryError):
             read_row(junk)

@@ -9,11 +9,15 @@ card out. Its samples are put in order of channels; within a channel they stay i
 which they came. Its body is: version 2 (u8), zero (u8), count (u32), number of channels (i64),
 each channel (u16), each channel's count (u32), the length of the times (u32), the times, the
 length of the values (u32), the values (both `pcodec`), and the texts as before.
+
+With many channels of few samples each, the channels and their counts would be most of it. Then the
+body is of version 3, whose channels and counts are compressed like the times, with their lengths.
 """
 
 from __future__ import annotations
 
 import struct
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -22,11 +26,16 @@ from pcodec import ChunkConfig, DeltaSpec, standalone
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import MAX_SPAN_US, Columns
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
 __all__ = ["part_of", "read_row", "write_row"]
 
-PLAIN, PACKED = 1, 2
+PLAIN, PACKED, MANY_CHANNELS = 1, 2, 3
 # Below this, compressing takes longer than it saves.
 _WORTH = 128
+# From so many channels on, compressing their numbers saves more bytes than its two calls add.
+_MANY = 64
 # What a row takes is written twice and deleted soon, so a little larger in a third of the time is
 # better: values as they are, times by their steps, nothing else tried.
 _VALUES = ChunkConfig(compression_level=0, delta_spec=DeltaSpec.no_op())
@@ -65,11 +74,12 @@ def read_row(body: bytes) -> Columns:
     """
     try:
         version, size, count, base = _HEAD.unpack_from(body)
-        if version == PACKED and size == 0:
-            return _unpack_columns(body, count, base)
+        if version in (PACKED, MANY_CHANNELS) and size == 0:
+            return _unpack_columns(body, count, base, packed=version == MANY_CHANNELS)
         if version != PLAIN or size not in (4, 8):
             raise HistoryError(
-                f"a journal row has version {version}, this program reads {PLAIN} and {PACKED}",
+                f"a journal row has version {version}, this program reads {PLAIN}, {PACKED} "
+                f"and {MANY_CHANNELS}",
                 "open the database with the program that wrote it, or a newer one",
             )
         at = _HEAD.size
@@ -101,38 +111,52 @@ def _pack_columns(columns: Columns) -> bytes:
         texts = msgspec.msgpack.encode(columns.texts)
     starts = np.flatnonzero(np.concatenate(([True], channel[1:] != channel[:-1])))
     channels, counts = channel[starts], np.diff(starts, append=channel.size)
-    times: bytes = standalone.simple_compress(np.ascontiguousarray(time_us), _TIMES)
-    values: bytes = standalone.simple_compress(np.ascontiguousarray(value), _VALUES)
-    return b"".join(
-        (
-            _HEAD.pack(PACKED, 0, len(columns), channels.size),
-            channels.astype("<u2", copy=False).tobytes(),
-            counts.astype("<u4").tobytes(),
-            _LENGTH.pack(len(times)),
-            times,
-            _LENGTH.pack(len(values)),
-            values,
-            texts,
+    times = _with_length(standalone.simple_compress(np.ascontiguousarray(time_us), _TIMES))
+    values = _with_length(standalone.simple_compress(np.ascontiguousarray(value), _VALUES))
+    if channels.size < _MANY:
+        version = PACKED
+        runs = channels.astype("<u2", copy=False).tobytes() + counts.astype("<u4").tobytes()
+    else:
+        version = MANY_CHANNELS
+        runs = b"".join(
+            _with_length(standalone.simple_compress(column, _TIMES))
+            for column in (channels.astype(np.uint16, copy=False), counts.astype(np.uint32))
         )
+    head = _HEAD.pack(version, 0, len(columns), channels.size)
+    return b"".join((head, runs, times, values, texts))
+
+
+def _with_length(compressed: bytes) -> bytes:
+    return _LENGTH.pack(len(compressed)) + compressed
+
+
+def _unpack_columns(body: bytes, count: int, runs: int, *, packed: bool) -> Columns:
+    at = _HEAD.size
+    if packed:
+        channels, at = _read_compressed(body, at)
+        counts, at = _read_compressed(body, at)
+    else:
+        channels = np.frombuffer(body, "<u2", runs, at)
+        counts = np.frombuffer(body, "<u4", runs, at + 2 * runs)
+        at += 6 * runs
+    times, at = _read_compressed(body, at)
+    values, at = _read_compressed(body, at)
+    texts = _TEXTS.decode(body[at:]) if len(body) > at else {}
+    sizes = (channels.size, counts.size, times.size, values.size)
+    if sizes != (runs, runs, count, count) or int(counts.sum()) != count:
+        raise ValueError(f"its columns have not {count} rows")
+    channels = channels.astype(np.uint16, copy=False)
+    return Columns(
+        np.repeat(channels, counts), times.astype(np.int64), values.astype(np.float64), texts
     )
 
 
-def _unpack_columns(body: bytes, count: int, runs: int) -> Columns:
-    at = _HEAD.size
-    channels = np.frombuffer(body, "<u2", runs, at)
-    counts = np.frombuffer(body, "<u4", runs, at + 2 * runs)
-    at += 6 * runs
-    columns = []
-    for _ in range(2):
-        (length,) = _LENGTH.unpack_from(body, at)
-        at += _LENGTH.size
-        columns.append(standalone.simple_decompress(body[at : at + length]))
-        at += length
-    texts = _TEXTS.decode(body[at:]) if len(body) > at else {}
-    times, values = np.asarray(columns[0], np.int64), np.asarray(columns[1], np.float64)
-    if int(counts.sum()) != count or times.size != count or values.size != count:
-        raise ValueError(f"its columns have not {count} rows")
-    return Columns(np.repeat(channels, counts), times, values, texts)
+def _read_compressed(body: bytes, at: int) -> tuple[NDArray[Any], int]:
+    """Give a compressed column, of any type, and where what follows it begins."""
+    (length,) = _LENGTH.unpack_from(body, at)
+    at += _LENGTH.size
+    column = standalone.simple_decompress(body[at : at + length])
+    return np.asarray(column), at + length
 
 
 def part_of(columns: Columns, first: int, past: int) -> Columns:

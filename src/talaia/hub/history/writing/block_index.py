@@ -64,9 +64,8 @@ _LOG = logging.getLogger(__name__)
 
 
 class _Plan(NamedTuple):
-    """What of the tails the next commit writes, and the number of the first of its blocks."""
+    """What of the tails the next commit writes."""
 
-    first_block: int
     seals: list[Sealed]
     saves: list[Saved]
 
@@ -141,6 +140,10 @@ class BlockIndex:
         self._journal = JournalRows()
         # What of the tails the next commit writes; compressed while nobody waits.
         self._plan: _Plan | None = None
+        # Channels with a block's worth, the fullest last, as they were when batches were dealt out.
+        self._full: list[int] = []
+        # Of which tails that is known, and after how many deals.
+        self._full_as_of: tuple[Tails | None, int] = (None, 0)
         # Came since the last plan: the next one seals twice as many, so it does not fall behind.
         self._samples = 0
         self.written = 0
@@ -162,9 +165,13 @@ class BlockIndex:
             for row in connection.execute(select(tables.tail)):
                 # One damaged row must not keep the hub from starting.
                 try:
-                    tails.restore_tail(row.channel_id, decode_block(row.body))
+                    samples = decode_block(row.body)
                 except HistoryError as error:
                     _LOG.error("samples of channel %d are lost: %s", row.channel_id, error)
+                    continue
+                tails.restore_tail(row.channel_id, samples)
+                ids = np.full(samples.time_us.size, row.channel_id, np.int64)
+                self._recent.add_chunks([Chunk(0, ids, *samples)])
             self._next_row = done + 1
             self._replay_journal(connection, names, tails)
         # Readers see the old state or the new one, never half of it.
@@ -200,13 +207,15 @@ class BlockIndex:
         if tails.is_due():
             tails.deal_chunks()
         enough = _sealing_size(self._limits, len(tails.all_tails()))
+        if self._full_as_of != (tails, tails.deals):
+            self._full_as_of = (tails, tails.deals)
+            # The fullest last: of channels that run in step, none falls behind for good.
+            sizes = [(tail.size, channel) for channel, tail in tails.all_tails().items()]
+            self._full = [channel for size, channel in sorted(sizes) if size >= enough]
         # Twice as many as come, so that they are never more than a few behind.
         budget = 1 + self._samples // (enough // 2)
         self._samples = 0
-        # The fullest first: of channels that run in step, none falls behind for good.
-        sizes = [(tail.size, channel) for channel, tail in tails.all_tails().items()]
-        due = [(size, channel) for size, channel in sizes if size >= enough]
-        chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
+        chosen = [self._full.pop() for _ in range(min(budget, len(self._full)))]
         saved: list[int] = []
         full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.all_tails())
         if full and len(chosen) < budget:
@@ -219,16 +228,13 @@ class BlockIndex:
                 full_enough = tails.all_tails()[channel].size >= self._limits.block // 2
                 (chosen if full_enough else saved).append(channel)
         if chosen or saved:
-            first_block = self._next_block
             saves = [
                 save_tail(
                     channel, tails.dealt_row, concatenate_samples(tails.all_tails()[channel].parts)
                 )
                 for channel in saved
             ]
-            self._plan = _Plan(
-                first_block, [self._seal_tail(channel, enough) for channel in chosen], saves
-            )
+            self._plan = _Plan([self._seal_tail(channel, enough) for channel in chosen], saves)
 
     def _replay_journal(self, connection: Connection, names: Names, tails: Tails) -> None:
         rows = connection.execution_options(yield_per=500).execute(
@@ -247,7 +253,9 @@ class BlockIndex:
                 continue
             ids = names.by_id(row.catalogue_id).channels[columns.channel]
             chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
-            tails.add_chunks([_select_samples(chunk, np.flatnonzero(saved[ids] < row.id))])
+            chunk = _select_samples(chunk, np.flatnonzero(saved[ids] < row.id))
+            tails.add_chunks([chunk])
+            self._recent.add_chunks([chunk])
             if tails.is_due():
                 tails.deal_chunks()
             self._journal.append_row(row.id, row.samples)
@@ -274,11 +282,7 @@ class BlockIndex:
                 case Drop():
                     draft.doomed += job.doomed
                 case Show():
-                    if self.tails.deal_chunks() and self._plan is not None:
-                        # It is of the tails as they were.
-                        self._next_block = self._plan.first_block
-                        self._plan = None
-                    draft.recent = self._recent.newest_rows(self.tails.all_tails())
+                    draft.recent = self._recent.newest_rows()
         except (HistoryError, UnicodeEncodeError) as error:
             # One batch that cannot be kept must not take the others of its commit with it.
             if isinstance(error, HistoryError):
@@ -397,15 +401,17 @@ class BlockIndex:
         self._written_ranges.update(draft.ranges)
         for sealed in draft.seals:
             self.names.saved_row[sealed.channel] = sealed.row
-        self.tails.forget_sealed([sealed.channel for sealed in draft.seals], self._next_block)
+        if draft.seals:
+            self.tails.forget_sealed([sealed.channel for sealed in draft.seals], self._next_block)
         for saved in draft.saves:
             self.names.saved_row[saved.channel] = saved.row
-            tail = self.tails.all_tails()[saved.channel]
-            tail.saved, tail.oldest_row = True, None
+        if draft.saves:
+            self.tails.mark_saved([saved.channel for saved in draft.saves])
         if last_gone:
             self._changed.clear()
             self._journal.forget_rows(last_gone)
         self.tails.add_chunks(draft.chunks)
+        self._recent.add_chunks(draft.chunks)
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
 

@@ -21,15 +21,19 @@ if TYPE_CHECKING:
 
 __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
 
-# More pieces of a tail are joined to one.
+# More pieces of a tail are joined to one, and so many batches that wait.
 _PARTS = 64
+# Taking batches apart costs by the channel, so it waits for so many samples of each. A reader looks
+# through all that wait, so it is not more than so many in all.
+_OF_EACH = 16
+_MOST_WAITING = 131_072
 
 
 class Chunk(NamedTuple):
-    """Samples of one journal row; the arrays have the shape (n,).
+    """Samples of one journal row or several; the arrays have the shape (n,).
 
     Attributes:
-        row: the journal row's id.
+        row: the journal row's id; the first one's, if several were joined.
         channel: channel ids, not catalogue indexes.
 
     """
@@ -97,14 +101,21 @@ class Tails:
         """
         # Readers on other threads see either the recent batches or the tails made of them.
         self._lock = threading.Lock()
-        # Committed batches, as they came, not yet dealt out.
+        # Committed batches, as they came, not yet dealt out; the last so many are not joined yet.
         self._recent: list[Chunk] = []
+        self._single = 0
+        # The row of the newest of them.
+        self._recent_row = row
         # Samples in ``_recent``.
         self._waiting = 0
         # By channel id; a channel has one only while it has samples outside blocks.
         self._tails: dict[int, Tail] = {}
-        # Taking batches apart pays only from so many samples on.
+        # Taking batches apart pays only from so many samples on; more, if there are many channels.
         self._enough = recent
+        # How often batches were dealt out.
+        self.deals = 0
+        # What `needed_row` found, until a tail changes.
+        self._needed: int | None = None
         # What a reader finds in blocks below it is not here, and the other way round.
         self.block = block
         # The journal is needed from the row after it, whatever the tails say.
@@ -117,12 +128,20 @@ class Tails:
     def add_chunks(self, chunks: list[Chunk]) -> None:
         """Take batches that have been committed, in order of their rows."""
         with self._lock:
-            self._recent.extend(chunks)
+            for chunk in chunks:
+                self._recent.append(chunk)
+                self._recent_row = chunk.row
+                self._single += 1
+                # A reader looks through ten thousand small arrays slowly.
+                if self._single == _PARTS:
+                    self._recent[-_PARTS:] = [_join_chunks(self._recent[-_PARTS:])]
+                    self._single = 0
             self._waiting += sum(chunk.time_us.size for chunk in chunks)
 
     def is_due(self) -> bool:
         """Tell whether enough batches wait to be dealt out."""
-        return self._waiting >= self._enough
+        enough = min(_OF_EACH * len(self._tails), _MOST_WAITING)
+        return self._waiting >= max(self._enough, enough)
 
     def restore_tail(self, channel: int, samples: BlockSamples) -> None:
         """Take a tail that was saved in the database."""
@@ -143,8 +162,10 @@ class Tails:
                 tail.add_samples(samples)
                 if tail.oldest_row is None:
                     tail.oldest_row = row
-            self._recent, self._waiting = [], 0
-            self.dealt_row = chunks[-1].row
+            self._recent, self._waiting, self._single = [], 0, 0
+            self._needed = None
+            self.deals += 1
+            self.dealt_row = self._recent_row
         return True
 
     def forget_sealed(self, channels: list[int], block: int) -> None:
@@ -153,11 +174,21 @@ class Tails:
             for channel in channels:
                 del self._tails[channel]
             self.block = block
+            self._needed = None
+
+    def mark_saved(self, channels: list[int]) -> None:
+        """Remember that the tails of these channels are in the database as they stand."""
+        for channel in channels:
+            tail = self._tails[channel]
+            tail.saved, tail.oldest_row = True, None
+        self._needed = None
 
     def needed_row(self) -> int:
         """Give the first journal row that must not be deleted."""
-        rows = [tail.oldest_row for tail in self._tails.values() if tail.oldest_row is not None]
-        return min(rows, default=self.dealt_row + 1)
+        if self._needed is None:
+            rows = [tail.oldest_row for tail in self._tails.values() if tail.oldest_row is not None]
+            self._needed = min(rows, default=self.dealt_row + 1)
+        return self._needed
 
     def channel_snapshot(self, channel: int) -> Snapshot:
         """Give what is held of a channel; from any thread."""
@@ -194,6 +225,14 @@ def _deal_by_channel(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]
         (int(ids[first]), int(rows[order[first]]), _own_copy(in_turn.slice_positions(first, past)))
         for first, past in pairwise(bounds)
     ]
+
+
+def _join_chunks(chunks: list[Chunk]) -> Chunk:
+    """Make one of several; its row is the first one's, so that none is deleted too early."""
+    parts = [BlockSamples(chunk.time_us, chunk.value, chunk.texts) for chunk in chunks]
+    samples = concatenate_samples(parts)
+    ids = np.concatenate([chunk.channel for chunk in chunks])
+    return Chunk(chunks[0].row, ids, samples.time_us, samples.value, samples.texts)
 
 
 def _own_copy(samples: BlockSamples) -> BlockSamples:

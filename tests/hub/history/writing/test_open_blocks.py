@@ -1,0 +1,77 @@
+"""Samples that wait in memory: a reader sees each of them once, whatever was done with them."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from talaia.hub.history.writing.open_blocks import Chunk, Tails
+
+pytestmark = pytest.mark.pure
+
+CHANNELS = 5
+sample = st.tuples(st.integers(0, CHANNELS - 1), st.integers(-5, 5), st.sampled_from(["", "on"]))
+batches = st.lists(st.lists(sample, max_size=6), max_size=200)
+
+
+def chunk_of(row, samples):
+    """Make a journal row's samples of channel, value and text."""
+    return Chunk(
+        row,
+        np.array([channel for channel, _, _ in samples], np.int64),
+        np.arange(len(samples), dtype=np.int64) + 1_000 * row,
+        np.array([value for _, value, _ in samples], np.float64),
+        {at: text for at, (_, _, text) in enumerate(samples) if text},
+    )
+
+
+def flat(samples):
+    """List time, value and text of samples."""
+    return [
+        (int(time_us), float(value), samples.texts.get(at, ""))
+        for at, (time_us, value) in enumerate(zip(samples.time_us, samples.value, strict=True))
+    ]
+
+
+def tails_of(rows, *, recent=8, deal=True):
+    """Give tails that took these rows one by one, and dealt them out when it was due."""
+    tails = Tails(1, 0, recent)
+    for row, samples in enumerate(rows, 1):
+        tails.add_chunks([chunk_of(row, samples)])
+        if deal and tails.is_due():
+            tails.deal_chunks()
+    return tails
+
+
+@given(batches, st.booleans())
+def test_a_snapshot_has_each_sample_of_a_channel_once_and_in_order(rows, deal) -> None:
+    tails = tails_of(rows, deal=deal)
+    for channel in range(CHANNELS):
+        sent = [
+            (1_000 * row + at, float(value), text)
+            for row, samples in enumerate(rows, 1)
+            for at, (which, value, text) in enumerate(samples)
+            if which == channel
+        ]
+        assert flat(tails.channel_snapshot(channel).samples) == sent
+
+
+@given(batches)
+def test_no_journal_row_is_given_up_that_holds_a_sample_found_nowhere_else(rows) -> None:
+    tails = tails_of(rows, deal=False)
+    assert tails.needed_row() == 1  # nothing was dealt out
+    tails.deal_chunks()
+    first = next((row for row, samples in enumerate(rows, 1) if samples), len(rows) + 1)
+    assert tails.needed_row() <= first
+    assert tails.dealt_row == len(rows)
+    tails.mark_saved(list(tails.all_tails()))
+    assert tails.needed_row() == len(rows) + 1
+
+
+def test_with_many_channels_batches_wait_for_more_than_one_sample_of_each() -> None:
+    tails = tails_of([[(channel, 0, "")] for channel in range(CHANNELS)], recent=1, deal=False)
+    assert tails.is_due()  # no channel is known yet
+    tails.deal_chunks()
+    tails.add_chunks([chunk_of(9, [(0, 1, "")] * 79)])
+    assert not tails.is_due()
+    tails.add_chunks([chunk_of(10, [(0, 1, "")])])
+    assert tails.is_due()
