@@ -15,7 +15,9 @@ class HistoryLimits(NamedTuple):
             sealed.
         largest: a block's size while there are few. Larger blocks cost less for each sample, in
             time and in room, but wait in memory and in the journal until they are full.
+        smallest: a block's size with thousands of channels; never more than ``block``.
         held: blocks are as large as they can be if all channels together hold no more than this.
+        most_held: blocks are smaller than ``block`` if all channels together would hold more.
         recent: committed batches are dealt out to the channels when they hold so many; a reader
             has to look through them.
         journal: what the journal may hold beside two blocks of each channel, before slow
@@ -35,7 +37,9 @@ class HistoryLimits(NamedTuple):
 
     block: int = 4_096
     largest: int = 16_384
+    smallest: int = 1_024
     held: int = 1_048_576
+    most_held: int = 8_388_608
     recent: int = 4_096
     journal: int = 500_000
     delete: int = 256

@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.writing.retention import Doomed
     from talaia.hub.history.writing.writer_jobs import Job
 
-__all__ = ["BlockIndex"]
+__all__ = ["BlockIndex", "sealing_size"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -206,7 +206,7 @@ class BlockIndex:
         tails = self.tails
         if tails.is_due():
             tails.deal_chunks()
-        enough = _sealing_size(self._limits, len(tails.all_tails()))
+        enough = sealing_size(self._limits, len(tails.all_tails()))
         if self._full_as_of != (tails, tails.deals):
             self._full_as_of = (tails, tails.deals)
             # The fullest last: of channels that run in step, none falls behind for good.
@@ -431,10 +431,12 @@ def _load_ranges(
         settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.last_seq + 1)
 
 
-def _sealing_size(limits: HistoryLimits, channels: int) -> int:
+def sealing_size(limits: HistoryLimits, channels: int) -> int:
     """Give how many samples a channel may hold in memory before they are made blocks."""
-    share = limits.held // max(1, channels)
-    return max(limits.block, min(limits.largest, share))
+    channels = max(1, channels)
+    most = max(limits.block, min(limits.largest, limits.held // channels))
+    # Ten thousand channels of a few thousand samples each would take most of a gigabyte.
+    return min(most, max(min(limits.block, limits.smallest), limits.most_held // channels))
 
 
 def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
