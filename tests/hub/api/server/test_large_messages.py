@@ -112,3 +112,38 @@ async def test_frames_hold_a_piece_at_most() -> None:
         sizes = [len(frame) async for frame in client.recv_streaming()]
     assert sum(sizes) == len(LARGE)
     assert max(sizes) == LARGEST_PIECE
+
+
+async def test_messages_of_each_kind_of_length_arrive_as_they_were_sent() -> None:
+    # RFC 6455 writes lengths up to 125, up to 65 535, and beyond in different ways.
+    sizes = [0, 1, 125, 126, 127, 65_535, 65_536]
+    messages = [os.urandom(size) for size in sizes]
+
+    async def serve(send) -> None:
+        for message in messages:
+            await send(binary(message))
+            await send({"type": "websocket.send", "text": str(len(message))})
+
+    async with connected(serve) as client:
+        for message in messages:
+            assert await client.recv() == message
+            assert await client.recv() == str(len(message))
+
+
+async def test_nothing_is_written_after_the_farewell() -> None:
+    refused: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+
+    async def serve(send) -> None:
+        await send({"type": "websocket.close", "code": 1000})
+        try:
+            await send(binary(b"late"))
+        except RuntimeError as error:
+            refused.set_result(str(error))
+        else:
+            refused.set_result("")
+
+    async with connected(serve) as client:
+        with contextlib.suppress(websockets.ConnectionClosed):
+            assert await client.recv() is None
+        assert "after sending 'websocket.close'" in await refused
+        assert client.close_code == 1000
