@@ -32,7 +32,14 @@ GREY = np.full((48, 64, 3), 90, np.uint8)
 class Bench:
     """A worker with a red detector, and what it was told."""
 
-    def __init__(self, folder: Path, times: WorkerTimes = USUAL, **more: ObjectModel) -> None:  # noqa: D107
+    def __init__(  # noqa: D107
+        self,
+        folder: Path,
+        times: WorkerTimes = USUAL,
+        *,
+        provider: str = "cpu",
+        **more: ObjectModel,
+    ) -> None:
         require_runtime()
         red_detector(folder / "red.onnx")
         red = ObjectModel(file="red.onnx", kind=ModelKind.YOLO, classes=("red thing",), side=32)
@@ -42,6 +49,7 @@ class Bench:
             folder,
             lambda model, why: self.said.append((model, why)),
             times,
+            provider=provider,
         )
 
     async def __aenter__(self) -> Bench:
@@ -85,6 +93,18 @@ async def test_detector_of_ones_own_is_shown_pictures_of_any_size(tmp_path: Path
             assert thing.left < 0.5 < thing.right
         assert await bench.worker.detect_objects("red", GREY, 0.5) == []
         assert bench.said == []
+
+
+@pytest.mark.parametrize("provider", ["tensorrt", "npu=/nowhere/libep.so"])
+async def test_without_the_device_the_processor_sees_and_it_is_told(
+    tmp_path: Path, provider: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with Bench(tmp_path, provider=provider) as bench:
+        (thing,) = await bench.worker.detect_objects("red", RED, 0.5)
+        assert thing.label == "red thing"
+        assert bench.said == []
+    (record,) = [record for record in caplog.records if record.name == module.__name__]
+    assert record.getMessage().startswith("objects are seen by the processor: ")
 
 
 async def test_its_process_gives_way_to_all_others(tmp_path: Path) -> None:

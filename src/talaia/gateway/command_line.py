@@ -13,6 +13,8 @@ from talaia.gateway.key_file import read_key_file
 from talaia.gateway.notices.settings import read_notice_settings
 from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
 from talaia.log_setup import add_log_options
+from talaia.objects.errors import DetectorError
+from talaia.objects.providers import parse_provider
 from talaia.program_options import parse_options
 
 if TYPE_CHECKING:
@@ -86,6 +88,14 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="ways to people while the hub is away (TOML); try them with talaia gateway"
         " test-notice FILE",
     )
+    parser.add_argument(
+        "--detector-provider",
+        type=_read_provider,
+        default="cpu",
+        metavar="NAME",
+        help="what detectors of objects and faces run on: cpu, cuda, tensorrt, openvino, coreml, "
+        "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
+    )
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )
@@ -123,6 +133,14 @@ def _read_positive(text: str) -> float:
     return number
 
 
+def _read_provider(text: str) -> str:
+    try:
+        parse_provider(text)
+    except DetectorError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
+
+
 def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
     """Make settings of the words.
 
@@ -149,6 +167,7 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
         # Paths in a description begin where it stands, wherever the gateway is started.
         folder=arguments.site.parent,
         domain=arguments.ros_domain,
+        detector_provider=arguments.detector_provider,
         spool_bytes=round(arguments.spool_mb * 1024 * 1024),
         spool_age_s=arguments.spool_days * 86400.0,
         door=_legacy_settings(arguments),

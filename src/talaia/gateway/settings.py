@@ -116,6 +116,7 @@ class GatewaySettings:
         accepts: which changes of the description it takes from the hub.
         notices: ways to people while the hub is away; none where there are none.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
+        detector_provider: what detectors of objects and faces run on.
 
     """
 
@@ -135,3 +136,4 @@ class GatewaySettings:
     door: LegacySettings | None = None
     accepts: AcceptedChanges = AcceptedChanges.NO
     notices: NoticeSettings | None = None
+    detector_provider: str = "cpu"

@@ -25,9 +25,11 @@ from talaia.objects.detection import LABEL_LETTERS
 from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
 from talaia.objects.face_detector import FaceDetector
+from talaia.objects.network import error_text, open_network
+from talaia.objects.providers import CPU, parse_provider
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -41,6 +43,8 @@ NICENESS = 10
 MOST_MEMORY = 2 * 1024**3
 # The model's own, the pipes and what a library opens as it starts.
 MOST_FILES = 64
+# The same for one that runs on a device: its library maps the device's memory and opens its files.
+DEVICE_MEMORY, DEVICE_FILES = 16 * 1024**3, 1024
 # Seconds. The kernel ends the process then, also when it hangs inside the library.
 LONGEST_LOAD_S, LONGEST_LOOK_S = 120, 20
 
@@ -50,19 +54,20 @@ def main() -> None:
     # Libraries may print: the answers' pipe is for answers.
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)
+    source = os.fdopen(0, "rb", buffering=0)
+    line = _read_line(source)
     # Before the file is loaded: loading alone takes the processor and the memory of a whole
     # detector.
-    _lower_priority()
-    source = os.fdopen(0, "rb", buffering=0)
+    _lower_priority(on_device=_runs_on_device(line))
     # No handler is set: the kernel's own action ends the process, which needs no Python to run.
     signal.alarm(LONGEST_LOAD_S)
     try:
-        detector, classes = _load_network(json.loads(_read_line(source)))
+        detector, classes, note = _load_network(json.loads(line))
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
-        _write_answer(answers, problem=_problem_text(error))
+        _write_answer(answers, problem=error_text(error))
         return
-    # An empty answer: it is loaded, and pictures may come. No alarm runs while none does.
-    _write_answer(answers)
+    # It is loaded, and pictures may come. No alarm runs while none does.
+    _write_answer(answers, note=note)
     signal.alarm(0)
     while True:
         head = _read_exactly(source, HEAD.size)
@@ -79,7 +84,7 @@ def main() -> None:
         try:
             boxes = detector.detect_objects(picture, least)
         except Exception as error:  # noqa: BLE001 - as above
-            _write_answer(answers, problem=_problem_text(error))
+            _write_answer(answers, problem=error_text(error))
         else:
             _write_answer(
                 answers, things=[(classes[box[0]], *map(float, box[1:])) for box in boxes]
@@ -87,8 +92,17 @@ def main() -> None:
         signal.alarm(0)
 
 
-def _lower_priority() -> None:
+def _runs_on_device(line: bytes) -> bool:
+    """Tell whether a job's detector is to run on a device with a library of its own."""
+    try:
+        return not parse_provider(json.loads(line).get("provider", CPU)).on_processor
+    except (ValueError, AttributeError, DetectorError):
+        return False
+
+
+def _lower_priority(*, on_device: bool) -> None:
     """Give way to every other process, and be the first to go where memory is short."""
+    memory, files = (DEVICE_MEMORY, DEVICE_FILES) if on_device else (MOST_MEMORY, MOST_FILES)
     os.nice(NICENESS)
     with contextlib.suppress(OSError, AttributeError):
         # Never takes the processor from another just because a picture has come.
@@ -98,10 +112,10 @@ def _lower_priority() -> None:
         Path("/proc/self/oom_score_adj").write_text("1000", encoding="ascii")
     with contextlib.suppress(OSError, ValueError):
         # Data, not address space: libraries map far more than they use.
-        resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
     with contextlib.suppress(OSError, ValueError):
         # A model may name further files of weights beside it.
-        resource.setrlimit(resource.RLIMIT_NOFILE, (MOST_FILES, MOST_FILES))
+        resource.setrlimit(resource.RLIMIT_NOFILE, (files, files))
     with contextlib.suppress(OSError, ValueError):
         # A core dump of a detector may be as large as its memory, and fill the robot's disk.
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -109,8 +123,8 @@ def _lower_priority() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequence[str]]:
-    """Load what a job names.
+def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequence[str], str]:
+    """Load what a job names; with why it does not run on what it should, if it does not.
 
     Raises:
         DetectorError: it is not there, or cannot be read.
@@ -119,38 +133,10 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequenc
     file = job["file"]
     if not Path(file).is_file():
         raise DetectorError(f"{file}: there is no such file; {job['remedy']}")
-    try:
-        # Here, not at the top: without it the answer must still be a sentence.
-        import onnxruntime
-    except ImportError as error:
-        raise DetectorError(f"{error}; install talaia[objects]") from error
-    # 3 is errors: its warnings about a file's graph are of no use to who drives.
-    onnxruntime.set_default_logger_severity(3)
-    options = onnxruntime.SessionOptions()
-    # One thread, which sleeps between pictures instead of spinning: the other cores are the
-    # robot's.
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    try:
-        # The processor alone, so that a detector behaves alike on every machine.
-        session = onnxruntime.InferenceSession(file, options, providers=["CPUExecutionProvider"])
-    except Exception as error:
-        raise DetectorError(f"{file} cannot be loaded: {_problem_text(error)}") from error
-    inputs = session.get_inputs()
-    if len(inputs) != 1:
-        raise DetectorError(f"{file} wants {len(inputs)} inputs; expected one, a picture")
-    name = inputs[0].name
-
-    def run(shown: NDArray[np.float32]) -> Sequence[NDArray[np.float32]]:
-        try:
-            found: Sequence[NDArray[np.float32]] = session.run(None, {name: shown})
-        except Exception as error:
-            raise DetectorError(f"{file} cannot be run: {_problem_text(error)}") from error
-        return found
-
+    run, note = _open_on(file, job.get("provider", CPU))
     classes = [label[:LABEL_LETTERS] for label in job["classes"]]
     if job["kind"] == "centerface":
-        return FaceDetector(job["side"], run), classes
+        return FaceDetector(job["side"], run), classes, note
     setting = Setting(
         OutputFormat(job["kind"]),
         job["side"],
@@ -158,13 +144,20 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequenc
         tuple(job["spread"]),
         job["blue_first"],
     )
-    return Detector(setting, classes, run), classes
+    return Detector(setting, classes, run), classes, note
 
 
-def _problem_text(error: BaseException) -> str:
-    # One line, for an answer is one line; a library's message may be pages long.
-    said = " ".join(str(error).split())[:1000]
-    return said if isinstance(error, DetectorError) else f"{type(error).__name__}: {said}"
+def _open_on(
+    file: str, wanted: str
+) -> tuple[Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]], str]:
+    """Open a network on what is wanted, else on the processor, with why."""
+    if wanted != CPU:
+        try:
+            return open_network(file, parse_provider(wanted)), ""
+        except DetectorError as error:
+            # A robot that holds back for people must see them, if slowly.
+            return open_network(file, parse_provider(CPU)), error_text(error)
+    return open_network(file, parse_provider(CPU)), ""
 
 
 def _write_answer(answers: BinaryIO, **what: object) -> None:

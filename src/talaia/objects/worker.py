@@ -13,6 +13,7 @@ import asyncio
 import contextlib
 import fcntl
 import json
+import logging
 import os
 import signal
 import subprocess
@@ -33,6 +34,7 @@ from talaia.objects.detection import Detection
 from talaia.objects.detector import NANODET
 from talaia.objects.errors import DetectorError
 from talaia.objects.face_detector import FACES
+from talaia.objects.providers import CPU
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FACE_FILE", "FACE_REMEDY", "OWN_FILE", "Worker", "WorkerTimes", "face_model"]
 
+_LOG = logging.getLogger(__name__)
 # Made by tools/make_detector.py; in an installed package it is there.
 OWN_FILE = Path(__file__).parent / "models" / "nanodet.onnx"
 OWN_REMEDY = "create it: python tools/make_detector.py"
@@ -94,6 +97,8 @@ class Worker:
         folder: Path,
         told: Callable[[str, str], None],
         times: WorkerTimes = USUAL,
+        *,
+        provider: str = CPU,
     ) -> None:
         """Begin nothing yet: a detector is loaded for its first picture.
 
@@ -103,8 +108,11 @@ class Worker:
             told: takes a model's name and why it cannot see, once, and then once an empty text
                 when it does again.
             times: of each detector's process.
+            provider: what detectors run on, as `parse_provider` reads it.
 
         """
+        # Part of each job; a process that cannot use it takes the processor and says so.
+        self._provider = provider
         # Of each process; tests give shorter ones.
         self._times = times
         # As described now; `redescribe` compares with it.
@@ -154,7 +162,9 @@ class Worker:
         running = self._running.get(model)
         if running is None:
             running = self._running[model] = _Running(
-                self._make_job(model), partial(self._told, model), self._times
+                {**self._make_job(model), "provider": self._provider},
+                partial(self._told, model),
+                self._times,
             )
         return await running.detect_objects(rgb, least)
 
@@ -356,6 +366,8 @@ class _Child:
         if "problem" in told:
             self.end_process()
             raise DetectorError(str(told["problem"]))
+        if told.get("note"):
+            _LOG.warning("objects are seen by the processor: %s", told["note"])
         return process
 
     def _read_answer(self, process: subprocess.Popen[bytes]) -> dict[str, Any]:

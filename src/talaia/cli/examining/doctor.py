@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 from talaia import __version__
 from talaia.cli.examining.findings import PartFinding, PartState
 from talaia.cli.examining.host import examine_host
+from talaia.objects.provider_trial import try_providers
 from talaia.ros_installation import (
     RosOrigin,
     bridge_command,
@@ -30,6 +31,7 @@ from talaia.ros_installation import (
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from talaia.objects.provider_trial import ProviderTrial
     from talaia.ros_installation import RosChoice
 
 __all__ = ["examine_machine", "main"]
@@ -80,6 +82,31 @@ def examine_machine() -> Iterator[PartFinding]:
         else:
             remedy = f"run `pip install 'talaia[{extra}]'`"
             yield PartFinding(PartState.ABSENT, what, "not installed", remedy)
+    if importlib.util.find_spec("onnxruntime") is not None:
+        yield from _examine_detectors(try_providers())
+
+
+def _examine_detectors(trials: Sequence[ProviderTrial]) -> Iterator[PartFinding]:
+    """Say what detectors of objects can run on here, and which is the fastest."""
+    fastest = min((trial for trial in trials if not trial.problem), key=_picture_s, default=None)
+    for trial in trials:
+        what = f"objects by {trial.name}"
+        if trial.problem:
+            remedy = (
+                "install its driver, or leave it: the processor is used"
+                if trial.name != "cpu"
+                else "run `pip install 'talaia[objects]'`"
+            )
+            yield PartFinding(PartState.PROBLEM, what, trial.problem, remedy)
+            continue
+        detail = f"{1_000 * trial.picture_s:.0f} ms a picture, by one thread"
+        if trial is fastest and trial.name != "cpu":
+            detail += f"; talaia gateway --detector-provider {trial.name} uses it"
+        yield PartFinding(PartState.OK, what, detail)
+
+
+def _picture_s(trial: ProviderTrial) -> float:
+    return trial.picture_s
 
 
 def _examine_ros2() -> Iterator[PartFinding]:

@@ -55,7 +55,12 @@ class DetectionPart(GatewayPart):
             site=site,
             numbers=description.numbering.numbers_of(site),
             pictures=video.frames,
-            worker=lambda on_status: Worker(site.object_models, settings.folder, on_status),
+            worker=lambda on_status: Worker(
+                site.object_models,
+                settings.folder,
+                on_status,
+                provider=settings.detector_provider,
+            ),
             outlet=DetectionOutputs(
                 samples=samples.sink,
                 boxes=video.pictures.boxes,

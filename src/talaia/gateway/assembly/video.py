@@ -49,7 +49,12 @@ class VideoPart(GatewayPart):
         # Who looks at pixels here keeps a camera awake as a page does.
         self.frames = FrameSource(on_held=base.streams_changed.emit)
         self.blur_detectors = BlurDetectors(
-            lambda on_status: Worker(site.object_models, settings.folder, on_status)
+            lambda on_status: Worker(
+                site.object_models,
+                settings.folder,
+                on_status,
+                provider=settings.detector_provider,
+            )
         )
         self.films = recording.films
         self.pictures = PictureUplink(
