@@ -174,7 +174,7 @@ class NightPlay:
         """Let a block begin, and end where it is done, stopped or closed upon."""
         name = str(answer["observe"])
         row, table = self.problem.table.index[name], self.problem.table
-        lead = int(overheads_from(self.problem, self.progress.pointing, np.array([row]))[0])
+        lead = int(overheads_from(self.problem, self.progress.pointing, np.array([row]), second)[0])
         start = max(second + lead, int(answer["not_before"]))
         end = start + int(table.block_s[row])
         if row not in self.progress.candidates(second) or not self.progress.feasibility.may_start(

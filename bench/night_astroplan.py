@@ -74,7 +74,7 @@ class AstroplanOrder:
         ready = set(progress.candidates(second).tolist())
         while self._order:
             row, planned = self._order[0]
-            lead = int(overheads_from(self._problem, progress.pointing, np.array([row]))[0])
+            lead = int(overheads_from(self._problem, progress.pointing, np.array([row]), second)[0])
             start = max(planned, second + lead)
             may = row in ready and progress.feasibility.may_start(row, start)
             if not may:

@@ -86,7 +86,7 @@ def test_turning_the_camera_takes_its_time_and_the_angle_stays_until_another_is_
     progress = NightProgress(problem)
 
     def overhead(row: int) -> int:
-        return int(overheads_from(problem, progress.pointing, np.array([row]))[0])
+        return int(overheads_from(problem, progress.pointing, np.array([row]), 0)[0])
 
     # From the park nobody knows how the camera stands: a quarter of a turn, beside the usual 43 s.
     assert (overhead(first), overhead(any_angle)) == (43 + 45, 43)

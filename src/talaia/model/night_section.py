@@ -1,12 +1,13 @@
 """How a site observes by itself: the description's ``night:``, as values.
 
 What keeps the roof safe is not here: interlocks and enclosures say when it may open, and the night
-asks for its commands as a person does.
+asks for its commands as a person does. Long, because every key of the section stands here.
 """
 
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape
 from talaia.model.interlocks.enclosure import Sighting  # noqa: TC001 - msgspec reads it
@@ -22,6 +23,12 @@ from talaia.model.night_frames import (  # noqa: TC001 - msgspec reads them
 )
 from talaia.model.observing.plan import Instrument, PauseRules
 from talaia.model.observing.requests import ImageType
+from talaia.model.roles import SignalRole
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.model.site import Device
 
 __all__ = [
     "NightCentring",
@@ -255,7 +262,19 @@ class NightSection(Shape, frozen=True, kw_only=True):
             case ImageType.SKY_FLAT:
                 return self.flats.command if self.flats is not None else None
 
-    def readings(self) -> frozenset[str]:
+    def angles(self, devices: Mapping[str, Device]) -> tuple[str, str]:
+        """Name the signals that say at which altitude and azimuth the telescope points.
+
+        By their roles, at the device that is unparked; empty where none has the role.
+        """
+        name = self.unpark.command.partition("/")[0]
+        signals = devices[name].signals.items() if name in devices else ()
+        by_role = {one.role: f"{name}/{key}" for key, one in signals}
+        wanted = (SignalRole.TELESCOPE_ALTITUDE, SignalRole.TELESCOPE_AZIMUTH)
+        altitude, azimuth = (by_role.get(role, "") for role in wanted)
+        return altitude, azimuth
+
+    def readings(self, devices: Mapping[str, Device]) -> frozenset[str]:
         """Name every signal that the night goes by beside those of its enclosure."""
         named = [self.opened.signal, self.clouds, self.seeing]
         if self.tracking is not None:
@@ -264,6 +283,7 @@ class NightSection(Shape, frozen=True, kw_only=True):
             named += [self.focuser.position, self.focuser.temperature]
         settings = (self.binning, self.gain, self.rotator)
         named += [rule.reading for rule in settings if rule is not None]
+        named += self.angles(devices)
         return frozenset(address for address in named if address)
 
     def commands(self) -> frozenset[str]:

@@ -485,7 +485,7 @@ class Site(Shape, frozen=True, kw_only=True):
             if (follow := enclosure.follow) is not None:
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
                 watched |= {sensor.signal for sensor in (follow.moving, follow.open) if sensor}
-        watched |= self.night.readings() if self.night is not None else set()
+        watched |= self.night.readings(self.devices) if self.night is not None else set()
         return frozenset(confirming | watched)
 
 

@@ -103,18 +103,19 @@ def make_field(
     progress: NightProgress,
     rows: Ints,
     *,
+    second: int,
     worth: Floats,
     rents: Floats,
     prices: TimePrices,
 ) -> Field:
-    """Gather what a search needs of some visits."""
+    """Gather what a search from ``second`` on needs of some visits."""
     problem = progress.problem
     table = problem.table
     # The last line is the way from where the telescope points now, so that the first visit of a
     # plan is looked up as any other.
     between = np.empty((len(rows) + 1, len(rows)), np.int64)
     between[:-1] = overhead_matrix(problem, rows)
-    between[-1] = overheads_from(problem, progress.pointing, rows)
+    between[-1] = overheads_from(problem, progress.pointing, rows, second)
     local = {int(row): index for index, row in enumerate(rows)}
     before = table.after[rows]
     # A predecessor that is no candidate is never complete in this plan: so is its successor.

@@ -28,6 +28,7 @@ __all__ = [
     "FrameRun",
     "Ints",
     "NightProblem",
+    "ParkPlace",
     "ProposalLimit",
     "Visit",
     "VisitTable",
@@ -40,6 +41,8 @@ NORMAL, TIME_CRITICAL, RAPID = 0, 1, 2
 _LONGEST_BLOCK_S = 1 << 27
 # Whichever filter is in.
 ANY_FILTER = -1
+# Within this it is the same park (°).
+_PARK_PLAY = 1.0
 # In place of the row of the visit that comes before: there is none, or it is not here and so is
 # never complete (it failed, expired or was cancelled before the night).
 NO_VISIT_BEFORE, NEVER_COMPLETE = -1, -2
@@ -52,6 +55,18 @@ class FrameRun(NamedTuple):
     frame_s: float
     # Before the first of them, beside what leads to the block: a change of filter (s).
     before_s: float = 0.0
+
+
+class ParkPlace(NamedTuple):
+    """Where a parked telescope points: altitude, and azimuth from north through east (°)."""
+
+    altitude: float
+    azimuth: float
+
+    def is_far_from(self, other: ParkPlace) -> bool:
+        """Tell whether it is another place, and not the same one read again."""
+        turn = abs((self.azimuth - other.azimuth + 180.0) % 360.0 - 180.0)
+        return max(turn, abs(self.altitude - other.altitude)) > _PARK_PLAY
 
 
 class ProposalLimit(NamedTuple):
@@ -186,6 +201,7 @@ class NightProblem:
         sky: at its marks.
         instrument: what takes how long.
         pauses: what is done between exposures beside that.
+        park: where the parked telescope points; none: nobody knows.
         resume: frames that were read out are kept when a block is interrupted.
         filters: names, by index.
         proposals: by index.
@@ -198,6 +214,7 @@ class NightProblem:
     sky: NightSky
     instrument: Instrument
     pauses: PauseRules = field(default_factory=PauseRules)
+    park: ParkPlace | None = None
     resume: bool = True
     filters: list[str] = field(default_factory=list)
     proposals: list[ProposalLimit] = field(default_factory=list)

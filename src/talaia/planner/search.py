@@ -120,7 +120,7 @@ class NightSearch:
             second, rows, values, weights, iterations=effort.iterations, stopped=stopped
         )
         worth = (values[:, None] + self._tilted(rows)) * weights
-        field = self._make_field(rows, worth, prices, most=effort.candidates)
+        field = self._make_field(second, rows, worth, prices, most=effort.candidates)
         kept = tuple(step.row for step in self.plan)
         orders = [("kept", kept)]
         for shape in effort.shapes:
@@ -264,7 +264,9 @@ class NightSearch:
             progress.feasibility, asked, iterations=iterations, former=former, stopped=stopped
         )
 
-    def _make_field(self, rows: Ints, worth: Floats, prices: TimePrices, *, most: int) -> Field:
+    def _make_field(
+        self, second: int, rows: Ints, worth: Floats, prices: TimePrices, *, most: int
+    ) -> Field:
         """Leave the visits that come nearest to paying for their time, and those of the plan."""
         table = self._progress.problem.table
         blocks = table.block_s[rows]
@@ -276,6 +278,7 @@ class NightSearch:
         return make_field(
             self._progress,
             rows[best],
+            second=second,
             worth=worth[best],
             rents=rents[best],
             prices=prices,

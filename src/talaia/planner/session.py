@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from talaia.model.observing.requests import Proposal, RequestGroup
-    from talaia.planner.night_problem import NightProblem, Visit
+    from talaia.planner.night_problem import NightProblem, ParkPlace, Visit
     from talaia.planner.prices import TimePrices
 
 __all__ = ["Decision", "PlanningSession"]
@@ -149,10 +149,14 @@ class PlanningSession:
         self._progress.open, self._progress.closed_why = False, why
         self._progress.pointing = None
 
-    def park_telescope(self) -> None:
-        """Count the telescope as parked."""
+    def park_telescope(self, place: ParkPlace | None = None) -> None:
+        """Count the telescope as parked; ``place``: where it points, if that is known."""
         self._changed |= self._progress.pointing is not None
         self._progress.pointing = None
+        # A reading trembles, and one that is missing for a moment says nothing else.
+        before = self._problem.park
+        if place is not None and (before is None or before.is_far_from(place)):
+            self._changed, self._problem.park = True, place
 
     def open_roof(self) -> None:
         """Plan with an open roof again; the telescope is parked still."""
@@ -271,7 +275,7 @@ class PlanningSession:
             return False
         second = self._problem.second(time)
         pointing = self._progress.pointing_at(under_way)
-        lead = int(overheads_from(self._problem, pointing, np.array([row]))[0])
+        lead = int(overheads_from(self._problem, pointing, np.array([row]), second)[0])
         if row not in self._progress.released(self._progress.candidates(second)):
             return False
         start = self._progress.feasibility.next_start(row, second + lead)
@@ -292,7 +296,7 @@ class PlanningSession:
             # What was done since the search, or is over: the rest of its plan still holds.
             if self._progress.done[step.row] or step.end <= second:
                 continue
-            lead = overheads_from(problem, pointing, np.array([step.row]))[0]
+            lead = overheads_from(problem, pointing, np.array([step.row]), second)[0]
             pauses, focus, run_s = planned_pauses(self._progress, step.row, step.start, focus)
             reason = self._reason(step, min(before, step.start))
             blocks.append(

@@ -84,6 +84,20 @@ class NightSky(NamedTuple):
     to_date: Floats
     velocity: Floats
 
+    def at_mark(self, mark: int) -> NightSky:
+        """Give the sky of one mark alone."""
+        one = slice(mark, mark + 1)
+        return self._replace(
+            unix=self.unix[one],
+            zenith=self.zenith[:, one],
+            sun=self.sun[:, one],
+            moon=self.moon[:, one],
+            sun_altitude=self.sun_altitude[one],
+            moon_altitude=self.moon_altitude[one],
+            moon_illumination=self.moon_illumination[one],
+            sidereal=self.sidereal[one],
+        )
+
     def star_directions(self, ra: Floats, dec: Floats) -> Floats:
         """Give the apparent directions (n × 3) of places among the stars (ICRS, °)."""
         right, up = np.radians(ra), np.radians(dec)

@@ -21,6 +21,7 @@ from talaia.model.night_frames import (
 )
 from talaia.model.night_section import NightFocuser, NightSection, NightSun, SlewCommand
 from talaia.model.observing.plan import Instrument
+from talaia.model.roles import SignalRole
 from talaia.model.yaml_text.load import load_site
 
 if TYPE_CHECKING:
@@ -55,10 +56,25 @@ def test_a_bias_may_have_no_argument_for_its_length() -> None:
 
 
 def test_a_rotator_is_a_device_and_its_angle_a_reading_of_the_night() -> None:
-    described = night(field=field_turned_by(reading="focuser/position")).night
-    assert described is not None
-    assert "focuser/goto" in described.commands()
-    assert "focuser/position" in described.readings()
+    site = night(field=field_turned_by(reading="focuser/position"))
+    assert site.night is not None
+    assert "focuser/goto" in site.night.commands()
+    assert "focuser/position" in site.night.readings(site.devices)
+
+
+def test_where_a_telescope_points_is_read_by_roles_and_stays_at_hand() -> None:
+    site = night()
+    assert site.night is not None
+    angles = ("telescope/altitude", "telescope/azimuth")
+    assert site.night.angles(site.devices) == angles
+    assert set(angles) <= site.safety_signals()
+    # Without the roles nobody knows, and nothing is guessed.
+    telescope = site.devices["telescope"]
+    plain = {
+        name: replace(signal, role=SignalRole.NONE) for name, signal in telescope.signals.items()
+    }
+    devices = {**site.devices, "telescope": replace(telescope, signals=plain)}
+    assert site.night.angles(devices) == ("", "")
 
 
 @pytest.mark.parametrize("example", ["observatory", "indi"])

@@ -33,6 +33,7 @@ class NightReadings:
         self._night: NightSection = site.night
         self._rule = site.enclosures[site.night.enclosure]
         self._place, self._interlocks, self._clock = place, interlocks, clock
+        self._angles = site.night.angles(site.devices)
 
     def look_now(self, person: str, seeing: float | None = None) -> NightView:
         """Tell how things stand now; ``person`` is who acts on a device of the night.
@@ -53,6 +54,7 @@ class NightReadings:
             opened=judge.sighting_holds(night.opened, now_ns),
             closed=enclosures.read_enclosure(night.enclosure, now_ns).closed,
             parked=parked,
+            pointing=self._pointing(now_ns),
             person=person,
             clouds=self._number(night.clouds, now_ns),
             seeing=self._number(night.seeing, now_ns) if night.seeing else seeing,
@@ -61,6 +63,10 @@ class NightReadings:
             rotator=self._number(night.rotator.reading if night.rotator else "", now_ns),
             tracking=judge.sighting_holds(tracking, now_ns) if tracking is not None else None,
         )
+
+    def _pointing(self, now_ns: int) -> tuple[float, float] | None:
+        altitude, azimuth = (self._number(address, now_ns) for address in self._angles)
+        return None if altitude is None or azimuth is None else (altitude, azimuth)
 
     def _number(self, address: str, now_ns: int) -> float | None:
         judge = self._interlocks.conditions

@@ -308,6 +308,7 @@ class NightService:
                 seeing=view.seeing,
                 clouds=view.clouds,
                 parked=view.parked is True,
+                park=view.pointing,
                 focus=self._parts.focus_news(question.time),
             )
         )

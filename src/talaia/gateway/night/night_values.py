@@ -36,6 +36,7 @@ class NightView(NamedTuple):
         opened: the roof is open.
         closed: it is closed.
         parked: the telescope is parked.
+        pointing: where it points: altitude, azimuth (°).
         person: who acts on a device of the night, or did a moment ago; empty: nobody.
         clouds: cloud cover (%).
         seeing: FWHM (″).
@@ -54,6 +55,7 @@ class NightView(NamedTuple):
     opened: bool | None = None
     closed: bool | None = None
     parked: bool | None = None
+    pointing: tuple[float, float] | None = None
     person: str = ""
     clouds: float | None = None
     seeing: float | None = None

@@ -10,6 +10,7 @@ from talaia.model.base import Shape
 
 __all__ = [
     "Instrument",
+    "MountAxes",
     "PauseKind",
     "PauseRules",
     "Plan",
@@ -20,11 +21,19 @@ __all__ = [
 ]
 
 
+class MountAxes(StrEnum):
+    """The two axes on which a mount turns."""
+
+    EQUATORIAL = "equatorial"
+    ALTAZIMUTH = "altazimuth"
+
+
 class Instrument(Shape, frozen=True, kw_only=True):
     """How long a telescope takes for what stands between exposures: `times` of a night.
 
     Attributes:
         slew_rate: of the slower axis (°/s).
+        mount: on which axes it turns; the first slew after a park is reckoned by them.
         settle: after a slew (s).
         acquire: to centre on a new field (s).
         filter_change: (s).
@@ -40,6 +49,7 @@ class Instrument(Shape, frozen=True, kw_only=True):
     """
 
     slew_rate: float = 3.0
+    mount: MountAxes = MountAxes.EQUATORIAL
     settle: float = 3.0
     acquire: float = 20.0
     filter_change: float = 8.0

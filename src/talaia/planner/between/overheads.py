@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from talaia.model.observing.plan import MountAxes
+from talaia.planner.sky import MARK_S
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -17,6 +20,8 @@ __all__ = ["PARKED", "TelescopePointing", "overhead_matrix", "overheads_from", "
 
 # Nearer than this is the same field (°, in right ascension and declination).
 SAME_FIELD = 0.01
+# The sine of a declination within 5° of a pole.
+_NEAR_POLE = math.cos(math.radians(5.0))
 # Where nobody knows how the camera stands: the mean of what may come (°).
 _USUAL_TURN = 90.0
 
@@ -47,10 +52,13 @@ def unpark_overhead(problem: NightProblem) -> int:
     return int(np.ceil(instrument.unpark + instrument.settle + instrument.acquire))
 
 
-def overheads_from(problem: NightProblem, pointing: TelescopePointing | None, rows: Ints) -> Ints:
-    """Give what leads from a pointing to each visit (s)."""
+def overheads_from(
+    problem: NightProblem, pointing: TelescopePointing | None, rows: Ints, second: int
+) -> Ints:
+    """Give what leads from a pointing, at a second of the night, to each visit (s)."""
     if pointing is None:
         seconds = np.full(len(rows), unpark_overhead(problem), np.int64)
+        seconds += _slews_from_park(problem, rows, second)
         seconds += _turning(problem, problem.table.angle[rows], np.array(math.nan))
         seconds[~problem.table.needs_sky[rows]] = 0
         return seconds
@@ -62,6 +70,46 @@ def overheads_from(problem: NightProblem, pointing: TelescopePointing | None, ro
         _changes(table.filter_first[rows], np.array(pointing.filter)),
     )
     return between + _turning(problem, table.angle[rows], np.array(pointing.angle))
+
+
+def _slews_from_park(problem: NightProblem, rows: Ints, second: int) -> Ints:
+    """Give how long the telescope, and its dome, turn from the park to each visit (s).
+
+    Nothing where nobody knows where it is parked: then all are equally far.
+    """
+    park, table, instrument = problem.park, problem.table, problem.instrument
+    if park is None:
+        return np.zeros(len(rows), np.int64)
+    sky = problem.sky
+    mark = min(max(second // MARK_S, 0), len(sky.unix) - 1)
+    now = sky.at_mark(mark)
+    directions = sky.star_directions(table.ra[rows], table.dec[rows])
+    # What goes its own way is where it is at that moment.
+    for place, row in enumerate(rows):
+        track = table.visits[row].track
+        if track is not None:
+            directions[place] = track[:, mark]
+    turn = _shortest(now.azimuths(directions)[:, 0] - park.azimuth)
+    if instrument.mount is MountAxes.ALTAZIMUTH:
+        altitude = np.degrees(np.arcsin(np.clip(directions @ now.zenith[:, 0], -1.0, 1.0)))
+        angle = np.maximum(turn, np.abs(altitude - park.altitude))
+    else:
+        x, y, z = now.fixed_track(park.altitude, park.azimuth)[:, 0]
+        across = np.degrees(np.arctan2(directions[:, 1], directions[:, 0]) - np.arctan2(y, x))
+        along = np.degrees(np.arcsin(np.clip(directions[:, 2], -1.0, 1.0)) - np.arcsin(z))
+        # At the pole, where many are parked, no right ascension means anything.
+        across = _shortest(across) if abs(z) < _NEAR_POLE else np.zeros_like(along)
+        angle = np.maximum(across, np.abs(along))
+    seconds = angle / instrument.slew_rate
+    if instrument.dome_rate > 0.0:
+        seconds = np.maximum(seconds, turn / instrument.dome_rate)
+    # What rounding leaves is no second more.
+    return np.asarray(np.ceil(np.round(seconds, 3)).astype(np.int64))
+
+
+def _shortest(angle: Floats) -> Floats:
+    """Give the shorter way round (0 to 180°)."""
+    return np.asarray(np.abs((angle + 180.0) % 360.0 - 180.0))
 
 
 def overhead_matrix(problem: NightProblem, rows: Ints) -> Ints:

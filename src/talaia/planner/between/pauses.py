@@ -139,7 +139,7 @@ class BlockPauses:
 
 def leads_from(progress: NightProgress, second: int, rows: Ints) -> Ints:
     """Give what leads from now to the first frame of each visit, a focus run among it (s)."""
-    lead = overheads_from(progress.problem, progress.pointing, rows)
+    lead = overheads_from(progress.problem, progress.pointing, rows, second)
     pauses = BlockPauses(progress.problem, rows)
     if pauses.none:
         return lead

@@ -6,7 +6,7 @@ import asyncio
 import io
 import math
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import httpx
 import pytest
@@ -157,6 +157,12 @@ def put(port: int, address: str, **fields: object) -> None:
     httpx.put(url, data=fields, timeout=PATIENCE_S).raise_for_status()
 
 
+def read(port: int, address: str) -> Any:
+    """Ask a simulator beside the gateway."""
+    url = f"http://127.0.0.1:{port}/api/v1/{address}"
+    return httpx.get(url, timeout=PATIENCE_S).raise_for_status().json()["Value"]
+
+
 @pytest.fixture
 def observatory() -> Iterator[tuple[int, AlpacaStandIn]]:
     """A stand-in whose sky is clear."""
@@ -193,6 +199,15 @@ async def test_a_server_without_a_list_of_devices_is_found_out_and_told_what_to_
         selected = await bench.does("filterwheel_0", "select", position=2)
         assert selected.phase is CommandPhase.SUCCEEDED
         await bench.until_state("filterwheel_0/position", "Blue")
+        # Both axes, and the whole chip in the new pixels: it refuses a frame that is larger.
+        binned = await bench.does("camera_0", "binning", factor=2)
+        assert binned.phase is CommandPhase.SUCCEEDED
+        await bench.hub.until(lambda: bench.newest("camera_0/binx") == 2, "binned")
+        names = ("biny", "startx", "starty", "numx", "numy")
+        sizes = [read(simulators, f"camera/0/camera{axis}size") // 2 for axis in "xy"]
+        assert [read(simulators, f"camera/0/{name}") for name in names] == [2, 0, 0, *sizes]
+        focused = await bench.does("focuser_0", "move", position=1000)
+        assert focused.phase is CommandPhase.SUCCEEDED
         put(simulators, "telescope/0/park")
         await bench.until_state("telescope_0/atpark", "yes")
         refused = await bench.does("telescope_0", "goto", ra=1.0, dec=10.0)
@@ -337,7 +352,11 @@ async def test_a_picture_comes_as_fits_with_what_was_asked_for(
         offer = bench.hub.offers[-1]
         await bench.hub.until(lambda: len(bench.hub.files[offer.id]) == offer.size, "all of it")
     # What is set before goes first.
-    assert [call[0] for call in stand_in.puts] == ["camera/0/binx", "camera/0/startexposure"]
+    assert [call[0] for call in stand_in.puts] == [
+        "camera/0/binx",
+        "camera/0/biny",
+        "camera/0/startexposure",
+    ]
     with fits.open(io.BytesIO(bench.hub.files[offer.id])) as opened:
         opened.verify("exception")
         assert opened[0].data.tolist() == [[1, 300], [2, 400]]

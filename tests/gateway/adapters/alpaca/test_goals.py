@@ -71,6 +71,16 @@ def test_a_switch_is_asked_for_by_its_number() -> None:
     assert end.phase is Phase.SUCCEEDED
 
 
+def test_binning_and_gain_are_set_when_the_camera_says_so() -> None:
+    binning = AlpacaGoal("camera/0/binx", {"BinX": 2}, 0)
+    assert phase(binning, binx=1) is Phase.RUNNING
+    assert phase(binning, binx=2) is Phase.SUCCEEDED
+    gain = AlpacaGoal("camera/0/gain", {"Gain": 100}, 0)
+    assert phase(gain, gain=100) is Phase.SUCCEEDED
+    assert phase(gain, gain=0) is Phase.RUNNING
+    assert phase(gain, 2 * SETTLE_NS, gain=0) is Phase.FAILED
+
+
 def test_each_thing_that_moves_has_a_stop() -> None:
     assert stop_of("dome/0") == "dome/0/abortslew"
     assert stop_of("camera/1") == "camera/1/abortexposure"

@@ -83,3 +83,8 @@ def test_a_header_says_what_mount_filter_and_asker_say() -> None:
     assert (header["RA"], header["RADESYS"], "EQUINOX" in header) == (15.0, "GAPPT", False)
     assert header["XPIXSZ"] == 7.6
     assert header["DATE-OBS"] == "2023-11-14T22:13:20.000"
+
+
+def test_what_the_asker_says_of_a_frame_stands_once_and_wins() -> None:
+    cards = header_cards({"Duration": 2.0, "Light": True}, {"IMAGETYP": "Flat"}, {}, 0)
+    assert [card.value for card in cards if card.key == "IMAGETYP"] == ["Flat"]

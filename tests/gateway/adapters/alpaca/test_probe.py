@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -11,15 +12,24 @@ from stand_in import serving_alpaca
 
 from talaia.gateway.adapters.alpaca.probe import probe_alpaca
 from talaia.gateway.adapters.alpaca.search import search_servers
+from talaia.gateway.adapters.indi.discovery import devices_of
+from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, IndiParser
+from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.errors import AdapterLost
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
+from talaia.model.discovery.role_proposal import roles_of
 from talaia.model.roles import CommandRole, SignalRole
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from talaia.model.site import Device
+
+OBSERVATORY = Path(__file__).parents[4] / "examples" / "observatory" / "site.yaml"
+INDI_SIMULATORS = Path(__file__).parents[1] / "indi" / "recorded" / "simulators.xml"
 
 
 def test_the_simulators_become_a_description_that_runs(simulators: int) -> None:
@@ -33,7 +43,91 @@ def test_the_simulators_become_a_description_that_runs(simulators: int) -> None:
     dome = again.devices["dome_0"]
     assert dome.signals["shutterstatus"].role is SignalRole.DOME_SHUTTER
     assert dome.commands["close"].role is CommandRole.DOME_CLOSE
-    assert again.devices["camera_0"].commands["expose"].arguments["binning"].maximum == 8
+    camera = again.devices["camera_0"].commands
+    assert camera["binning"].arguments["factor"].maximum == 8
+    # Its ten gains have names, and one is chosen by its place.
+    gain = camera["gain"].arguments["gain"]
+    assert (gain.minimum, gain.maximum) == (0, 9)
+
+
+# What a person may ask of instruments by hand, whatever they are reached by.
+_BY_HAND = {
+    CommandRole.CAMERA_EXPOSE,
+    CommandRole.CAMERA_ABORT,
+    CommandRole.CAMERA_COOL,
+    CommandRole.CAMERA_BINNING,
+    CommandRole.CAMERA_GAIN,
+    CommandRole.CAMERA_FILTER,
+    CommandRole.FOCUSER_GOTO,
+}
+_SEEN = {
+    SignalRole.CAMERA_TEMPERATURE,
+    SignalRole.CAMERA_COOLER,
+    SignalRole.CAMERA_BINNING,
+    SignalRole.CAMERA_GAIN,
+    SignalRole.CAMERA_FILTER,
+    SignalRole.FOCUSER_POSITION,
+    SignalRole.FOCUSER_TEMPERATURE,
+}
+
+
+def _indi_devices() -> list[Device]:
+    """What INDI's own simulators said once, as it is found."""
+    tree, reader = IndiDeviceTree(), IndiParser()
+    for event in reader.parse_data(INDI_SIMULATORS.read_bytes()):
+        if not isinstance(event, BlobHead | BlobPart | BlobEnd):
+            tree.apply_event(event, 0)
+    return list(devices_of(tree, "indi").values())
+
+
+def test_camera_focuser_and_wheel_offer_by_hand_what_they_offer_over_ros_and_indi(
+    simulators: int,
+) -> None:
+    found = probe_alpaca("127.0.0.1", simulators, connect=True)
+    alpaca = list(propose_description(found, "roof", "Roof", "UTC").site.devices.values())
+    ros = list(load_site(OBSERVATORY.read_text("utf-8")).devices.values())
+    for devices in (alpaca, ros, _indi_devices()):
+        roles = [roles_of(device) for device in devices]
+        assert {role for one in roles for role in one.commands.values()} >= _BY_HAND
+        assert {role for one in roles for role in one.signals.values()} >= _SEEN
+    # INDI has one command with the kind of frame among its arguments.
+    for devices in (alpaca, ros):
+        assert {"dark", "bias", "flat"} <= {name for one in devices for name in one.commands}
+
+
+def test_a_focuser_that_does_not_know_where_it_stands_moves_by_steps() -> None:
+    with serving_alpaca() as (port, stand_in):
+        answers = {"connected": True, "absolute": False, "maxstep": 500, "ismoving": False}
+        stand_in.values |= {f"focuser/0/{name}": value for name, value in answers.items()}
+        (focuser,) = probe_alpaca("127.0.0.1", port).devices
+    assert focuser.described is not None
+    commands = focuser.described.commands
+    assert {one.role for one in commands.values()} == {
+        CommandRole.FOCUSER_MOVE,
+        CommandRole.FOCUSER_STOP,
+    }
+    by = commands["move_by"].arguments["position"]
+    assert (by.minimum, by.maximum) == (-500, 500)
+
+
+def test_a_gain_that_is_a_number_is_asked_for_within_the_cameras_range() -> None:
+    with serving_alpaca() as (port, stand_in):
+        answers = {
+            "connected": True,
+            "gain": 100,
+            "gainmin": 0,
+            "gainmax": 300,
+            "exposuremin": 0.01,
+        }
+        stand_in.values |= {f"camera/0/{name}": value for name, value in answers.items()}
+        (camera,) = probe_alpaca("127.0.0.1", port).devices
+    assert camera.described is not None
+    gain = camera.described.commands["gain"].arguments["gain"]
+    assert (gain.minimum, gain.maximum) == (0, 300)
+    # A bias is as short as the camera can.
+    assert camera.described.commands["bias"].arguments["seconds"].default == 0.01
+    # Nothing that it does not know is offered.
+    assert "binning" not in camera.described.commands
 
 
 def test_a_probe_connects_nothing_unless_it_is_told_to() -> None:

@@ -14,7 +14,7 @@ from talaia.gateway.night.planning.planner_answers import PlannerAnswers
 from talaia.gateway.night.planning.planner_question import PlannerQuestion, PlannerSetup
 from talaia.model.observing.plan import Instrument, VetoCause
 from talaia.model.observing.requests import Proposal, RequestGroup
-from talaia.model.observing.targets import IcrsTarget
+from talaia.model.observing.targets import FixedTarget, IcrsTarget
 from talaia.planner.outlook import WeatherOutlook
 
 if TYPE_CHECKING:
@@ -68,6 +68,20 @@ def faded_worth(answer: PlannerAnswer, groups: list[RequestGroup]) -> float:
 
 def never() -> bool:
     return False
+
+
+def test_the_first_target_is_chosen_from_where_the_telescope_is_parked() -> None:
+    fixed = {
+        "east": request("east", target=FixedTarget(altitude=40.0, azimuth=90.0)),
+        "west": request("west", target=FixedTarget(altitude=40.0, azimuth=270.0)),
+    }
+    answers, other = PlannerAnswers(), PlannerAnswers()
+    for one in (answers, other):
+        one.take_setup(setup(list(fixed.values())))
+    # Of the first question of a night, and of one behind a closing.
+    assert ask(answers, parked=True, park=(40.0, 90.0)).request == "east"
+    assert ask(answers, 2, parked=True, park=(40.0, 270.0)).request == "west"
+    assert ask(other, parked=True, park=(40.0, 270.0)).request == "west"
 
 
 def test_an_answer_after_idle_time_is_never_worse_than_the_first_and_often_better() -> None:

@@ -147,12 +147,14 @@ def header_cards(
             )
         )
     cards += _pointing_cards(scene)
-    cards += [
-        HeaderCard(key.upper()[:8], value)
+    given = {
+        key.upper()[:8]: value
         for key, value in asked.items()
         if isinstance(value, str | int | float)
-    ]
-    return [card for card in cards if card.value is not None]
+    }
+    # What the asker says wins: that a frame is a flat no camera knows.
+    cards = [card for card in cards if card.key not in given and card.value is not None]
+    return [*cards, *(HeaderCard(key, value) for key, value in given.items())]
 
 
 def _pointing_cards(scene: Mapping[str, object]) -> list[HeaderCard]:

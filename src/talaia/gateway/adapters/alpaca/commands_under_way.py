@@ -187,6 +187,7 @@ async def _make_presets(server: AlpacaServer, call: AlpacaCall) -> CommandOutcom
     for method, fields in call.presets:
         try:
             await server.put_method(method, fields, _PRESET_S)
+            await _follow_binning(server, method, fields)
         except AlpacaRefused as error:
             return CommandOutcome(CommandPhase.REFUSED, f"{method}: {error}")
         except FetchFailed as error:
@@ -198,6 +199,7 @@ async def _call_method(server: AlpacaServer, call: AlpacaCall) -> CommandOutcome
     """Call it, once; none when the device has taken it."""
     try:
         await server.put_method(call.target, call.fields, call.seconds * _SHARE)
+        await _follow_binning(server, call.target, call.fields)
     except AlpacaRefused as error:
         phase = CommandPhase.REFUSED if error.refused else CommandPhase.FAILED
         return CommandOutcome(phase, str(error))
@@ -207,6 +209,33 @@ async def _call_method(server: AlpacaServer, call: AlpacaCall) -> CommandOutcome
         words = f"{error}; it was sent once and is not sent again: look at the device"
         return CommandOutcome(CommandPhase.UNKNOWN, words)
     return None
+
+
+async def _follow_binning(server: AlpacaServer, target: str, fields: Mapping[str, Scalar]) -> None:
+    """After ``BinX``: the other axis likewise, and the whole chip in its pixels.
+
+    A camera counts its frame in binned pixels, and refuses one that is larger than its chip.
+
+    Raises:
+        AlpacaRefused: the camera refuses it.
+        FetchFailed: it does not answer.
+
+    """
+    factor = fields.get("BinX")
+    if not target.endswith("/binx") or not isinstance(factor, int | float) or factor < 1:
+        return
+    camera = alpaca_device_of(target)
+    await server.put_method(f"{camera}/biny", {"BinY": factor}, _PRESET_S)
+    for axis in "xy":
+        try:
+            size = await server.ask_property(f"{camera}/camera{axis}size")
+        except AlpacaRefused:
+            continue
+        if isinstance(size, int) and not isinstance(size, bool):
+            upper = axis.upper()
+            await server.put_method(f"{camera}/start{axis}", {f"Start{upper}": 0}, _PRESET_S)
+            whole = {f"Num{upper}": int(size // factor)}
+            await server.put_method(f"{camera}/num{axis}", whole, _PRESET_S)
 
 
 async def _read_values(

@@ -44,6 +44,7 @@ MOST_SWITCHES = 32
 _AGE = "timesincelastupdate"
 # Of ``EquatorialSystem``: what goes behind right ascension and declination.
 _EPOCHS = {1: "JNow", 2: "J2000", 3: "J2050", 4: "B1950"}
+_NUMERIC = (ArgumentType.NUMBER, ArgumentType.INTEGER)
 _STALE_S = 5.0
 # Weather stations measure each minute or so.
 _WEATHER_STALE_S = 120.0
@@ -77,7 +78,9 @@ def questions_for(device_type: str) -> list[str]:
         names.append(command.needs)
         for argument in command.arguments:
             limits = (argument.low, argument.high, argument.needs)
-            names += [limit for limit in limits if isinstance(limit, str)]
+            names += [limit.removeprefix("-") for limit in limits if isinstance(limit, str)]
+            if argument.type in _NUMERIC and isinstance(argument.default, str):
+                names.append(argument.default)
     names += {
         "telescope": ["equatorialsystem"],
         "focuser": ["absolute"],
@@ -163,8 +166,10 @@ def _has(found: FoundDevice, row: StandardMethod) -> bool:
     # A capability is a truth; what has a value is there.
     if row.needs.startswith("can"):
         return value is True
-    if row.method == "move" and found.answers.get("absolute") is False:
-        return False
+    if row.method == "move":
+        # Of one that does not know where it stands, the position is how far it moves.
+        relative = found.answers.get("absolute") is False
+        return row.needs in found.answers and relative is (row.role is CommandRole.FOCUSER_MOVE)
     # 0: there is no cover.
     return row.needs in found.answers and not (row.needs == "coverstate" and value == 0)
 
@@ -189,7 +194,11 @@ def _command_of(found: FoundDevice, row: StandardMethod) -> Command:
 
 def _argument_of(found: FoundDevice, row: ArgumentRow) -> Argument:
     epoch = _epoch_of(found) if row.field in ("RightAscension", "Declination") else ""
-    numeric = row.type in (ArgumentType.NUMBER, ArgumentType.INTEGER)
+    numeric = row.type in _NUMERIC
+    # A text's own default is no property.
+    default = (
+        _limit(found, row.default) if numeric and isinstance(row.default, str) else row.default
+    )
     return Argument(
         type=row.type,
         field=row.field,
@@ -197,7 +206,7 @@ def _argument_of(found: FoundDevice, row: ArgumentRow) -> Argument:
         unit=row.unit,
         minimum=_limit(found, row.low) if numeric else None,
         maximum=_limit(found, row.high) if numeric else None,
-        default=row.default,
+        default=default,
         max_length=60 if row.type is ArgumentType.TEXT else 200,
     )
 
@@ -205,12 +214,12 @@ def _argument_of(found: FoundDevice, row: ArgumentRow) -> Argument:
 def _limit(found: FoundDevice, limit: float | str | None) -> float | None:
     if not isinstance(limit, str):
         return limit
-    value = found.answers.get(limit)
+    value = found.answers.get(limit.removeprefix("-"))
     if isinstance(value, list):
         return float(len(value) - 1) if value else None
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         return None
-    return float(value)
+    return -float(value) if limit.startswith("-") else float(value)
 
 
 def _add_switch(

@@ -125,6 +125,8 @@ METHODS: dict[tuple[str, str], MethodRow] = {
         picture=True,
     ),
     ("camera", "abortexposure"): MethodRow({"camerastate": (1, 2, 3, 4)}),
+    ("camera", "binx"): MethodRow(wanted=(_Wanted("binx", field="BinX"),)),
+    ("camera", "gain"): MethodRow(wanted=(_Wanted("gain", field="Gain"),)),
     ("camera", "cooleron"): MethodRow(wanted=(_Wanted("cooleron", field="CoolerOn"),)),
     ("camera", "setccdtemperature"): MethodRow(
         wanted=(_Wanted("setccdtemperature", field="SetCCDTemperature", near=0.5),)

@@ -16,8 +16,9 @@ class ArgumentRow(NamedTuple):
     Attributes:
         id: its word in the description.
         field: the method's parameter, or ``binx/BinX`` for another method that is called before.
-        low: its least value; or the property that has it.
-        high: its greatest value, likewise.
+        low: its least value; or the property that has it, ``-maxstep`` with the other sign.
+        high: its greatest value, likewise; of a list, its last index.
+        default: of a number, the property that has it, too.
         needs: the property that must be there; empty where it always is.
 
     """
@@ -67,6 +68,39 @@ _HORIZONTAL = (
     ArgumentRow("altitude", "Altitude", "Altitude", "°", 0.0, 90.0),
 )
 _ON = (("Tracking", True),)
+
+
+def _frame(
+    word: str, name: str, *, light: bool, kind: str, arguments: tuple[ArgumentRow, ...]
+) -> StandardMethod:
+    """Give what takes a frame of a kind: shutter open or closed, and its name in the header."""
+    return StandardMethod(
+        "startexposure",
+        word,
+        name,
+        "",
+        _Role.CAMERA_EXPOSE,
+        (("Light", light), ("fits/IMAGETYP", kind)),
+        arguments,
+        # From one word of the camera to the next: it says how it stands all the time.
+        timeout=120.0,
+    )
+
+
+def _move(role: CommandRole, word: str, name: str, *, low: float | str) -> StandardMethod:
+    row = ArgumentRow(
+        "position", "Position", "Position", low=low, high="maxstep", type=ArgumentType.INTEGER
+    )
+    return StandardMethod("move", word, name, "maxstep", role, arguments=(row,), timeout=300.0)
+
+
+def _gain(needs: str, *, low: float | str, high: str) -> StandardMethod:
+    row = ArgumentRow("gain", "Gain", "Gain", low=low, high=high, type=ArgumentType.INTEGER)
+    return StandardMethod("gain", "gain", "Gain", needs, _Role.CAMERA_GAIN, arguments=(row,))
+
+
+_SECONDS = ArgumentRow("seconds", "Duration", "Exposure", "s", "exposuremin", "exposuremax")
+_TARGET = ArgumentRow("target", "fits/OBJECT", "Target", type=ArgumentType.TEXT, default="Unknown")
 STANDARD_COMMANDS: dict[str, tuple[StandardMethod, ...]] = {
     "telescope": (
         StandardMethod(
@@ -141,36 +175,31 @@ STANDARD_COMMANDS: dict[str, tuple[StandardMethod, ...]] = {
         ),
     ),
     "camera": (
+        _frame("expose", "Expose", light=True, kind="Light", arguments=(_SECONDS, _TARGET)),
+        _frame("dark", "Dark", light=False, kind="Dark", arguments=(_SECONDS,)),
+        _frame(
+            "bias",
+            "Bias",
+            light=False,
+            kind="Bias",
+            arguments=(_SECONDS._replace(default="exposuremin"),),
+        ),
+        _frame("flat", "Flat", light=True, kind="Flat", arguments=(_SECONDS,)),
         StandardMethod(
-            "startexposure",
-            "expose",
-            "Expose",
-            "",
-            _Role.CAMERA_EXPOSE,
+            "binx",
+            "binning",
+            "Binning",
+            "maxbinx",
+            _Role.CAMERA_BINNING,
             arguments=(
-                ArgumentRow("seconds", "Duration", "Exposure", "s", "exposuremin", "exposuremax"),
-                ArgumentRow("light", "Light", "Light", type=ArgumentType.BOOLEAN, default=True),
                 ArgumentRow(
-                    "binning",
-                    "binx/BinX",
-                    "Binning",
-                    low=1,
-                    high="maxbinx",
-                    type=ArgumentType.INTEGER,
-                    default=1,
-                    needs="maxbinx",
-                ),
-                ArgumentRow(
-                    "target",
-                    "fits/OBJECT",
-                    "Target",
-                    type=ArgumentType.TEXT,
-                    default="Unknown",
+                    "factor", "BinX", "Binning", low=1, high="maxbinx", type=ArgumentType.INTEGER
                 ),
             ),
-            # From one word of the camera to the next: it says how it stands all the time.
-            timeout=120.0,
         ),
+        # A camera has either named gains, of which one is chosen by its place, or a range.
+        _gain("gains", low=0, high="gains"),
+        _gain("gainmax", low="gainmin", high="gainmax"),
         StandardMethod("abortexposure", "abort", "Abort", "canabortexposure", _Role.CAMERA_ABORT),
         StandardMethod(
             "setccdtemperature",
@@ -192,25 +221,10 @@ STANDARD_COMMANDS: dict[str, tuple[StandardMethod, ...]] = {
         ),
     ),
     "focuser": (
-        StandardMethod(
-            "move",
-            "move",
-            "Move to",
-            "maxstep",
-            _Role.NONE,
-            arguments=(
-                ArgumentRow(
-                    "position",
-                    "Position",
-                    "Position",
-                    low=0,
-                    high="maxstep",
-                    type=ArgumentType.INTEGER,
-                ),
-            ),
-            timeout=300.0,
-        ),
-        StandardMethod("halt", "halt", "Halt", "", _Role.NONE),
+        _move(_Role.FOCUSER_GOTO, "move", "Move to", low=0),
+        # Of one that does not know where it stands; see `discovery`.
+        _move(_Role.FOCUSER_MOVE, "move_by", "Move by", low="-maxstep"),
+        StandardMethod("halt", "halt", "Halt", "", _Role.FOCUSER_STOP),
     ),
     "filterwheel": (
         StandardMethod(
@@ -218,7 +232,7 @@ STANDARD_COMMANDS: dict[str, tuple[StandardMethod, ...]] = {
             "select",
             "Select filter",
             "",
-            _Role.NONE,
+            _Role.CAMERA_FILTER,
             # Up to the number of names; see `discovery`.
             arguments=(
                 ArgumentRow(

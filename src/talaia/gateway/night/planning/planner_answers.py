@@ -9,6 +9,7 @@ from msgspec.structs import replace
 from talaia.gateway.night.planning.planner_question import PlannerAnswer
 from talaia.model.observing.states import RequestState
 from talaia.planner.from_requests import make_night
+from talaia.planner.night_problem import ParkPlace
 from talaia.planner.session import PlanningSession
 from talaia.planner.sky import TelescopePlace
 
@@ -111,9 +112,7 @@ class PlannerAnswers:
             session.suspend_request(request, tuple(max(0, count) for count in since))
         # Behind what is done now: what is left is told, not reckoned here.
         session.set_proposals(_proposals_now(setup, question))
-        # Rain or the morning has ended the block: the next one begins with unparking.
-        if question.parked:
-            session.park_telescope()
+        _tell_park(session, question)
         return session
 
     def _begin_session(self, setup: PlannerSetup, question: PlannerQuestion) -> PlanningSession:
@@ -136,6 +135,7 @@ class PlannerAnswers:
             self._former = None
         self._session, self._ends = session, problem.unix(problem.length_s)
         self._note_known(setup)
+        _tell_park(session, question)
         for request, until in question.held.items():
             if until > question.time and request in self._known:
                 session.hold_request(request, question.time, until - question.time)
@@ -192,6 +192,12 @@ class PlannerAnswers:
             for request in group.requests
         )
         return replace(group, requests=requests)
+
+
+def _tell_park(session: PlanningSession, question: PlannerQuestion) -> None:
+    """Let the next block begin with unparking, where rain or the morning has ended the last one."""
+    if question.parked:
+        session.park_telescope(ParkPlace(*question.park) if question.park is not None else None)
 
 
 def _tell_focus(session: PlanningSession, focus: FocusNews | None) -> None:

@@ -71,6 +71,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
         seeing: FWHM (″).
         clouds: (%).
         parked: the telescope is.
+        park: where it then points: altitude, azimuth (°); none: nobody knows.
         focus: the last focus run; none: there was none.
 
     """
@@ -84,6 +85,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
     seeing: float | None = None
     clouds: float | None = None
     parked: bool = False
+    park: tuple[float, float] | None = None
     focus: FocusNews | None = None
 
 
