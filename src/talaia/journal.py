@@ -88,7 +88,7 @@ class JournalHandler(logging.Handler):
             self._send_entry(encode_entry(self._fields_of(record)))
         except OSError:
             # That of now: somebody may have put another in its place.
-            self._fallback.setStream(sys.stderr)
+            self._fallback.stream = sys.stderr
             self._fallback.handle(record)
         except (TypeError, ValueError):
             # Its words and what belongs into them do not fit.
