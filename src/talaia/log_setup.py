@@ -1,17 +1,22 @@
-"""How hub and gateway write their logs: level, and lines for people or JSON for collectors."""
+"""How hub and gateway write their logs: lines for people, JSON, or fields for systemd's journal."""
 
 from __future__ import annotations
 
 import json
 import logging
+import os
+import sys
 import time
 from typing import TYPE_CHECKING
+
+from talaia import __version__
+from talaia.journal import JOURNAL_SOCKET, JournalHandler, is_journal_stream
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable
 
-__all__ = ["LOG_LEVELS", "add_log_options", "set_up_log"]
+__all__ = ["LOG_LEVELS", "add_log_field", "add_log_options", "set_up_log"]
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
@@ -23,24 +28,55 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--log-format",
-        choices=("text", "json"),
-        default="text",
-        help="lines for people, or an object of JSON in each line (text)",
+        choices=("auto", "text", "json", "journal"),
+        default="auto",
+        help="lines for people, an object of JSON in each line, or entries of systemd's journal "
+        "with their fields (auto: journal where a unit's stderr leads there, else text)",
     )
 
 
-def set_up_log(level: str, form: str, mask: Callable[[str], str] = str) -> None:
-    """Write the log to stderr.
+def set_up_log(
+    level: str, form: str, mask: Callable[[str], str] = str, *, program: str = ""
+) -> None:
+    """Write the log to stderr, or to systemd's journal.
 
     Args:
         level: one of `LOG_LEVELS`.
-        form: ``text`` or ``json``.
+        form: ``auto``, ``text``, ``json`` or ``journal``.
         mask: takes out of each line what is nobody's to read.
+        program: ``hub`` or ``gateway``; the journal has it as ``TALAIA_PROGRAM``.
 
     """
-    handler = logging.StreamHandler()
-    handler.setFormatter(_JsonFormatter(mask) if form == "json" else _TextFormatter(mask))
+    handler: logging.Handler
+    if form == "journal" or (form == "auto" and _leads_to_journal()):
+        fields = {
+            "SYSLOG_IDENTIFIER": f"talaia-{program}" if program else "talaia",
+            "TALAIA_PROGRAM": program,
+            "TALAIA_VERSION": __version__,
+        }
+        handler = JournalHandler(fields, mask)
+    else:
+        handler = logging.StreamHandler()
+        handler.setFormatter(_JsonFormatter(mask) if form == "json" else _TextFormatter(mask))
     logging.basicConfig(level=level.upper(), handlers=[handler])
+
+
+def add_log_field(name: str, value: str) -> None:
+    """Add a field to all that goes to the journal from now on; elsewhere nothing changes."""
+    for handler in logging.getLogger().handlers:
+        if isinstance(handler, JournalHandler):
+            handler.fields[name] = value
+
+
+def _leads_to_journal() -> bool:
+    # The process's own stderr: a service manager has given it, whatever stands there now.
+    if sys.__stderr__ is None or not os.path.exists(JOURNAL_SOCKET):
+        return False
+    try:
+        return is_journal_stream(os.environ, sys.__stderr__.fileno())
+    # It has none any more.
+    except (OSError, ValueError):
+        return False
 
 
 class _TextFormatter(logging.Formatter):

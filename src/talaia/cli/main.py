@@ -92,6 +92,9 @@ COMMANDS = {
     "doctor": Subcommand(
         "talaia.cli.examining.doctor", "say what is here, what runs, and what is missing", ""
     ),
+    "support-bundle": Subcommand(
+        "talaia.cli.support.support_bundle", "gather what a helper needs, without secrets", ""
+    ),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
     "completion": Subcommand(
         "talaia.cli.examining.completion",
@@ -105,7 +108,7 @@ COMMANDS = {
 _PRIVATE = frozenset(
     {
         *("account", "audit", "backup", "configure", "demo", "demo-indi", "enrol", "gateway"),
-        *("hub", "import", "record", "restore", "up"),
+        *("hub", "import", "record", "restore", "support-bundle", "up"),
     }
 )
 

@@ -18,7 +18,7 @@ from talaia.gateway.app import Gateway
 from talaia.gateway.command_line import settings_of
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.reload.discovered_devices import with_kept
-from talaia.log_setup import set_up_log
+from talaia.log_setup import add_log_field, set_up_log
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import site_in
 from talaia.resource_usage import report_usage_on_signal
@@ -40,7 +40,8 @@ def run_gateway(arguments: argparse.Namespace) -> int:
     # The process's own, which has a descriptor; whoever calls this may have put another in place.
     if sys.__stderr__ is not None:
         faulthandler.enable(sys.__stderr__)
-    set_up_log("debug" if arguments.verbose else arguments.log_level, arguments.log_format)
+    level = "debug" if arguments.verbose else arguments.log_level
+    set_up_log(level, arguments.log_format, program="gateway")
     # It logs each frame, which at DEBUG would be everything a robot says.
     logging.getLogger("websockets").setLevel(logging.WARNING)
     try:
@@ -53,6 +54,7 @@ def run_gateway(arguments: argparse.Namespace) -> int:
         keep_little_free_memory()
         copy = DescriptionFile(arguments.site)
         site = raise_first(site_in(copy.text, arguments.site))
+        add_log_field("TALAIA_SITE", site.site)
         settings = settings_of(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(_serve_until_signal(site, settings, copy))

@@ -145,12 +145,12 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
     return HubServer(config, on_ready, settings.proxies)
 
 
-def serve_hub(settings: Settings, log_level: str = "info", log_format: str = "text") -> int:
+def serve_hub(settings: Settings, log_level: str = "info", log_format: str = "auto") -> int:
     """Serve until SIGTERM or SIGINT; 0 after a clean end, 2 when it cannot start."""
     # Says where each thread stood when a service manager ends a process that stands still.
     faulthandler.enable()
     # No API token gets into the log, whoever logs it: tools bring theirs in the address.
-    set_up_log(log_level, log_format, mask_tokens)
+    set_up_log(log_level, log_format, mask_tokens, program="hub")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     # Whatever it makes in its folders, now or later, is its own user's alone.
     os.umask(0o077)

@@ -1,0 +1,1 @@
+"""``talaia support-bundle``: what a helper needs to know, without secrets."""
