@@ -165,7 +165,10 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # Each signal is looked at besides; what may not be seen is as if it were not there.
         ("GET", "/api/sites/{site}/anomalies"): AccessNeed.SEE,
         ("POST", "/api/sites/{site}/anomalies/forgiven"): AccessNeed.USE,
+        ("POST", "/api/sites/{site}/anomalies/confirmed"): AccessNeed.USE,
         ("POST", "/api/sites/{site}/anomalies/learned"): AccessNeed.USE,
+        ("GET", "/api/sites/{site}/anomalies/budget"): AccessNeed.SEE,
+        ("PUT", "/api/sites/{site}/anomalies/budget"): AccessNeed.USE,
         # They compute at the hub for minutes; each signal is looked at besides.
         ("POST", "/api/sites/{site}/anomalies/tests"): AccessNeed.USE,
         ("GET", "/api/sites/{site}/anomalies/tests/{test}"): AccessNeed.USE,

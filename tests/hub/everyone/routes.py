@@ -686,6 +686,11 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/anomalies/forgiven"): of_site(
         json={"address": "base/open", "detector": "change"}, done=(404,)
     ),
+    ("POST", "/api/sites/{site}/anomalies/confirmed"): of_site(
+        json={"address": "base/open", "detector": "change"}, done=(404,)
+    ),
+    ("GET", "/api/sites/{site}/anomalies/budget"): of_site(),
+    ("PUT", "/api/sites/{site}/anomalies/budget"): of_site(json={"a_week": 1}),
     ("POST", "/api/sites/{site}/anomalies/learned"): of_site(
         json={"address": "/base", "from_us": 1, "to_us": 2}, done=(404,)
     ),

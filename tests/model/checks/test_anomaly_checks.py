@@ -131,3 +131,11 @@ def test_an_alarm_may_be_about_a_group_and_no_other_kind_may():
     assert findings(group + "kind: anomaly, signal: /all}") == []
     ((where, _),) = findings(group + "kind: stale, signal: /all}")
     assert where == "$.alarms.unusual.signal"
+
+
+def test_false_alarms_that_are_borne_are_none_or_a_number_that_can_be_counted():
+    assert check_site(load_site(HEAD + "services: {false_alarms_a_week: 0.5}\n")) == []
+    for asked in ("0.01", "-1", "1000"):
+        ((at, said),) = findings(f"services: {{false_alarms_a_week: {asked}}}\n")
+        assert at == "$.services.false_alarms_a_week"
+        assert said.startswith("expected 0, or 0.05 to 50 a week")

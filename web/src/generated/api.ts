@@ -1857,6 +1857,7 @@ export interface AnomalyShape {
   readonly to_us: number;
   readonly why: string;
   readonly forgiven: boolean;
+  readonly confirmed: boolean;
   readonly learns: boolean;
   readonly learning: number;
   readonly late: number;
@@ -1896,6 +1897,32 @@ export interface BackTestShape {
   readonly anomalies: readonly PastAnomalyShape[];
   readonly scores: readonly number[];
   readonly learning: number;
+}
+
+/** Say how many false alarms a week are borne. */
+export interface BudgetAsk {
+  readonly a_week: number | null;
+}
+
+/** How often the detectors of a site may cry, and what their thresholds stand on. */
+export interface BudgetShape {
+  readonly a_week: number;
+  readonly described: number;
+  readonly by_person: boolean;
+  readonly basis: "learning" | "short" | "counted";
+  readonly seen_s: number;
+  readonly needed_s: number;
+  readonly reading: number;
+  readonly kept: number;
+  readonly others: number;
+  readonly may_change: boolean;
+}
+
+/** Say that the newest anomaly of a detector was real: it counts as no false alarm. */
+export interface ConfirmAsk {
+  readonly address: string;
+  readonly detector: string;
+  readonly comment?: string;
 }
 
 /** What the detector made of it. */

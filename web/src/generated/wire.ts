@@ -396,6 +396,7 @@ export interface AnomalyUpdate {
   readonly score: number;
   readonly why: string;
   readonly forgiven: boolean;
+  readonly confirmed: boolean;
   readonly learning: number;
   readonly mode: string;
   readonly shares: readonly (AnomalyShare)[];
@@ -695,7 +696,7 @@ export const DEFAULTS = {
   device_news: { why: "", since_us: 0 },
   alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
   sighting: { ended_us: 0 },
-  anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, learning: 0, mode: "", shares: [] },
+  anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, confirmed: false, learning: 0, mode: "", shares: [] },
   event: { device: "", message: "", who: "", time_us: 0, good: true },
   night: { armed_by: "", armed_until: 0.0, why: "", since: 0.0, request: "", step: "", frames_done: 0, frames: 0, site_time: 0.0, speed: 0.0 },
   night_plan: {},

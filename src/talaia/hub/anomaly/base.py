@@ -55,6 +55,21 @@ class AnomalyDetector(msgspec.Struct, kw_only=True):
         pairs = zip(times.tolist(), values.tolist(), strict=True)
         return np.array([self.see(time_us, value) for time_us, value in pairs])
 
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give what the newest score stands on, without an upper end: by it scores are told apart.
+
+        Empty where there is no such number; then no budget of false alarms is kept with it.
+        """
+        return ()
+
+    def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+        """Take samples as `see_many` does; give their scores (n,) and `magnitudes` (n, m)."""
+        scores, rated = np.empty(len(values)), []
+        for at, (time_us, value) in enumerate(zip(times.tolist(), values.tolist(), strict=True)):
+            scores[at] = self.see(time_us, value)
+            rated.append(self.magnitudes())
+        return scores, np.array(rated, dtype=np.float64).reshape(len(values), -1)
+
     def idle(self, time_us: int) -> float:
         """Score that nothing has come up to now; most detectors have no opinion (0)."""
         return 0.0

@@ -70,20 +70,30 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
-        scores, at = np.empty(len(values)), 0
+        return self.rate_many(times, values)[0]
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give the change at each pace."""
+        return tuple(abs(change) for change in self.changes)
+
+    def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+        """See `AnomalyDetector.rate_many`."""
+        scores, rated, at = np.empty(len(values)), np.empty((len(values), len(_PACES))), 0
         while at < len(values):
             room = len(self.values) - self.end
             # At the beginning paces join in one by one; and before the arrays are moved down.
             if self.end < _KEPT or room == 0:
                 scores[at] = self.see(int(times[at]), float(values[at]))
+                rated[at] = self.magnitudes()
                 at += 1
                 continue
             upto = min(len(values), at + room)
-            scores[at:upto] = self._see_block(times[at:upto], values[at:upto])
+            part = slice(at, upto)
+            scores[part] = self._see_block(times[part], values[part], rated[part])
             at = upto
-        return scores
+        return scores, rated
 
-    def _see_block(self, times: NDArray[np.int64], values: Floats) -> Floats:
+    def _see_block(self, times: NDArray[np.int64], values: Floats, rated: Floats) -> Floats:
         first, many = self.end, len(values)
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.times[first : first + many] = times
@@ -94,10 +104,11 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
             newest = _moving_sums(kept[pace * _BEFORE :], pace) / pace
             before = _moving_sums(kept[: len(kept) - pace], pace * _BEFORE) / (pace * _BEFORE)
             changes = newest - before
-            rarities = self.rarities[at].rate_many(np.abs(changes))
+            rated[:, at] = sizes = np.abs(changes)
+            rarities = self.rarities[at].rate_many(sizes)
             squares += rarities * rarities
             self.changes[at], self.scores[at] = float(changes[-1]), float(rarities[-1])
-            self.peak[at] = fading_peak(self.peak[at], np.abs(changes))
+            self.peak[at] = fading_peak(self.peak[at], sizes)
         scores: Floats = np.sqrt(squares / len(_PACES))
         return scores
 

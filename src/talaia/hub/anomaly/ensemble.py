@@ -49,13 +49,26 @@ class Together(AnomalyDetector, kw_only=True):
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
-        change = self.change.see_many(times, values)
-        nearest = self.nearest.see_many(times, values)
-        season = np.maximum(0.0, self.season.see_many(times, values) - _SEASON_LESS)
+        return self.rate_many(times, values)[0]
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give those of all three."""
+        return tuple(
+            magnitude
+            for member in (self.change, self.nearest, self.season)
+            for magnitude in member.magnitudes()
+        )
+
+    def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+        """See `AnomalyDetector.rate_many`."""
+        change, changes = self.change.rate_many(times, values)
+        nearest, distances = self.nearest.rate_many(times, values)
+        season, offs = self.season.rate_many(times, values)
+        season = np.maximum(0.0, season - _SEASON_LESS)
         self.scores = [float(one[-1]) for one in (change, nearest, season)]
         both = np.sqrt((change * change + _SHARE * nearest * nearest) / (1.0 + _SHARE))
         scores: Floats = np.maximum(both, season)
-        return scores
+        return scores, np.hstack((changes, distances, offs))
 
     def why(self) -> str:
         """Give the words of the one that speaks loudest."""

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 
 if TYPE_CHECKING:
@@ -20,6 +23,7 @@ __all__ = [
     "EpisodeRunner",
     "score_address",
     "signal_of",
+    "tail_word",
 ]
 
 # Between a signal's address and the detector; no other address holds it.
@@ -32,6 +36,11 @@ _EVERY_US = 60_000_000
 def score_address(address: str, detector: str) -> str:
     """Name the channel on which a detector's scores are kept, beside the signal's own."""
     return f"{address}{SCORES}{detector}"
+
+
+def tail_word(word: str) -> str:
+    """Name what is kept beside a detector: the greatest of what it has said."""
+    return f"{word}{SCORES}tail"
 
 
 def signal_of(address: str) -> str:
@@ -71,9 +80,13 @@ class EpisodeRunner:
         from_us: when the newest anomaly began (µs); 0 before the first.
         to_us: its last high sample (µs); 0 while it is on.
         forgiven: whether a person said that the newest anomaly was none.
+        confirmed: whether a person said that it was one.
         changed: whether it has learned since it was kept last.
         late: samples that were older than the newest, and not looked at.
         members: addresses of the signals of a group; of a single signal none.
+        needs: for each of its `magnitudes`, from where on an anomaly may begin; empty: the score
+            alone tells.
+        tail: the greatest magnitudes of the past, by which `needs` are set; None: nobody asks.
         shares: what each of them had to do with the newest anomaly, the greatest first.
         mode: the way of running that a group is in, in words; empty where it has one.
 
@@ -87,7 +100,9 @@ class EpisodeRunner:
         """Begin with nothing seen."""
         self.address, self.word, self.kind, self.episodes = address, word, kind, episodes
         self.score, self.why, self.changed, self.late = 0.0, "", False, 0
-        self.from_us, self.to_us, self.forgiven = 0, 0, False
+        self.from_us, self.to_us, self.forgiven, self.confirmed = 0, 0, False, False
+        self.needs: tuple[float, ...] = ()
+        self.tail: ScoreTail | None = None
         self.shares: list[SignalShare] = []
         # Its learning has ended, or other signals lead, since `take_change` was last asked.
         self._stands_otherwise = False
@@ -98,6 +113,11 @@ class EpisodeRunner:
     def mode(self) -> str:
         """The way of running that it is in, in words; empty where it has one."""
         return ""
+
+    @property
+    def asked(self) -> bytes:
+        """What it was asked to look for: by something else it has learned nothing."""
+        return b""
 
     @property
     def learning(self) -> int:
@@ -129,14 +149,61 @@ class EpisodeRunner:
         """Take the next score in; tell when an anomaly begins or ends with it."""
         self.score = score
         learning = self.episodes.learning
-        turn = self.episodes.update_score(time_us, score)
+        turn = self.episodes.update_score(
+            time_us, score, may_begin=self._is_strong(time_us, score, learning)
+        )
         # True in the one step in which the learning ends.
         self._stands_otherwise |= learning > 0 and not self.episodes.learning
         if turn is EpisodeTurn.BEGAN:
             self.why = self.reason()
-            self.from_us, self.to_us, self.forgiven = time_us, 0, False
+            self.from_us, self.to_us, self.forgiven, self.confirmed = time_us, 0, False, False
             return AnomalyBegan(time_us, score, self.why)
         return self._close_episode() if turn is EpisodeTurn.ENDED else None
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give what the newest score stands on; empty where no budget can be kept with it."""
+        return ()
+
+    def set_needs(self, needs: tuple[float, ...]) -> None:
+        """Let an anomaly begin only with such a magnitude; empty: by its score alone."""
+        self.needs = needs
+
+    def counts_peak(self, score: float) -> bool:
+        """Tell whether an anomaly would begin with such a score, if all magnitudes were enough."""
+        return score >= self.episodes.bar
+
+    def dump_tail(self) -> bytes:
+        """Give the tail to be kept over a restart; the runner has one."""
+        return msgspec.msgpack.encode((self.asked, self.tail))
+
+    def restore_tail(self, kept: bytes) -> None:
+        """Go on with a tail that was kept, if it is of the same question."""
+        try:
+            asked, tail = msgspec.msgpack.decode(kept, type=tuple[bytes, ScoreTail])
+        except msgspec.MsgspecError:
+            # Of another version: it is filled from the history again.
+            return
+        if asked == self.asked:
+            self.tail = tail
+
+    def _is_strong(self, time_us: int, score: float, learning: int) -> bool:
+        if self.tail is not None and not learning:
+            self.tail.see_time(time_us)
+        if not self.counts_peak(score):
+            # Most samples: nothing begins with them anyway.
+            return True
+        rated = self.magnitudes()
+        if self.tail is not None and not learning and rated:
+            self.tail.record_magnitudes(time_us, rated)
+        if len(self.needs) != len(rated):
+            return True
+        return not rated or any(one >= need for one, need in zip(rated, self.needs, strict=True))
+
+    def pass_calm(self, score: float, many: int) -> None:
+        """Take so many scores in at once of which none is an anomaly; ``score`` is the newest."""
+        self.score, learning = score, self.episodes.learning
+        self.episodes.pass_calm(many)
+        self._stands_otherwise |= learning > 0 and not self.episodes.learning
 
     def end_anomaly(self) -> AnomalyEnded | None:
         """End an anomaly that is on, because nobody watches any more."""

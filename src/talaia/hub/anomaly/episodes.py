@@ -48,13 +48,27 @@ class Episodes(msgspec.Struct, kw_only=True):
     # How many in a row scored below the bar.
     below: int = 0
 
-    def update_score(self, time_us: int, score: float) -> EpisodeTurn | None:
-        """Take the next score; say whether an anomaly begins or ends with it."""
-        turn = self._find_turn(time_us, score)
+    def update_score(
+        self, time_us: int, score: float, *, may_begin: bool = True
+    ) -> EpisodeTurn | None:
+        """Take the next score; say whether an anomaly begins or ends with it.
+
+        Args:
+            time_us: of its sample (µs).
+            score: 0 to 1.
+            may_begin: whether one may begin with it; one that is on goes on by its score.
+
+        """
+        turn = self._find_turn(time_us, score, may_begin=may_begin)
         self.quiet, self.learning = max(0, self.quiet - 1), max(0, self.learning - 1)
         return turn
 
-    def _find_turn(self, time_us: int, score: float) -> EpisodeTurn | None:
+    def pass_calm(self, many: int) -> None:
+        """Take so many scores in at once, all below the bar while no anomaly is on."""
+        self.since += many
+        self.quiet, self.learning = max(0, self.quiet - many), max(0, self.learning - many)
+
+    def _find_turn(self, time_us: int, score: float, *, may_begin: bool) -> EpisodeTurn | None:
         self.since += 1
         high = score >= self.bar
         if self.began_us >= 0:
@@ -65,7 +79,7 @@ class Episodes(msgspec.Struct, kw_only=True):
             if self.below >= self.calm:
                 return EpisodeTurn.ENDED
             return None
-        if high and self.since >= self.rest and score >= self._start_score():
+        if high and may_begin and self.since >= self.rest and score >= self._start_score():
             self.began_us = self.last_us = time_us
             self.top, self.below, self.since = score, 0, 0
             return EpisodeTurn.BEGAN

@@ -79,21 +79,30 @@ class Nearest(AnomalyDetector, kw_only=True):
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
-        scores, at = np.empty(len(values)), 0
+        return self.rate_many(times, values)[0]
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give how far off the nearest stretches are."""
+        return (self.distance,)
+
+    def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+        """See `AnomalyDetector.rate_many`."""
+        scores, rated, at = np.empty(len(values)), np.empty((len(values), 1)), 0
         while at < len(values):
             room = len(self.values) - self.end
             have = self.end - 2 * _LENGTH + 1
             # Until there are as many stretches as ever; and before the array is moved down.
             if have < _STRETCHES or room == 0 or len(self.forgiven):
                 scores[at] = self.see(int(times[at]), float(values[at]))
+                rated[at, 0] = self.distance
                 at += 1
                 continue
             upto = min(len(values), at + room, at + _BLOCK)
-            scores[at:upto] = self._see_block(values[at:upto])
+            scores[at:upto], rated[at:upto, 0] = self._see_block(values[at:upto])
             at = upto
-        return scores
+        return scores, rated
 
-    def _see_block(self, values: Floats) -> Floats:
+    def _see_block(self, values: Floats) -> tuple[Floats, Floats]:
         first, many = self.end, len(values)
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.end += many
@@ -109,7 +118,7 @@ class Nearest(AnomalyDetector, kw_only=True):
         if strangest >= 0:
             end = first + strangest + 1
             self.strange = self.values[end - _LENGTH : end].copy()
-        return scores
+        return scores, distances
 
     def _nearest_distance(self, have: int) -> float:
         newest = self.values[self.end - _LENGTH : self.end]

@@ -25,7 +25,8 @@ _HALF, _BINS = 363, 727
 _RESCALE = 1e100
 # So many are rated at once: each is held against all before it in its block.
 _BLOCK = 128
-_BEFORE = np.tri(_BLOCK, k=-1)
+# Small numbers: a comparison of all with all is what this costs most.
+_BEFORE = np.tri(_BLOCK, k=-1).astype(np.int16)
 
 
 class Rarity(msgspec.Struct, kw_only=True):
@@ -80,11 +81,14 @@ class Rarity(msgspec.Struct, kw_only=True):
             # Once in hundreds of thousands of samples.
             return np.array([self.rate_magnitude(float(one)) for one in magnitudes])
         at, own = _bin_indices(magnitudes), weights[:many]
-        from_here = np.append(np.cumsum(self.bins[::-1])[::-1], 0.0)
-        sums = np.append(0.0, np.cumsum(own)[:-1])
+        from_here = np.zeros(_BINS + 1)
+        np.cumsum(self.bins[::-1], out=from_here[_BINS - 1 :: -1])
+        sums = np.zeros(many)
+        np.cumsum(own[:-1], out=sums[1:])
+        short = at.astype(np.int16)
         # What came before in this block, one row for each and those before it in the columns: 1
         # where it was greater, 0 where alike and -1 where less; of alike ones the half counts.
-        signs = np.sign(at[None, :] - at[:, None]) * _BEFORE[:many, :many]
+        signs = np.sign(short[None, :] - short[:, None]) * _BEFORE[:many, :many]
         above = from_here[at + 1] + 0.5 * (self.bins[at] + sums + signs @ own)
         total = (from_here[0] + sums) / own
         rarities: Floats = np.log((total + 1.0) / (above / own + 1.0))
@@ -118,12 +122,17 @@ def _bin_index(magnitude: float) -> int:
 
 def _bin_indices(magnitudes: Floats) -> NDArray[np.int64]:
     """Give the index of each, the same as `_bin_index` does."""
-    inside = (magnitudes >= 1e-15) & (magnitudes <= 1e300)
-    steps = np.log(np.where(inside, magnitudes, 1.0)) / _STEP
-    found = np.clip(np.trunc(steps).astype(np.int64) + _HALF, 1, _BINS - 1)
-    found[magnitudes < 1e-15] = 0
-    found[magnitudes > 1e300] = _BINS - 1
+    # Least and greatest one by one: `clip` takes three times as long for so few.
+    steps = np.log(np.minimum(np.maximum(magnitudes, 1e-15), 1e300)) / _STEP
+    # Cut off towards 0, as `int` does.
+    found = np.minimum(np.maximum(steps.astype(np.int64) + _HALF, 1), _BINS - 1)
+    # Least and greatest tell in two passes that there is nothing special.
+    if magnitudes.min() < 1e-15 or magnitudes.max() > 1e300:
+        found[magnitudes < 1e-15] = 0
+        found[magnitudes > 1e300] = _BINS - 1
     # At the edge of a step the last bit of the logarithm decides, and NumPy has another one.
-    for near in np.flatnonzero(inside & (np.abs(steps - np.rint(steps)) < 1e-9)):
-        found[near] = _bin_index(float(magnitudes[near]))
+    edges = np.abs(steps - np.rint(steps)) < 1e-9
+    if edges.any():
+        for near in np.flatnonzero(edges & (magnitudes >= 1e-15) & (magnitudes <= 1e300)):
+            found[near] = _bin_index(float(magnitudes[near]))
     return found

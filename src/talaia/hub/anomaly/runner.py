@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.hub.anomaly.base import Floats
+    from talaia.hub.anomaly.budget.score_tail import ScoreTail
     from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded
     from talaia.model.alarms.anomaly import Watch
 
@@ -101,11 +102,16 @@ class DetectorRunner(EpisodeRunner):
         if kept is not None:
             self._restore_detector(kept)
 
+    @property
+    def asked(self) -> bytes:
+        """See `EpisodeRunner.asked`."""
+        return msgspec.msgpack.encode(self.watch)
+
     def _restore_detector(self, kept: bytes) -> None:
         try:
             asked, state, counts = msgspec.msgpack.decode(kept, type=_KEPT)
             # Only for the same watch: by other settings it has learned something else.
-            if asked == msgspec.msgpack.encode(self.watch):
+            if asked == self.asked:
                 if isinstance(self.detector, GuardedDetector):
                     inner = self.detector.detector
                     self.detector.detector = load_detector(type(inner), state)
@@ -120,9 +126,8 @@ class DetectorRunner(EpisodeRunner):
     def dump_state(self) -> bytes:
         """Give what is to be kept over a restart."""
         self.changed = False
-        asked = msgspec.msgpack.encode(self.watch)
         counts = (self.episodes.since, self.episodes.quiet, self.episodes.learning)
-        return msgspec.msgpack.encode((asked, self._detector_state(), counts))
+        return msgspec.msgpack.encode((self.asked, self._detector_state(), counts))
 
     def _detector_state(self) -> bytes:
         if not isinstance(self.detector, GuardedDetector):
@@ -132,6 +137,27 @@ class DetectorRunner(EpisodeRunner):
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
             self.detector.record_failure(f"what it has learned cannot be kept: {error}")
             return b""
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """See `EpisodeRunner.magnitudes`."""
+        return () if isinstance(self.detector, GuardedDetector) else self.detector.magnitudes()
+
+    def rate_past(self, times: NDArray[np.int64], values: Floats, tail: ScoreTail) -> None:
+        """Look at samples of the past for their magnitudes alone, which go into ``tail``.
+
+        Args:
+            times: rising, and newer than all that came before (µs) (n,).
+            values: finite numbers (n,).
+            tail: takes what could begin an anomaly.
+
+        """
+        if isinstance(self.detector, GuardedDetector) or not len(times):
+            return
+        scores, rated = self.detector.rate_many(times, values)
+        learned = min(self.learning, len(scores))
+        self.episodes.pass_calm(len(scores))
+        strong = scores >= self.episodes.bar
+        tail.record_many(times[learned:], strong[learned:], rated[learned:])
 
     def reason(self) -> str:
         """Say in words what the newest score stands on."""
@@ -164,7 +190,8 @@ class DetectorRunner(EpisodeRunner):
         """
         scores, at = np.empty(len(values)), 0
         turns: list[AnomalyBegan | AnomalyEnded] = []
-        if not self.detector.faster_many:
+        # Magnitudes are those of the newest sample, so with a tail each is looked at by itself.
+        if not self.detector.faster_many or self.tail is not None or self.needs:
             for place, pair in enumerate(zip(times.tolist(), values.tolist(), strict=True)):
                 turn = self.score_sample(*pair)
                 turns += [] if turn is None else [turn]
@@ -193,6 +220,9 @@ class DetectorRunner(EpisodeRunner):
         self, times: NDArray[np.int64], scores: Floats, turns: list[AnomalyBegan | AnomalyEnded]
     ) -> int:
         """Take scores in up to where an anomaly begins; give how many."""
+        if self.episodes.began_us < 0 and float(scores.max()) < self.episodes.bar:
+            self.pass_calm(float(scores[-1]), len(scores))
+            return len(scores)
         for at, (time_us, score) in enumerate(zip(times.tolist(), scores.tolist(), strict=True)):
             if self.episodes.would_begin(score):
                 return at

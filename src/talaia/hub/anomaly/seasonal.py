@@ -84,7 +84,15 @@ class Season(AnomalyDetector, kw_only=True):
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
-        scores = np.empty(len(values))
+        return self.rate_many(times, values)[0]
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give how far the hours are from the nearest day's."""
+        return (max(0.0, self.off),)
+
+    def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+        """See `AnomalyDetector.rate_many`."""
+        scores, rated = np.empty(len(values)), np.empty((len(values), 1))
         slots = times // _SLOT_US
         # All of a slot are compared with the same hours.
         edges = [0, *(np.flatnonzero(np.diff(slots)) + 1).tolist(), len(values)]
@@ -92,11 +100,13 @@ class Season(AnomalyDetector, kw_only=True):
             if upto - first < _FEW:
                 for at in range(first, upto):
                     scores[at] = self.see(int(times[at]), float(values[at]))
+                    rated[at] = self.magnitudes()
                 continue
-            scores[first:upto] = self._see_slot(int(slots[first]), values[first:upto])
-        return scores
+            part = slice(first, upto)
+            scores[part], rated[part, 0] = self._see_slot(int(slots[first]), values[part])
+        return scores, rated
 
-    def _see_slot(self, slot: int, values: Floats) -> Floats:
+    def _see_slot(self, slot: int, values: Floats) -> tuple[Floats, Floats]:
         self._move_slot(slot)
         at = self.slot % _KEPT
         count, mean = float(self.counts[at]), float(self.means[at])
@@ -109,9 +119,9 @@ class Season(AnomalyDetector, kw_only=True):
         self.counts[at], self.means[at] = count, mean
         offs = self._compare_means(np.array(means))
         if self.off < 0.0:
-            return np.zeros(len(values))
+            return np.zeros(len(values)), np.zeros(len(values))
         self.peak = fading_peak(self.peak, offs)
-        return self.rarity.rate_many(offs)
+        return self.rarity.rate_many(offs), offs
 
     def _compare_means(self, means: Floats) -> Floats:
         """Compare the hours with those of the days before, for each mean of the newest slot."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.sites.alarm_budgets import AlarmBudgetPages
 from talaia.hub.api.sites.anomalies import AnomalyPages
 from talaia.hub.api.sites.back_tests import BackTestPages
 from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.live.detection.alarm_budget import AlarmBudgets
 from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.hub.live.detection.back_test import BackTests
 from talaia.hub.store.sites.detector_state import DetectorState
@@ -26,6 +28,7 @@ class AnomaliesFeature(Feature):
 
     Attributes:
         detectors: runs them.
+        budgets: sets their thresholds for so many false alarms.
 
     """
 
@@ -55,12 +58,25 @@ class AnomaliesFeature(Feature):
         pages = AnomalyPages(
             watching=self.detectors, history=history, audit=audit, clock=core.clock
         )
+        self.budgets = AlarmBudgets(
+            self.detectors,
+            sites=core.sites,
+            history=history,
+            learned=DetectorState(core.database, core.clock),
+            clock=core.clock,
+        )
+        budgets = AlarmBudgetPages(self.budgets, self.detectors, audit)
         self._tests = BackTests(history)
         tests = BackTestPages(self._tests, core.clock)
-        self.routers = [pages.make_router(), tests.make_router()]
-        self.tasks = [BackgroundTask(name="detect", run=self.detectors.run)]
+        self.routers = [pages.make_router(), budgets.make_router(), tests.make_router()]
+        self.tasks = [
+            BackgroundTask(name="detect", run=self.detectors.run),
+            BackgroundTask(name="false alarms", run=self.budgets.run),
+            BackgroundTask(name="false alarms of the past", run=self.budgets.read_past),
+        ]
 
     async def close(self) -> None:
         """Write down what detectors have learned."""
         await self._tests.close()
+        await self.budgets.close()
         await self.detectors.close()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.ai_services import FEWEST_A_WEEK, MOST_A_WEEK
 from talaia.model.alarms.anomaly import (
     MOST_LETTERS,
     OPTIONS,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["anomaly_findings", "group_findings"]
+__all__ = ["anomaly_findings", "budget_findings", "group_findings"]
 
 # Every detector knows these.
 _ANY = {"detector", "bar", "rest"}
@@ -100,6 +101,14 @@ def _check_watch(where: str, watch: Watch) -> Iterator[Finding]:
 
 def _default_of(field: msgspec.structs.FieldInfo) -> object:
     return field.default if field.default_factory is msgspec.NODEFAULT else field.default_factory()
+
+
+def budget_findings(site: Site) -> Iterator[Finding]:
+    """List what does not fit in how often the detectors of a site may cry."""
+    asked = 0.0 if site.services is None else site.services.false_alarms_a_week
+    if asked and not FEWEST_A_WEEK <= asked <= MOST_A_WEEK:
+        problem = f"expected 0, or {FEWEST_A_WEEK:g} to {MOST_A_WEEK:g} a week, found {asked:g}"
+        yield Finding("$.services.false_alarms_a_week", problem, "write 1 for one a week")
 
 
 def group_findings(site: Site) -> Iterator[Finding]:

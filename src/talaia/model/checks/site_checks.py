@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.boards.board_checks import boards_findings
 from talaia.model.checks.alarm_checks import alarms_findings
-from talaia.model.checks.anomaly_checks import anomaly_findings, group_findings
+from talaia.model.checks.anomaly_checks import anomaly_findings, budget_findings, group_findings
 from talaia.model.checks.connection_checks import (
     NO_CONNECTION,
     connection_findings,
@@ -139,6 +139,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from hub_sight_findings(whole)
     yield from former_findings(whole)
     yield from group_findings(whole)
+    yield from budget_findings(whole)
     yield from alarms_findings(whole)
     yield from topics_findings(site)
     yield from boards_findings(site)

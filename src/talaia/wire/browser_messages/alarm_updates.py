@@ -108,6 +108,7 @@ class AnomalyUpdate(DeviceMessage, frozen=True, kw_only=True, tag="anomaly"):
         score: the newest.
         why: why the newest anomaly is one, in words.
         forgiven: a person said that it was none.
+        confirmed: a person said that it was one.
         learning: so many samples until it has learned; before, it tells little.
         mode: the way of running that a group is in, in words; empty where it has one.
         shares: which signals of a group made the newest anomaly so, the greatest share first.
@@ -124,6 +125,7 @@ class AnomalyUpdate(DeviceMessage, frozen=True, kw_only=True, tag="anomaly"):
     score: float = 0.0
     why: Sentence = ""
     forgiven: bool = False
+    confirmed: bool = False
     learning: Count = 0
     mode: Word = ""
     shares: Annotated[list[AnomalyShare], Meta(max_length=64)] = []

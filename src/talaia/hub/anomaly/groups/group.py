@@ -35,7 +35,14 @@ from talaia.hub.anomaly.groups.whitening import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["FEWEST_LEARNED", "MOST_LEARNED", "MOST_SIGNALS", "GroupDetector", "most_learned"]
+__all__ = [
+    "FEWEST_LEARNED",
+    "MOST_LEARNED",
+    "MOST_SIGNALS",
+    "GroupDetector",
+    "most_learned",
+    "score_of_distance",
+]
 
 # What it keeps while it learns is a number for each signal and step: 5 MB at the most.
 MOST_SIGNALS, MOST_KEPT = 64, 640_000
@@ -63,6 +70,11 @@ _SILENCE = 600
 def most_learned(signals: int) -> int:
     """Give how many rows of so many signals may be learned from: what is kept is bounded."""
     return min(MOST_LEARNED, MOST_KEPT // max(1, signals))
+
+
+def score_of_distance(distance: float) -> float:
+    """Give the score of a squared distance (in limits) while no anomaly is on."""
+    return distance / (distance + _BAR)
 
 
 class GroupDetector(msgspec.Struct, kw_only=True):

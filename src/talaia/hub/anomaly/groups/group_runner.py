@@ -9,6 +9,7 @@ import msgspec
 from talaia.hub.anomaly.base import AnomalyDetector, dump_detector, load_detector
 from talaia.hub.anomaly.episode_runner import EpisodeRunner
 from talaia.hub.anomaly.episodes import Episodes
+from talaia.hub.anomaly.groups.group import score_of_distance
 from talaia.hub.anomaly.groups.modal_group import ModalGroup
 from talaia.hub.anomaly.kinds import RegisteredDetector
 from talaia.model.alarms.signal_groups import GROUP_DETECTOR
@@ -85,7 +86,8 @@ class GroupRunner(EpisodeRunner):
 
     def redescribe(self, group: GroupSignals) -> None:
         """Take other names and another bar; what is learned from is the same."""
-        self.group, self.episodes.bar = group, group.group.bar
+        self.group = group
+        self.set_needs(self.needs)
         self.detector.rename_signals(group.labels)
 
     def dump_state(self) -> bytes:
@@ -108,6 +110,23 @@ class GroupRunner(EpisodeRunner):
         if known:
             return known[detector.mode] if detector.mode < len(known) else ""
         return f"{detector.mode + 1} of {len(detector.members)}"
+
+    def magnitudes(self) -> tuple[float, ...]:
+        """Give the squared distance, in the greatest ones of the learning stretch."""
+        current = self.detector.current
+        judged = current is not None and self.detector.score > 0.0
+        return (current.distance if current is not None and judged else 0.0,)
+
+    def set_needs(self, needs: tuple[float, ...]) -> None:
+        """See `EpisodeRunner.set_needs`; the bar goes with it, for the distance is all there is."""
+        self.needs = needs
+        self.episodes.bar = self.group.group.bar
+        if needs:
+            self.episodes.bar = min(self.episodes.bar, score_of_distance(needs[0]))
+
+    def counts_peak(self, score: float) -> bool:
+        """See `EpisodeRunner.counts_peak`: from the lowest bar on that a budget may set."""
+        return score > 0.0
 
     def reason(self) -> str:
         """Say in words what the newest score stands on."""

@@ -7,12 +7,16 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Field, StringConstraints
 
 from talaia.hub.api.schemas.common import Schema
+from talaia.model.ai_services import MOST_A_WEEK
 
 __all__ = [
     "AnomalyList",
     "AnomalyShape",
     "BackTestAsk",
     "BackTestShape",
+    "BudgetAsk",
+    "BudgetShape",
+    "ConfirmAsk",
     "ForgiveAnswer",
     "ForgiveAsk",
     "LearnAnswer",
@@ -46,6 +50,7 @@ class AnomalyShape(BaseModel):
     to_us: int = Field(description="its last high sample; 0 while it is on")
     why: str = Field(description="of the anomaly that is on, or of the last one")
     forgiven: bool = Field(description="whether a person said that it was none")
+    confirmed: bool = Field(description="whether a person said that it was one")
     learns: bool = Field(description="whether it can be told so: limits are changed by hand")
     learning: int = Field(
         description="so many samples until it has learned; before, it tells little"
@@ -74,6 +79,40 @@ class ForgiveAsk(Schema):
     address: Annotated[str, StringConstraints(max_length=200)]
     detector: Annotated[str, StringConstraints(max_length=20)]
     comment: Annotated[str, StringConstraints(max_length=500, strip_whitespace=True)] = ""
+
+
+class ConfirmAsk(Schema):
+    """Say that the newest anomaly of a detector was real: it counts as no false alarm."""
+
+    address: Annotated[str, StringConstraints(max_length=200)]
+    detector: Annotated[str, StringConstraints(max_length=20)]
+    comment: Annotated[str, StringConstraints(max_length=500, strip_whitespace=True)] = ""
+
+
+class BudgetAsk(Schema):
+    """Say how many false alarms a week are borne."""
+
+    a_week: Annotated[float, Field(ge=0, le=MOST_A_WEEK)] | None = Field(
+        description="0: detectors' own bars hold; null: as the description says"
+    )
+
+
+class BudgetShape(BaseModel):
+    """How often the detectors of a site may cry, and what their thresholds stand on."""
+
+    a_week: float = Field(description="false alarms a week that are borne; 0: nobody asked")
+    described: float = Field(description="what the description says; 0: nothing")
+    by_person: bool = Field(description="whether a person said another number than it")
+    basis: Literal["learning", "short", "counted"] = Field(
+        description="``learning``: own bars hold as less than a day was seen; ``short``: carried on"
+        " from the greatest scores; ``counted``: as many were above it as are borne"
+    )
+    seen_s: float = Field(description="so much of the past was looked at (s)")
+    needed_s: float = Field(description="from so much on false alarms are counted (s)")
+    reading: int = Field(description="detectors whose stored history is still to be looked at")
+    kept: int = Field(description="detectors that the budget holds for")
+    others: int = Field(description="detectors whose own bars hold: limits, silence and the like")
+    may_change: bool = Field(description="whether the person may say another number")
 
 
 class ForgiveAnswer(BaseModel):

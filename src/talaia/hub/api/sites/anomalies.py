@@ -146,6 +146,7 @@ def _anomaly_schema(watched: EpisodeRunner) -> AnomalyShape:
         to_us=watched.to_us,
         why=watched.why,
         forgiven=watched.forgiven,
+        confirmed=watched.confirmed,
         learns=watched.kind.learns,
         learning=watched.learning,
         late=watched.late,

@@ -164,6 +164,7 @@ class AnomalyService:
         if live is None or runner is None:
             return None
         learns = runner.dismiss_peak()
+        runner.confirmed = False
         # A person's word is kept with the next tick.
         self._saved_at[site, address, detector] = -_SAVE_EVERY_S
         if learns:
@@ -172,6 +173,22 @@ class AnomalyService:
             else:
                 self._publish_standing(live, runner)
         return learns
+
+    def confirm_newest(self, site: str, address: str, detector: str) -> tuple[int, int] | None:
+        """Take it that a detector's newest anomaly was one; None if there is none.
+
+        Returns:
+            From when to when it was (µs); up to its last high sample while it is on.
+
+        """
+        live = self._sites.find_site(site)
+        runner = None if live is None else self._watch_of(live).find_runner(address, detector)
+        # One that has told of nothing yet has nothing to confirm.
+        if live is None or runner is None or runner.from_us == 0:
+            return None
+        runner.confirmed, runner.forgiven = True, False
+        self._publish_standing(live, runner)
+        return runner.from_us, runner.to_us or runner.episodes.last_us
 
     def find_group(self, site: str, address: str) -> GroupRunner | None:
         """Find a group of signals that is at work now."""
@@ -185,6 +202,7 @@ class AnomalyService:
         live = self._sites.find_site(site)
         if live is None:
             return
+        # A person's word is kept with the next tick.
         self._saved_at[site, runner.address, runner.word] = -_SAVE_EVERY_S
         if (ended := runner.take_learned(detector)) is not None:
             self._publish_anomaly(live, runner, ended)
@@ -287,12 +305,7 @@ class AnomalyService:
         if watch.description is not live.description:
             # Numbered by another list of channels.
             return
-        columns = Columns(
-            np.array([place for place, _, _ in fresh], np.uint16),
-            np.array([time_us for _, time_us, _ in fresh], np.int64),
-            np.array([score for _, _, score in fresh], np.float64),
-            {},
-        )
+        columns = _columns_of(fresh)
         live.latest.update_values(columns, self._clock.monotonic_ns())
         self._fanout.publish(live, columns)
 
@@ -322,15 +335,7 @@ class AnomalyService:
     def _publish_anomaly(
         self, live: LiveSite, runner: EpisodeRunner, turn: AnomalyBegan | AnomalyEnded
     ) -> None:
-        news = AnomalyReport(
-            site=live.name,
-            channel=runner.address,
-            detector=runner.word,
-            began_us=turn.time_us if isinstance(turn, AnomalyBegan) else turn.began_us,
-            ended_us=None if isinstance(turn, AnomalyBegan) else turn.ended_us,
-            score=turn.score,
-            why=turn.why,
-        )
+        news = _report_of(live, runner, turn)
         for sink in self._sinks:
             sink.report_anomaly(news)
         self._publish_standing(live, runner)
@@ -390,6 +395,31 @@ class AnomalyService:
             raise
         for site, address, detector, _ in rows:
             self._saved_at[site, address, detector] = now
+
+
+def _report_of(
+    live: LiveSite, runner: EpisodeRunner, turn: AnomalyBegan | AnomalyEnded
+) -> AnomalyReport:
+    """Say what those are told who listen."""
+    return AnomalyReport(
+        site=live.name,
+        channel=runner.address,
+        detector=runner.word,
+        began_us=turn.time_us if isinstance(turn, AnomalyBegan) else turn.began_us,
+        ended_us=None if isinstance(turn, AnomalyBegan) else turn.ended_us,
+        score=turn.score,
+        why=turn.why,
+    )
+
+
+def _columns_of(fresh: Sequence[tuple[int, int, float]]) -> Columns:
+    """Make columns of scores: number of the channel, time (µs), score."""
+    return Columns(
+        np.array([place for place, _, _ in fresh], np.uint16),
+        np.array([time_us for _, time_us, _ in fresh], np.int64),
+        np.array([score for _, _, score in fresh], np.float64),
+        {},
+    )
 
 
 def _score_sample(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.hub.anomaly.episode_runner import tail_word
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted_detectors
@@ -105,6 +106,10 @@ class SiteWatch:
             for runner in self.groups
         ]
         self.take_groups(groups)
+        for runner in self.all_runners():
+            tail = kept.get((runner.address, tail_word(runner.word)))
+            if tail is not None:
+                runner.restore_tail(tail)
 
 
 def watch_site(live: LiveSite, before: SiteWatch | None) -> tuple[SiteWatch, list[EpisodeRunner]]:

@@ -234,26 +234,7 @@ class RobotEvents:
         if live is None:
             return
         device, _, signal = watched.address.partition("/")
-        news = page.AnomalyUpdate(
-            site=site,
-            device=device,
-            address=watched.address,
-            detector=watched.word,
-            on=watched.episodes.began_us >= 0,
-            from_us=watched.from_us,
-            to_us=watched.to_us,
-            score=watched.score,
-            why=watched.why,
-            forgiven=watched.forgiven,
-            learning=watched.learning,
-            mode=watched.mode,
-            shares=[
-                page.AnomalyShare(
-                    signal=watched.members[one.place], share=one.share, spreads=one.spreads
-                )
-                for one in watched.shares
-            ],
-        )
+        news = _detector_news(site, device, watched)
         # Encoded once in each form, for all pages.
         encoded: dict[str, Frame] = {}
         for browser in self._browsers:
@@ -388,6 +369,32 @@ class RobotEvents:
             message=f"{state.command} {state.id} {state.message}".rstrip(),
             good=state.phase is CommandPhase.SUCCEEDED,
         )
+
+
+def _detector_news(site: str, device: str, watched: EpisodeRunner) -> page.AnomalyUpdate:
+    """Say how a detector stands, and of a group who made it so."""
+    return page.AnomalyUpdate(
+        site=site,
+        device=device,
+        address=watched.address,
+        detector=watched.word,
+        # Since when one is on is told apart from the newest, which may be over.
+        on=watched.episodes.began_us >= 0,
+        from_us=watched.from_us,
+        to_us=watched.to_us,
+        score=watched.score,
+        why=watched.why,
+        forgiven=watched.forgiven,
+        confirmed=watched.confirmed,
+        learning=watched.learning,
+        mode=watched.mode,
+        shares=[
+            page.AnomalyShare(
+                signal=watched.members[one.place], share=one.share, spreads=one.spreads
+            )
+            for one in watched.shares
+        ],
+    )
 
 
 def _lease_news(

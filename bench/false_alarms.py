@@ -1,0 +1,254 @@
+"""How often a healthy site cries when it may once a week, and which planted faults are found.
+
+    PYTHONPATH=src:bench python bench/false_alarms.py [--seeds 1-5] [--a-week 1] [--weeks 1]
+
+The signals are made (see `made_sites`), a row every five seconds. A site learns for seven days; its
+thresholds are set from these by the same code as at the hub, and again after each day that follows.
+Every signal has `together`, every device a group of all its signals, as the switch makes them. A
+false alarm is an anomaly of a healthy site after the seven days; anomalies that overlap, or begin
+within a minute of each other, are one alarm.
+
+A fault counts from the moment at which it has changed a signal by more than three times its noise
+(the spread around a mean of five minutes, before the fault). It is found if an alarm begins between
+its beginning and 60 s after that moment.
+"""
+
+from __future__ import annotations
+
+import argparse
+import copy
+import sys
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from made_sites import DAY_S, FAULTS, STEP_S, Fault, MadeSite, make_site
+
+from talaia.hub.anomaly.budget.score_tail import ScoreTail
+from talaia.hub.anomaly.budget.thresholds import site_thresholds
+from talaia.hub.anomaly.episode_runner import AnomalyBegan
+from talaia.hub.anomaly.groups.group_runner import GroupRunner
+from talaia.hub.anomaly.runner import DetectorRunner
+from talaia.model.alarms.anomaly import DetectorKind, SignalGroup, Watch
+from talaia.model.alarms.signal_groups import GroupSignals
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from talaia.hub.anomaly.episode_runner import EpisodeRunner
+
+    Floats = NDArray[np.float64]
+
+_LEARNED_DAYS = 7
+# What is usual is learned from the first day, which holds all that the site does.
+_LEARN_ROWS = DAY_S // STEP_S
+_FOUND_WITHIN_S, _FAULT_S = 60, 600
+_ONE_CAUSE_S = 60
+_ROWS = 512
+
+
+@dataclass
+class _Site:
+    """All detectors of a site, as the switch makes them."""
+
+    made: MadeSite
+    singles: list[DetectorRunner] = field(default_factory=list)
+    # With the columns of its signals.
+    groups: list[tuple[GroupRunner, list[int]]] = field(default_factory=list)
+
+    def runners(self) -> list[EpisodeRunner]:
+        return [*self.singles, *(runner for runner, _ in self.groups)]
+
+
+def _new_site(made: MadeSite) -> _Site:
+    site = _Site(made)
+    watch = Watch(detector=DetectorKind.TOGETHER)
+    site.singles = [DetectorRunner(name, "", watch) for name in made.names]
+    for device in dict.fromkeys(name.partition("/")[0] for name in made.names):
+        of_it = [at for at, name in enumerate(made.names) if name.startswith(f"{device}/")]
+        if len(of_it) < 2:
+            continue
+        signals = tuple(made.names[at] for at in of_it)
+        group = SignalGroup(device=device, modes=4, learn=_LEARN_ROWS, step=float(STEP_S))
+        asked = GroupSignals(device, group, signals, signals, device)
+        site.groups.append((GroupRunner(asked), of_it))
+    for runner in site.runners():
+        runner.tail = ScoreTail()
+    return site
+
+
+def _live(site: _Site, first: int, upto: int) -> list[tuple[int, str, bool]]:
+    """Show rows as live, many at once; give when anomalies began or ended, and whose."""
+    times = site.made.time_s[first:upto] * 1_000_000
+    values = site.made.values[first:upto]
+    turns: list[tuple[int, str, bool]] = []
+    for column, runner in enumerate(site.singles):
+        for at in range(0, len(times), _ROWS):
+            part = slice(at, at + _ROWS)
+            turns += _score_many(runner, times[part], values[part, column])
+    for runner, columns in site.groups:
+        for time_us, row in zip(times.tolist(), values[:, columns], strict=True):
+            turn = runner.score_row(time_us, row, -1)
+            if turn is not None:
+                turns.append((time_us, runner.address, isinstance(turn, AnomalyBegan)))
+    return turns
+
+
+def _score_many(
+    runner: DetectorRunner, times: NDArray[np.int64], values: Floats
+) -> list[tuple[int, str, bool]]:
+    """Do what `DetectorRunner.score_sample` does one by one, with all magnitudes at once."""
+    learned = min(runner.learning, len(times))
+    scores, rated = runner.detector.rate_many(times, values)
+    strong = scores >= runner.episodes.bar
+    runner.tail.record_many(times[learned:], strong[learned:], rated[learned:])
+    enough = np.ones(len(times), bool)
+    if runner.needs:
+        enough = (rated >= np.array(runner.needs)).any(axis=1)
+    turns, done = [], 0
+    while done < len(times):
+        if runner.episodes.began_us < 0:
+            coming = np.flatnonzero(strong[done:] & enough[done:])
+            calm = int(coming[0]) if len(coming) else len(times) - done
+            runner.episodes.pass_calm(calm)
+            done += calm
+            if done == len(times):
+                break
+        turn = runner.episodes.update_score(
+            int(times[done]), float(scores[done]), may_begin=bool(enough[done])
+        )
+        if turn is not None:
+            turns.append((int(times[done]), runner.address, turn == "began"))
+            if turn == "ended":
+                runner.episodes.end_episode()
+        done += 1
+    return turns
+
+
+def _adjust(site: _Site, a_week: float) -> str:
+    tails = {(runner.address, runner.word): runner.tail for runner in site.runners()}
+    found = site_thresholds(tails, a_week)
+    for runner in site.runners():
+        runner.set_needs(found.of.get((runner.address, runner.word), ()))
+    return found.basis
+
+
+def _alarms(turns: list[tuple[int, str, bool]]) -> list[tuple[int, list[str]]]:
+    """Count what overlaps, or begins within a minute, as one alarm."""
+    alarms: list[tuple[int, list[str]]] = []
+    on: set[str] = set()
+    free_us = -1
+    for time_us, who, began in sorted(turns):
+        if not began:
+            on.discard(who)
+            free_us = time_us + _ONE_CAUSE_S * 1_000_000
+            continue
+        if on or time_us < free_us:
+            alarms[-1][1].append(who)
+        else:
+            alarms.append((time_us, [who]))
+        on.add(who)
+        free_us = max(free_us, time_us + _ONE_CAUSE_S * 1_000_000)
+    return alarms
+
+
+def _noise(before: Floats) -> Floats:
+    """Give each signal's spread around a mean of five minutes."""
+    width = 300 // STEP_S
+    means = np.apply_along_axis(
+        lambda column: np.convolve(column, np.ones(width) / width, "same"), 0, before
+    )
+    return np.maximum((before - means)[width:-width].std(axis=0), 1e-6)
+
+
+def _try_fault(site: _Site, fault: Fault, first: int, seed: int) -> str:
+    """Plant a fault; tell how it was found: a delay in seconds, ``missed``, or ``no effect``."""
+    rows = _FAULT_S // STEP_S
+    healthy = site.made.values[first : first + rows]
+    rng = np.random.default_rng([seed, FAULTS.index(fault)])
+    faulty = fault.plant(healthy.copy(), site.made.names, rng)
+    noise = _noise(site.made.values[first - 720 : first])
+    large = np.flatnonzero((np.abs(faulty - healthy) > 3 * noise).any(axis=1))
+    if not len(large):
+        return "no effect"
+    values = site.made.values
+    kept = values[first : first + rows].copy()
+    values[first : first + rows] = faulty
+    turns = _live(site, first, first + rows)
+    values[first : first + rows] = kept
+    began = [time_us for time_us, _, on in sorted(turns) if on]
+    effect_us = int(site.made.time_s[first + int(large[0])]) * 1_000_000
+    if not began or began[0] > effect_us + _FOUND_WITHIN_S * 1_000_000:
+        return "missed" if not began else f"late {(began[0] - effect_us) // 1_000_000}"
+    return f"{(began[0] - effect_us) // 1_000_000}"
+
+
+def _place_of(made: MadeSite, fault: Fault, begin: int) -> int:
+    """Find where the machine runs in the fault's way and goes on so for a while."""
+    stays = np.convolve(made.mode[begin:] == fault.mode, np.ones(150), "valid") >= 149
+    return begin + int(np.flatnonzero(stays)[0]) + 20
+
+
+def _run(kind: str, seed: int, a_week: float, weeks: int) -> tuple[int, list[tuple[str, str]]]:
+    day = DAY_S // STEP_S
+    days = _LEARNED_DAYS + 7 * weeks
+    made = make_site(kind, seed, days + 2)
+    site = _new_site(made)
+    _live(site, 0, _LEARNED_DAYS * day)
+    turns = []
+    for at in range(_LEARNED_DAYS, days):
+        _adjust(site, a_week)
+        turns += _live(site, at * day, (at + 1) * day)
+    alarms = _alarms(turns)
+    for time_us, who in alarms:
+        at = (time_us // 1_000_000 - int(made.time_s[0])) / DAY_S
+        print(f"    {kind} {seed}: false alarm on day {at:.2f}: {', '.join(sorted(set(who)))}")
+    _adjust(site, a_week)
+    results: list[tuple[str, str]] = []
+    done = days * day
+    faults = [fault for fault in FAULTS if fault.site == kind]
+    # At noon or later of the day after, so that a night is there as well.
+    places = sorted(
+        (_place_of(made, one, done + day // 3 + 37 * at), at) for at, one in enumerate(faults)
+    )
+    for first, at in places:
+        if first > done:
+            _live(site, done, first)
+            done = first
+        results.append((faults[at].name, _try_fault(copy.deepcopy(site), faults[at], first, seed)))
+    return len(alarms), results
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--seeds", default="1-5")
+    parser.add_argument("--a-week", type=float, default=1.0)
+    parser.add_argument("--weeks", type=int, default=1)
+    parser.add_argument("--sites", default="vehicle,observatory")
+    asked = parser.parse_args()
+    low, _, high = asked.seeds.partition("-")
+    seeds = range(int(low), int(high or low) + 1)
+    found: dict[str, list[str]] = {}
+    for kind in asked.sites.split(","):
+        total = 0
+        for seed in seeds:
+            alarms, results = _run(kind, seed, asked.a_week, asked.weeks)
+            total += alarms
+            print(f"  {kind} {seed}: {alarms} false alarms in {asked.weeks} weeks", flush=True)
+            for name, how in results:
+                found.setdefault(name, []).append(how)
+        rate = total / (len(seeds) * asked.weeks)
+        print(f"{kind}: {rate:.2f} false alarms a week, budget {asked.a_week:g}")
+    every = [how for hows in found.values() for how in hows]
+    for name, hows in found.items():
+        print(f"| {name} | {sum(_is_found(how) for how in hows)}/{len(hows)} | {', '.join(hows)} |")
+    print(f"found: {sum(_is_found(how) for how in every)}/{len(every)}")
+
+
+def _is_found(how: str) -> bool:
+    return how.lstrip("-").isdigit()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""How often detectors may cry: thresholds from what they said of the past."""
