@@ -31,6 +31,27 @@ def test_any_picture_fits_with_its_shape_kept(width: int, height: int, side: int
     assert max(right - left, bottom - top) + 1 == side
 
 
+@given(sizes, sizes, st.sampled_from([32, 64]), st.integers(0, 9))
+def test_pixels_are_interpolated_linearly_between_their_centres(width, height, side, seed) -> None:
+    picture = np.random.default_rng(seed).integers(0, 256, (height, width, 3), dtype=np.uint8)
+    square, frame = fit_to_square(picture, side)
+    rows, columns = round(height * frame.scale) or 1, round(width * frame.scale) or 1
+    y = np.clip((np.arange(rows) + 0.5) * height / rows - 0.5, 0, height - 1)
+    x = np.clip((np.arange(columns) + 0.5) * width / columns - 0.5, 0, width - 1)
+    low_y, low_x = np.floor(y).astype(int), np.floor(x).astype(int)
+    part_y, part_x = (y - low_y)[:, None, None], (x - low_x)[None, :, None]
+    high_y, high_x = np.minimum(low_y + 1, height - 1), np.minimum(low_x + 1, width - 1)
+    exact = (
+        picture[low_y][:, low_x] * (1 - part_y) * (1 - part_x)
+        + picture[high_y][:, low_x] * part_y * (1 - part_x)
+        + picture[low_y][:, high_x] * (1 - part_y) * part_x
+        + picture[high_y][:, high_x] * part_y * part_x
+    )
+    shown = square[frame.top : frame.top + rows, frame.left : frame.left + columns]
+    # Two roundings, and how far it lies is told in 256 parts.
+    assert np.abs(shown - exact).max() < 2.5
+
+
 def test_smaller_picture_has_its_pixels_where_they_were() -> None:
     picture = np.zeros((40, 40, 3), np.uint8)
     picture[:, 20:] = 200

@@ -82,8 +82,10 @@ class Detector:
         # What does not change while the detector lives; an instance keeps nothing from picture to
         # picture.
         self._setting, self._classes, self._run = setting, classes, run
-        self._mean = np.array(setting.mean, np.float32)
-        self._factor = 1 / np.array(setting.spread, np.float32)
+        factor = 1 / np.array(setting.spread, np.float32)
+        # One for each colour's rows and columns.
+        self._factor = factor[:, None, None]
+        self._offset = (np.array(setting.mean, np.float32) * factor)[:, None, None]
 
     def detect_objects(self, picture: NDArray[np.uint8], least: float) -> list[Box]:
         """Find things on a picture.
@@ -97,21 +99,22 @@ class Detector:
 
         """
         square, frame = fit_to_square(picture, self._setting.side)
-        if self._setting.blue_first:
-            # A view; the copy is made once, below.
-            square = square[:, :, ::-1]
-        shown = (square.astype(np.float32) - self._mean) * self._factor
         # Rows × columns × colours to one batch of colours × rows × columns, as detectors are
-        # exported.
-        outputs = self._run(np.ascontiguousarray(shown.transpose(2, 0, 1)[None]))
-        boxes, scores = self._decode_outputs(outputs)
+        # exported; before they are made floats, which is four times as much.
+        colours = square.transpose(2, 0, 1)
+        planes = np.ascontiguousarray(colours[::-1] if self._setting.blue_first else colours)
+        shown = planes.astype(np.float32)
+        shown *= self._factor
+        shown -= self._offset
+        boxes, scores = self._decode_outputs(self._run(shown[None]), least)
         return as_picture_parts(suppress_overlaps(boxes, scores, least), frame)
 
     def _decode_outputs(
-        self, outputs: Sequence[NDArray[np.float32]]
+        self, outputs: Sequence[NDArray[np.float32]], least: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Give boxes and scores of what is sure enough for any class, and perhaps of more."""
         if self._setting.kind is OutputFormat.YOLO:
-            return self._read_yolo(outputs)
+            return self._read_yolo(outputs, least)
         side, count = self._setting.side, len(self._classes)
         # Outputs are known by their shapes: their names and order differ from export to export.
         by_cells: dict[int, dict[bool, NDArray[np.float32]]] = {}
@@ -121,24 +124,27 @@ class Detector:
         heads = [by_cells.get((-(-side // step)) ** 2, {}) for step in STEPS]
         if any(set(head) != {True, False} for head in heads):
             raise self._shape_error("scores and distances for each cell of three grids", outputs)
+        # Of thousands of cells a few see something: only they are worth a softmax.
+        chosen = [_sure_rows(head[True], least) for head in heads]
         return (
             np.concatenate(
                 [
-                    boxes_from_distances(head[False], side, step)
-                    for head, step in zip(heads, STEPS, strict=True)
+                    boxes_from_distances(head[False][cells], side, step, cells)
+                    for head, step, cells in zip(heads, STEPS, chosen, strict=True)
                 ]
             ),
-            np.concatenate([head[True] for head in heads]),
+            np.concatenate([head[True][cells] for head, cells in zip(heads, chosen, strict=True)]),
         )
 
     def _read_yolo(
-        self, outputs: Sequence[NDArray[np.float32]]
+        self, outputs: Sequence[NDArray[np.float32]], least: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         count = len(self._classes)
         if len(outputs) != 1 or outputs[0].ndim != 3 or outputs[0].shape[1] != 4 + count:
             raise self._shape_error(f"1 × {4 + count} × boxes, for {count} classes", outputs)
         # One row for each box: the file has one column for each.
         told = outputs[0][0].T
+        told = told[_sure_rows(told[:, 4:], least)]
         return boxes_from_centres(told[:, :4]), told[:, 4:]
 
     def _shape_error(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
@@ -147,3 +153,8 @@ class Detector:
             f"a detector of the kind {self._setting.kind.value} gives {expected}; "
             f"this file gives {shapes or 'nothing'}: choose another kind or list of classes"
         )
+
+
+def _sure_rows(scores: NDArray[np.float32], least: float) -> NDArray[np.intp]:
+    """Give the rows that may hold a score of at least that; one with NaN among them may."""
+    return np.flatnonzero(~(scores.max(axis=1) < least))
