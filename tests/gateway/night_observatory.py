@@ -25,6 +25,7 @@ from talaia.gateway.night.target_place import place_of_date
 from talaia.model.interlocks.enclosure import ClosingOrder
 from talaia.model.observing.requests import (
     Configuration,
+    Constraints,
     Guiding,
     Request,
     RequestGroup,
@@ -71,6 +72,7 @@ def request(
     start: float = EVENING - 86_400.0,
     guiding: Guiding = Guiding.OPTIONAL,
     target: Target | None = None,
+    constraints: Constraints = Constraints(),  # noqa: B008 - it is frozen
     **configuration: Any,
 ) -> RequestGroup:
     """Ask for frames of a place that is high in the evening, or of another target."""
@@ -87,6 +89,7 @@ def request(
             Request(
                 id=name,
                 target=target or IcrsTarget(name=name, ra=ra * 15.0 % 360.0, dec=42.0),
+                constraints=constraints,
                 configurations=(
                     Configuration(exposure=seconds, count=frames, guiding=guiding, **configuration),
                 ),
@@ -129,6 +132,12 @@ class PureObservatory:
         self.tracks, self.guarded = False, True
         # Light of the sky on a flat (counts a second above the pedestal); none: nobody measures.
         self.skylight: Callable[[], float] | None = lambda: 2000.0
+        # Of the sky, as measured; and what of it should be, and is not.
+        self.clouds: float | None = None
+        self.seeing: float | None = None
+        self.unread: frozenset[str] = frozenset()
+        # Of the stars in the next field that is centred.
+        self.field_seeing: float | None = None
         # What the camera says of itself.
         self.binning, self.gain, self.angle = 1.0, 0.0, 0.0
         # Commands that fail, are refused or never end, by what becomes of them.
@@ -161,6 +170,9 @@ class PureObservatory:
             closed=self.shutter == "closed" if known else None,
             parked=self.telescope == "parked" if known else None,
             person=self.person,
+            clouds=self.clouds,
+            seeing=self.seeing,
+            unread=self.unread,
             binning=self.binning if known else None,
             gain=self.gain if known else None,
             rotator=self.angle if known else None,
@@ -215,6 +227,8 @@ class PureObservatory:
                 case PartRun():
                     self.ledger.append((self.now, f"part/{action.part}", self.view))
                     phase = self.faults.get(f"part/{action.part}", P.SUCCEEDED)
+                    if action.part == "centre" and self.field_seeing is not None:
+                        self.seeing = self.field_seeing
                     if phase is not None:
                         self.executor.take_answer(StepAnswer(action.id, phase, "told"))
                 case _:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from talaia.model.observing.plan import Instrument
+from talaia.model.observing.plan import Instrument, VetoCause
 from talaia.model.observing.requests import PhaseWindow
 from talaia.planner.feasibility import Feasibility, constraint_masks
 from talaia.planner.night_problem import FrameRun, NightProblem, ProposalLimit, Visit
 from talaia.planner.progress import NightProgress
+from talaia.planner.session import PlanningSession
 from talaia.planner.sky import MARK_S, TelescopePlace, compute_sky
 
 pytestmark = pytest.mark.pure
@@ -89,7 +90,44 @@ def test_a_phase_that_passes_through_nought_is_met_at_both_of_its_ends():
     assert Feasibility(problem_of(castor(phase=wanted))).next_start(0, 1_800) == 5_400
 
 
-def test_seeing_and_clouds_leave_out_what_they_are_too_bad_for_and_unknown_ones_nothing():
+def test_what_should_be_measured_and_says_nothing_holds_back_what_is_held_to_it():
+    problem = problem_of(
+        castor("sharp", max_seeing=2.0, shutter_s=60.0),
+        castor("clear", max_clouds=20.0, shutter_s=60.0),
+        castor("any", shutter_s=60.0),
+    )
+    session = PlanningSession(problem)
+
+    def planned(*unread: str) -> set[str]:
+        session.set_conditions(seeing=None, clouds=None, unread=frozenset(unread))
+        return {block.request for block in session.plan(BEGIN + 3600.0).blocks}
+
+    assert planned() == {"sharp", "clear", "any"}
+    assert planned("clouds") == {"sharp", "any"}
+    assert planned("clouds", "seeing") == {"any"}
+    whys = {why.request: why for why in session.why_not(BEGIN + 3600.0)}
+    assert whys["sharp"].cause is VetoCause.SEEING
+    # It may be known again at any moment, so no word of the night's end.
+    assert whys["sharp"].sentence == "nobody knows the seeing now, and it allows 2.0″"
+    assert whys["clear"].sentence == "nobody knows how cloudy it is now, and it allows 20 %"
+    # As soon as it is known it counts again.
+    session.set_conditions(seeing=1.0, clouds=0.0)
+    assert {block.request for block in session.plan(BEGIN + 3600.0).blocks} == {
+        "sharp",
+        "clear",
+        "any",
+    }
+
+
+def test_a_limit_on_a_seeing_that_is_measured_in_the_field_is_told_with_the_plan():
+    session = PlanningSession(problem_of(castor("sharp", max_seeing=2.0, shutter_s=60.0)))
+    words = "whether the seeing is within 2.0″ is seen in its field"
+    assert words in session.plan(BEGIN + 3600.0).blocks[0].reason
+    session.set_conditions(seeing=1.5, clouds=None)
+    assert words not in session.plan(BEGIN + 3600.0).blocks[0].reason
+
+
+def test_seeing_and_clouds_leave_out_what_they_are_too_bad_for_and_unmeasured_ones_nothing():
     progress = NightProgress(
         problem_of(castor("sharp", max_seeing=2.0), castor("clear", max_clouds=20.0))
     )

@@ -16,7 +16,7 @@ from talaia.planner.feasibility import Feasibility
 from talaia.planner.night_problem import NO_VISIT_BEFORE, ProposalLimit
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Sequence, Set
 
     from numpy.typing import NDArray
 
@@ -44,6 +44,7 @@ class NightProgress:
         closed_why: why it is not, in words.
         seeing: as measured last (″); none: nobody knows.
         clouds: as measured last (%); none: nobody knows.
+        unread: of ``seeing`` and ``clouds``, what should be measured and says nothing.
         focus: the last focus run, as the planner was told.
         focus_again: why the next one comes, where the filter stays, in words.
 
@@ -64,6 +65,7 @@ class NightProgress:
         self.closed_why = ""
         self.seeing: float | None = None
         self.clouds: float | None = None
+        self.unread: Set[str] = frozenset()
         self.focus: FocusState = UNFOCUSED
         self.focus_again = "some time has passed since the last one"
         self._limits = self._visit_limits()
@@ -160,19 +162,26 @@ class NightProgress:
             self.done[row], self.complete[row] = done, complete
             self.used_s, self.shutter_s, self.pointing = used_s, shutter_s, pointing
 
-    def set_conditions(self, *, seeing: float | None, clouds: float | None) -> bool:
+    def set_conditions(
+        self, *, seeing: float | None, clouds: float | None, unread: Set[str] = frozenset()
+    ) -> bool:
         """Keep what was measured last; tells whether it lets other visits be observed."""
         before = self._let_by_conditions()
-        self.seeing, self.clouds = seeing, clouds
+        self.seeing, self.clouds, self.unread = seeing, clouds, unread
         return not np.array_equal(before, self._let_by_conditions())
 
     def _let_by_conditions(self) -> NDArray[np.bool_]:
         seeing, clouds, failed = self._limits
         rows = ~failed
-        if self.seeing is not None:
-            rows &= self.seeing <= seeing
-        if self.clouds is not None:
-            rows &= self.clouds <= clouds
+        for name, value, limit in (
+            ("seeing", self.seeing, seeing),
+            ("clouds", self.clouds, clouds),
+        ):
+            if value is not None:
+                rows &= value <= limit
+            elif name in self.unread:
+                # A limit on what nobody knows is not passed in silence.
+                rows &= np.isinf(limit)
         return rows
 
     def set_focus(self, focus: FocusState, *, every: float | None, again: str) -> bool:

@@ -5,6 +5,7 @@ Long, because all events of a night meet here.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from talaia.planner.sky import MARK_S
 from talaia.planner.why_not import clock_words, explain_visits
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Sequence, Set
 
     from talaia.model.observing.requests import Proposal, RequestGroup
     from talaia.planner.night_problem import NightProblem, ParkPlace, Visit
@@ -164,9 +165,15 @@ class PlanningSession:
         self._progress.open, self._progress.closed_why = True, ""
         self._progress.pointing = None
 
-    def set_conditions(self, *, seeing: float | None, clouds: float | None) -> None:
-        """Keep what was measured last: FWHM (″) and clouds (%); none: nobody knows."""
-        self._changed |= self._progress.set_conditions(seeing=seeing, clouds=clouds)
+    def set_conditions(
+        self, *, seeing: float | None, clouds: float | None, unread: Set[str] = frozenset()
+    ) -> None:
+        """Keep what was measured last: FWHM (″) and clouds (%); none: nobody knows.
+
+        What is ``unread`` (``seeing``, ``clouds``) should be measured and says nothing: what is
+        held to a limit of it waits.
+        """
+        self._changed |= self._progress.set_conditions(seeing=seeing, clouds=clouds, unread=unread)
 
     def set_focus(
         self, *, filter_name: str, time: float | None, every: float | None, again: str = ""
@@ -228,7 +235,12 @@ class PlanningSession:
         minutes = max(step.end - since, 1) / 60.0
         rate = float(self._problem.table.value[step.row]) / minutes
         price = self._search.price_of(since, step.end)
-        return f"worth {rate:.1f} a minute, where the night's time costs {price:.1f}"
+        words = f"worth {rate:.1f} a minute, where the night's time costs {price:.1f}"
+        limit = self._problem.table.visits[step.row].max_seeing
+        if self._progress.seeing is None and limit < math.inf:
+            # Told, for it may end as soon as it is measured.
+            words += f"; whether the seeing is within {limit:.1f}″ is seen in its field"
+        return words
 
     def _rapid_choice(self, second: int) -> Decision | None:
         """Give the rapid request that can begin at once, if there is one."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -19,6 +20,17 @@ if TYPE_CHECKING:
 
 __all__ = ["clock_words", "explain_visits"]
 
+# What may end at any moment, or is no matter of a night.
+_AT_ANY_MOMENT = frozenset(
+    {
+        VetoCause.OUTRANKED,
+        VetoCause.STATE,
+        VetoCause.ROOF,
+        VetoCause.SEQUENCE,
+        VetoCause.SEEING,
+        VetoCause.CLOUDS,
+    }
+)
 _MARK_CAUSES = {cause.value: cause for cause in VetoCause}
 
 
@@ -86,9 +98,8 @@ def _answer(
     sentence = veto.words
     if veto.until is not None:
         sentence += f" until {clock_words(problem.unix(veto.until))}"
-    elif veto.cause not in (VetoCause.OUTRANKED, VetoCause.STATE, VetoCause.ROOF):
-        # For these a night without an end of the veto says something; the others may end at any
-        # moment.
+    elif veto.cause not in _AT_ANY_MOMENT:
+        # For these a night without an end of the veto says something.
         sentence += ", and not again in this night"
     if planned is not None:
         sentence += f"; planned {clock_words(problem.unix(planned))}"
@@ -132,6 +143,12 @@ def _standing_veto(progress: NightProgress, second: int, row: int, visit: Visit)
     if not progress.open and visit.needs_sky:
         why = f" ({progress.closed_why})" if progress.closed_why else ""
         return _Veto(VetoCause.ROOF, None, f"the roof is closed{why}")
+    if "seeing" in progress.unread and visit.max_seeing < math.inf:
+        words = f"nobody knows the seeing now, and it allows {visit.max_seeing:.1f}″"
+        return _Veto(VetoCause.SEEING, None, words)
+    if "clouds" in progress.unread and visit.max_clouds < math.inf:
+        words = f"nobody knows how cloudy it is now, and it allows {visit.max_clouds:.0f} %"
+        return _Veto(VetoCause.CLOUDS, None, words)
     if progress.seeing is not None and progress.seeing > visit.max_seeing:
         words = f"seeing is {progress.seeing:.1f}″, it allows {visit.max_seeing:.1f}″"
         return _Veto(VetoCause.SEEING, None, words)

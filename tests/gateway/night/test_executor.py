@@ -20,7 +20,7 @@ from talaia.gateway.night.imaging.guide_steps import GUIDE_AGAIN_S
 from talaia.gateway.night.night_values import NightView, PlanQuestion
 from talaia.gateway.night.roof.unended_commands import GUARD_S
 from talaia.gateway.night.target_place import arcseconds_between
-from talaia.model.observing.requests import Guiding, Urgency
+from talaia.model.observing.requests import Constraints, Guiding, Urgency
 from talaia.model.observing.states import ObservationState, SuspensionCause
 from talaia.model.observing.targets import FixedTarget, SolarSystemBody, SolarSystemTarget
 from talaia.wire.frames import CommandPhase, NightPhase
@@ -71,6 +71,57 @@ def test_a_night_with_nothing_more_to_observe_lets_the_cooler_warm_at_dawn() -> 
     world.sun = -7.0
     world.pass_time(5)
     assert len(world.asked("camera/cooler")) == 1
+
+
+def test_what_is_held_to_a_limit_waits_while_nobody_knows_and_says_so() -> None:
+    world = PureObservatory()
+    clear = Constraints(max_clouds=20.0, max_seeing=2.0)
+    world.ask(request("m31", constraints=clear), request("m33"))
+    # A planner that looks at none of it.
+    world.choice = lambda _question: "m31"
+    world.unread = frozenset({"clouds"})
+    world.arm()
+    # What is not held to it is observed meanwhile.
+    world.until(lambda: len(world.frames) == 1)
+    assert world.frames == ["m33"]
+    assert any("nobody knows how cloudy it is; it allows 20 %" in e.message for e in world.events)
+    world.until(lambda: len(world.frames) == 3)
+    world.pass_time(600)
+    assert states(world, "m31") == []
+    world.unread, world.clouds = frozenset({"seeing"}), 5.0
+    world.pass_time(600)
+    assert states(world, "m31") == []
+    world.unread, world.seeing = frozenset(), 1.5
+    world.until(lambda: "m31" in world.frames)
+
+
+def test_a_seeing_that_is_too_bad_in_the_centred_field_ends_the_try_before_a_frame() -> (
+    None
+):
+    world = PureObservatory(parts=BlockParts(solves=True))
+    world.ask(request("m31", constraints=Constraints(max_seeing=2.0)))
+    world.choice = lambda _question: "m31" if world.seeing is None else ""
+    world.field_seeing = 2.6
+    world.arm()
+    world.until(lambda: S.SUSPENDED in states(world, "m31"))
+    ended = world.changes[-1]
+    assert ended.cause is SuspensionCause.WEATHER
+    assert ended.why == "the seeing is 2.6″, it allows 2.0″"
+    world.pass_time(300)
+    # Nothing was exposed for nothing, and nothing counts as failed.
+    assert (world.frames, S.FAILED in states(world, "m31")) == ([], False)
+
+
+def test_frames_that_were_begun_in_a_good_seeing_go_on() -> None:
+    world = PureObservatory(parts=BlockParts(solves=True))
+    world.ask(request("m31", constraints=Constraints(max_seeing=2.0)))
+    world.choice = lambda _question: "m31"
+    world.field_seeing = 1.8
+    world.arm()
+    world.until(lambda: len(world.frames) == 1)
+    world.seeing = 2.2
+    world.until(lambda: len(world.frames) == 3)
+    assert S.SUSPENDED not in states(world, "m31")
 
 
 def test_darks_are_taken_of_a_chip_that_is_cooled() -> None:

@@ -45,6 +45,9 @@ class NightReadings:
         judge, enclosures = self._interlocks.conditions, self._interlocks.enclosures
         parked = judge.sighting_holds(rule.parked, now_ns) if rule.parked is not None else None
         tracking = night.tracking
+        clouds = self._number(night.clouds, now_ns)
+        if night.seeing:
+            seeing = self._number(night.seeing, now_ns)
         return NightView(
             now=now_ns / SECOND,
             time=time,
@@ -56,13 +59,22 @@ class NightReadings:
             parked=parked,
             pointing=self._pointing(now_ns),
             person=person,
-            clouds=self._number(night.clouds, now_ns),
-            seeing=self._number(night.seeing, now_ns) if night.seeing else seeing,
+            clouds=clouds,
+            seeing=seeing,
+            unread=self._unread(clouds, seeing),
             binning=self._number(night.binning.reading if night.binning else "", now_ns),
             gain=self._number(night.gain.reading if night.gain else "", now_ns),
             rotator=self._number(night.rotator.reading if night.rotator else "", now_ns),
             tracking=judge.sighting_holds(tracking, now_ns) if tracking is not None else None,
         )
+
+    def _unread(self, clouds: float | None, seeing: float | None) -> frozenset[str]:
+        """Name what nobody knows now, and what no field that is centred will tell either."""
+        night = self._night
+        unread = {"clouds"} if clouds is None else set()
+        if seeing is None and (night.seeing or night.centring is None):
+            unread.add("seeing")
+        return frozenset(unread)
 
     def _pointing(self, now_ns: int) -> tuple[float, float] | None:
         altitude, azimuth = (self._number(address, now_ns) for address in self._angles)

@@ -307,6 +307,7 @@ class NightService:
                 charged=self._book.charged_seconds(),
                 seeing=view.seeing,
                 clouds=view.clouds,
+                unread=view.unread,
                 parked=view.parked is True,
                 park=view.pointing,
                 focus=self._parts.focus_news(question.time),

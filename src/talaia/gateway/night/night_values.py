@@ -40,6 +40,9 @@ class NightView(NamedTuple):
         person: who acts on a device of the night, or did a moment ago; empty: nobody.
         clouds: cloud cover (%).
         seeing: FWHM (″).
+        unread: of ``clouds`` and ``seeing``, what should be measured and says nothing now: what is
+            held to a limit of it waits. The seeing that is measured as a field is centred is not
+            among them.
         binning: of the camera, as it says; none: it does not, or nobody asks.
         gain: of the camera, as it says; none: as for ``binning``.
         tracking: the telescope follows the sky; none: nobody knows, or nobody asks.
@@ -59,6 +62,7 @@ class NightView(NamedTuple):
     person: str = ""
     clouds: float | None = None
     seeing: float | None = None
+    unread: frozenset[str] = frozenset()
     binning: float | None = None
     gain: float | None = None
     tracking: bool | None = None

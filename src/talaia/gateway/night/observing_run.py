@@ -11,6 +11,7 @@ from talaia.gateway.night.frames.flat_block import FlatBlock
 from talaia.gateway.night.night_values import NightAction, ObservationChange
 from talaia.gateway.night.request_chooser import LOOK_S
 from talaia.gateway.night.roof.roof_steps import abort_commands
+from talaia.gateway.night.simple_dispatch import conditions_veto
 from talaia.gateway.night.step_runner import StepsState
 from talaia.model.observing.requests import Urgency
 from talaia.model.observing.states import ObservationState, SuspensionCause
@@ -59,6 +60,8 @@ class ObservingRun:
         self.block: StepwiseBlock | None = None
         self.fault = ""
         self._asked: AskedRequest | None = None
+        # A frame was begun in this try.
+        self._exposed = False
         # Targets that failed one after the other, with why.
         self._failed: dict[str, str] = {}
 
@@ -84,6 +87,10 @@ class ObservingRun:
             if rapid:
                 cause = SuspensionCause.RAPID
                 return actions + self.suspend_block(view, next_id, cause=cause, why=rapid)
+            if why := self._sky_too_bad(view, self.block):
+                self._chooser.hold_request(self.block.request.id, view.time + LOOK_S)
+                cause = SuspensionCause.WEATHER
+                return actions + self.suspend_block(view, next_id, cause=cause, why=why)
         if self.block is None:
             asked, actions = self._chooser.choose_request(view)
             if asked is None:
@@ -127,7 +134,7 @@ class ObservingRun:
     def _begin_block(
         self, asked: AskedRequest, view: NightView, next_id: Callable[[], str]
     ) -> NightAction:
-        self._asked = asked
+        self._asked, self._exposed = asked, False
         self.block = self._make_block(asked.request, view, next_id)
         return _change(self.block, view, _O.IN_PROGRESS)
 
@@ -165,6 +172,16 @@ class ObservingRun:
             return "", []
         rapid, actions = self._chooser.rapid_request(view, block.request.id)
         return f"{rapid.request.id} is urgent" if rapid is not None else "", actions
+
+    def _sky_too_bad(self, view: NightView, block: StepwiseBlock) -> str:
+        """Say why its first frame is not worth beginning; empty: it is, or has begun.
+
+        As its field is centred the seeing is known, perhaps for the first time in an hour.
+        """
+        if self._exposed or not isinstance(block, BlockRun):
+            return ""
+        self._exposed = block.exposes
+        return "" if self._exposed else conditions_veto(block.request.constraints, view)
 
     def _judge_block(self, view: NightView, block: StepwiseBlock) -> list[NightAction]:
         name, why = block.request.id, block.why

@@ -199,16 +199,29 @@ def veto_reason(
     return _sky_veto(request, view, limits, ends=ends, slack=slack)
 
 
+def conditions_veto(rule: Constraints, view: NightView) -> str:
+    """Say what is measured, or should be, and keeps a request waiting; empty: nothing."""
+    if rule.max_clouds is not None:
+        if view.clouds is None and "clouds" in view.unread:
+            return f"nobody knows how cloudy it is; it allows {rule.max_clouds:.0f} %"
+        if view.clouds is not None and not view.clouds <= rule.max_clouds:
+            return f"clouds cover {view.clouds:.0f} %, it allows {rule.max_clouds:.0f} %"
+    if rule.max_seeing is not None:
+        if view.seeing is None and "seeing" in view.unread:
+            return f"nobody knows the seeing; it allows {rule.max_seeing:.1f}″"
+        if view.seeing is not None and not view.seeing <= rule.max_seeing:
+            return f"the seeing is {view.seeing:.1f}″, it allows {rule.max_seeing:.1f}″"
+    return ""
+
+
 def _sky_veto(
     request: Request, view: NightView, limits: NightLimits, *, ends: float, slack: float
 ) -> str:
     rule = request.constraints
     if view.sun > min(rule.max_sun_altitude, limits.observing_sun) + slack:
         return f"the Sun stands at {view.sun:.1f}°"
-    if rule.max_clouds is not None and not (view.clouds or 0.0) <= rule.max_clouds:
-        return f"clouds cover {view.clouds:.0f} %"
-    if rule.max_seeing is not None and not (view.seeing or 0.0) <= rule.max_seeing:
-        return f"the seeing is {view.seeing:.1f}″"
+    if why := conditions_veto(rule, view):
+        return why
     if rule.phase is not None:
         phase = (view.time - rule.phase.epoch) / rule.phase.period % 1.0
         inside = rule.phase.start <= phase <= rule.phase.end

@@ -51,6 +51,11 @@ class StepwiseBlock(ABC):
         """What is done now, for people."""
         return self._runner.words
 
+    @property
+    def exposes(self) -> bool:
+        """Whether a frame is under way."""
+        return self._runner.takes_frame
+
     def take_answer(self, answer: StepAnswer) -> None:
         """Take how a command or part ended."""
         self._runner.take_answer(answer)

@@ -69,7 +69,9 @@ class PlannerAnswers:
         session = self._session_for(question)
         if session is None:
             return PlannerAnswer(number=question.number, reason="nothing has been asked")
-        session.set_conditions(seeing=question.seeing, clouds=question.clouds)
+        session.set_conditions(
+            seeing=question.seeing, clouds=question.clouds, unread=question.unread
+        )
         _tell_focus(session, question.focus)
         decision = session.decide(question.time)
         return PlannerAnswer(

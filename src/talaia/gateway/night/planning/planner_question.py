@@ -70,6 +70,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
         charged: what each proposal was charged beyond the hours of the setup (s).
         seeing: FWHM (″).
         clouds: (%).
+        unread: which of both should be measured and says nothing; see `NightView`.
         parked: the telescope is.
         park: where it then points: altitude, azimuth (°); none: nobody knows.
         focus: the last focus run; none: there was none.
@@ -84,6 +85,7 @@ class PlannerQuestion(msgspec.Struct, frozen=True, kw_only=True, tag="question")
     charged: dict[str, float] = {}
     seeing: float | None = None
     clouds: float | None = None
+    unread: frozenset[str] = frozenset()
     parked: bool = False
     park: tuple[float, float] | None = None
     focus: FocusNews | None = None
