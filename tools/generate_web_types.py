@@ -33,6 +33,7 @@ from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
 from talaia.hub.api.observing import outlook_schemas
+from talaia.hub.api.records import recorded_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
     account_schemas,
@@ -98,6 +99,7 @@ SHAPES = (
     tap_schemas,
     map_schemas,
     note_schemas,
+    recorded_schemas,
     tile_schemas,
     client_schemas,
 )

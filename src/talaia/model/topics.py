@@ -22,6 +22,7 @@ __all__ = [
     "blurred_cameras",
     "blurred_topics",
     "carries_pictures",
+    "is_latched_by_convention",
     "matches_topic",
     "rule_of",
 ]
@@ -33,6 +34,11 @@ _PICTURES = re.compile(r"(?:Image|Video|Picture|Packet|Disparity)\w*$")
 _PARTS = re.compile(r"^\s*(?:MSG:\s*)?([\w/]+)(?:\[[^]]*\])?", re.MULTILINE)
 # What a topic of image_transport is called behind the name that its plug-ins share.
 _TRANSPORTS = frozenset({"compressed", "compressedDepth", "theora", "ffmpeg", "zstd"})
+
+
+# Who publishes these latches them, whether or not anybody says so.
+_LATCHED_NAMES = ("tf_static", "robot_description")
+_LATCHED_TYPES = ("nav_msgs/msg/OccupancyGrid",)
 
 
 class TopicRight(StrEnum):
@@ -125,3 +131,8 @@ def carries_pictures(type_name: str, definition: str = "") -> bool:
     """
     parts = (type_name, *_PARTS.findall(definition))
     return any(_PICTURES.search(part.rpartition("/")[2]) for part in parts)
+
+
+def is_latched_by_convention(topic: str, type_name: str) -> bool:
+    """Tell whether what such a topic said holds until it says something else (``pkg/msg/Name``)."""
+    return topic.rsplit("/", 1)[-1] in _LATCHED_NAMES or type_name in _LATCHED_TYPES

@@ -26,6 +26,7 @@ from talaia.gateway.recording.mcap_file import recover_file
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recorder import Recorder
 from talaia.gateway.recording.recording_store import NoRoom, RecordingStore, StoredRecording
+from talaia.gateway.recording.standing_messages import StandingMessages
 from talaia.model.checks.site_checks import check_site
 from talaia.model.recording import Recording, Trigger
 from talaia.model.yaml_text.load import load_site
@@ -113,6 +114,48 @@ def test_the_ring_holds_the_newest_within_its_time_and_its_bytes(steps, keep, mo
         fitting.insert(0, raw)
     assert list(ring.drain_messages()) == fitting
     assert (len(ring), ring.bytes) == (0, 0)
+
+
+def test_a_recording_begins_with_what_was_said_long_before_and_still_holds(tmp_path) -> None:
+    bench = Bench(tmp_path, before=10.0, after=5.0)
+    bench.offer(1, "/tf_static")
+    bench.offer(2, "/tf_static")
+    for value in (3, 4):
+        bench.offer(value, "/robot_description")
+    said_ns = bench.clock.wall_ns()
+    for value in range(30):
+        bench.clock.advance(SECOND)
+        bench.offer(value)
+    bench.recorder.trigger_recording(Trigger.STOP, "STOP (software)", "ada")
+    bench.clock.advance(6 * SECOND)
+    bench.wait()
+    (kept,) = bench.shelf.list_waiting()
+    path = bench.shelf.whole_path(kept.id)
+    # Each part of the one, of the other what it said last.
+    assert numbers_in(path, "/tf_static") == [1, 2]
+    assert numbers_in(path, "/robot_description") == [4]
+    with path.open("rb") as stream:
+        first = next(iter(make_reader(stream).iter_messages(topics=["/tf_static"])))[2]
+    # At the recording's begin, with the time at which it was said.
+    assert (first.log_time // 1000, first.publish_time) == (kept.begin_us, said_ns)
+    # The next one has it, too.
+    bench.recorder.trigger_recording(Trigger.STOP, "again", "ada")
+    bench.clock.advance(6 * SECOND)
+    bench.wait()
+    assert numbers_in(bench.shelf.whole_path(bench.shelf.list_waiting()[-1].id), "/tf_static") == [
+        1,
+        2,
+    ]
+
+
+def test_what_still_holds_takes_a_quarter_of_the_ring_at_the_most() -> None:
+    standing = StandingMessages(1000)
+    for n in range(60):
+        standing.remember_message(RawMessage("/tf_static", "k", n, n, bytes(50)))
+    assert len(standing.messages_before(100, 100)) == 4
+    standing.remember_message(RawMessage("/map", "nav_msgs/msg/OccupancyGrid", 1, 1, bytes(5000)))
+    standing.remember_message(RawMessage("/odom", "nav_msgs/msg/Odometry", 1, 1, b""))
+    assert {raw.topic for raw in standing.messages_before(100, 100)} == {"/tf_static"}
 
 
 def test_a_cause_records_what_was_before_it_and_what_came_after(tmp_path) -> None:

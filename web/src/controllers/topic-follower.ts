@@ -3,6 +3,9 @@
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { TopicMessage, TopicUpdate } from "../generated/wire.js";
 import { TopicFlow } from "../series/topic-flow.js";
+import type { PastBoard } from "../state/past/past-board.js";
+import type { PastTopicState } from "../state/past/past-topics.js";
+import { pastProblem } from "../topics/past-bytes.js";
 import { sharedTopics, type HeardMessage } from "../topics/shared-topics.js";
 import type { TopicLink } from "../topics/topic-socket.js";
 
@@ -12,8 +15,9 @@ import type { TopicLink } from "../topics/topic-socket.js";
  * - `ended`: nobody publishes it any more
  * - `away`: the robot's gateway is not connected; `lost`: this page is not
  * - `error`: its messages cannot be had or read
+ * - `unrecorded`: no recording holds it at the past moment that is shown
  */
-export type TopicState = "loading" | "waiting" | "live" | "stale" | "ended" | "away" | "lost" | "error" | "forbidden";
+export type TopicState = "loading" | "waiting" | "live" | "stale" | "ended" | "away" | "lost" | "error" | "forbidden" | "unrecorded";
 
 /** A page that is hidden for so long (ms) lets the robot rest. */
 const HIDDEN_MS = 5000;
@@ -27,33 +31,49 @@ export class TopicFollower implements ReactiveController {
   why = "";
   flow = new TopicFlow();
   private link: TopicLink = "connecting";
-  private asked: { readonly site: string; readonly topic: string; readonly rate: number } | null = null;
+  private asked: { readonly site: string; readonly topic: string; readonly rate: number; readonly past: PastBoard | null } | null = null;
+  private recorded: PastTopicState | null = null;
   private stopFollowing: (() => void) | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param onMessage is called with what each message says, and when it came (`performance.now`) */
+  /**
+   * @param onMessage is called with what each message says, and when it came (by `nowMs`)
+   * @param onReset is called before messages of another past moment
+   */
   constructor(
     private readonly host: ReactiveControllerHost,
     private readonly onMessage: (tree: unknown, nowMs: number) => void = () => undefined,
+    private readonly onReset: () => void = () => undefined,
   ) {
     host.addController(this);
   }
 
-  /** Follows a topic; the same again changes nothing. Call it from `willUpdate`; empty follows none. */
-  follow(site: string, topic: string, rate: number): void {
+  /** What time it is (ms): now, or at the past moment that is shown. */
+  nowMs(): number {
+    return this.asked?.past?.nowMs() ?? performance.now();
+  }
+
+  /**
+   * Follows a topic; the same again changes nothing. Call it from `willUpdate`; empty follows none.
+   *
+   * @param past what recordings hold of it at the moment that this shows, in the place of what comes
+   */
+  follow(site: string, topic: string, rate: number, past: PastBoard | null = null): void {
     const { asked } = this;
-    if (asked !== null && asked.site === site && asked.topic === topic && asked.rate === rate) return;
+    if (asked !== null && asked.site === site && asked.topic === topic && asked.rate === rate && asked.past === past) return;
     this.stop();
     this.update = null;
     this.message = null;
     this.tree = undefined;
     this.flow = new TopicFlow();
-    this.asked = site === "" || topic === "" ? null : { site, topic, rate };
+    this.recorded = null;
+    this.asked = site === "" || topic === "" ? null : { site, topic, rate, past };
     this.open();
   }
 
   /** How it stands. `online`: whether the site's gateway is connected. */
   stateAt(nowMs: number, online: boolean): TopicState {
+    if (this.asked !== null && this.asked.past !== null) return this.pastState(nowMs);
     if (this.link === "refused") return "forbidden";
     if (this.link === "lost") return "lost";
     if (!online) return "away";
@@ -62,6 +82,15 @@ export class TopicFollower implements ReactiveController {
     if (!this.update.listed) return this.message === null ? "waiting" : "ended";
     if (this.message === null) return "waiting";
     return !this.update.latched && this.flow.isStale(nowMs) ? "stale" : "live";
+  }
+
+  private pastState(nowMs: number): TopicState {
+    const { recorded } = this;
+    if (recorded === null || recorded.kind === "loading") return this.message === null ? "loading" : "live";
+    if (recorded.kind === "none") return "unrecorded";
+    if (this.why !== "") return "error";
+    if (recorded.kind === "waiting" || this.message === null) return "waiting";
+    return !recorded.latched && this.flow.isStale(nowMs) ? "stale" : "live";
   }
 
   /** What is said of an error: of its messages, or of the topic. */
@@ -81,8 +110,12 @@ export class TopicFollower implements ReactiveController {
 
   private open(): void {
     if (this.asked === null || this.stopFollowing !== null || document.hidden) return;
-    const { site, topic, rate } = this.asked;
+    const { site, topic, rate, past } = this.asked;
     this.why = "";
+    if (past !== null) {
+      this.stopFollowing = this.openPast(past, topic, rate);
+      return;
+    }
     this.stopFollowing = sharedTopics.follow(site, topic, rate, {
       onUpdate: (update) => {
         this.update = update;
@@ -108,6 +141,34 @@ export class TopicFollower implements ReactiveController {
     this.timer = undefined;
     this.stopFollowing?.();
     this.stopFollowing = null;
+  }
+
+  /** Recorded messages, as the moment comes to them. */
+  private openPast(past: PastBoard, topic: string, rate: number): () => void {
+    let number = 0;
+    return past.topics.follow("trees", topic, rate, {
+      onReset: () => {
+        this.message = null;
+        this.tree = undefined;
+        this.flow = new TopicFlow();
+        this.onReset();
+        this.host.requestUpdate();
+      },
+      onMessage: ({ timeUs, publishUs, size, tree }) => {
+        if (tree === "") {
+          this.why = "A message of it is none of its type.";
+          return;
+        }
+        number += 1;
+        const message: TopicMessage = { t: "topic_message", number, seq: number, time_us: timeUs, publish_us: publishUs, age_ms: 0, size, tree };
+        this.receiveMessage({ message, tree: JSON.parse(tree), nowMs: timeUs / 1000 });
+      },
+      onState: (state) => {
+        this.recorded = state;
+        this.why = state.kind === "none" ? "" : pastProblem(state);
+        this.host.requestUpdate();
+      },
+    });
   }
 
   private receiveMessage({ message, tree, nowMs }: HeardMessage): void {

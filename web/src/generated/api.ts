@@ -2481,6 +2481,40 @@ export interface NoteShape {
   readonly may_change: boolean;
 }
 
+/** What recordings hold of a moment, by topic. */
+export interface MomentShape {
+  readonly topics: readonly RecordedTopicShape[];
+  readonly earlier_us: number | null;
+  readonly later_us: number | null;
+  readonly problems: readonly string[];
+}
+
+/** A message of a recorded topic, as a tree. */
+export interface RecordedMessageShape {
+  readonly topic: string;
+  readonly time_us: number;
+  readonly publish_us: number;
+  readonly size: number;
+  readonly tree: string;
+}
+
+/** A topic that a recording holds, and that you may have. */
+export interface RecordedTopicShape {
+  readonly topic: string;
+  readonly type: string;
+  readonly latched: boolean;
+  readonly problem: string;
+  readonly begin_us: number;
+  readonly end_us: number;
+}
+
+/** Messages of a stretch of time, by time, and the last ones before it. */
+export interface StretchShape {
+  readonly topics: readonly RecordedTopicShape[];
+  readonly messages: readonly RecordedMessageShape[];
+  readonly until_us: number;
+}
+
 /** Keep a board; ``note`` says in a few words what was done. */
 export interface BoardAsk {
   readonly board: BoardShape;

@@ -58,6 +58,11 @@ export class FrameTree {
   private readonly frames = new Map<string, FrameEntry>();
   private readonly parents = new Set<string>();
 
+  clear(): void {
+    this.frames.clear();
+    this.parents.clear();
+  }
+
   /** Whether there is such a frame. */
   has(name: string): boolean {
     return this.frames.has(name) || this.parents.has(name);

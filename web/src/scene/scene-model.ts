@@ -25,7 +25,7 @@ export type LayerContent =
 
 export interface LivingMarker {
   readonly marker: Marker;
-  /** By `performance.now`; Infinity: it stays. */
+  /** By the model's clock; Infinity: it stays. */
   readonly endsMs: number;
 }
 
@@ -52,8 +52,11 @@ export class SceneModel {
   private readonly trails = new Map<string, Vector[]>();
   private readonly markers = new Map<string, Map<string, LivingMarker>>();
 
+  /** @param nowMs what time it is for the scene (ms): that of now, or that of the moment that it shows */
+  constructor(readonly nowMs: () => number = () => performance.now()) {}
+
   /**
-   * @param nowMs by `performance.now`
+   * @param nowMs when it was heard, by the model's clock
    * @throws MessageError when the bytes are no such message
    */
   applyMessage(topic: string, { kind }: SceneKind, message: TopicBytes, nowMs: number): void {
@@ -126,6 +129,15 @@ export class SceneModel {
     this.layers.delete(topic);
     this.trails.delete(topic);
     this.markers.delete(topic);
+  }
+
+  /** Forgets all but the robot's form: another moment is shown. */
+  reset(): void {
+    this.tree.clear();
+    this.layers.clear();
+    this.trails.clear();
+    this.markers.clear();
+    this.joints = null;
   }
 
   /** Where a layer stands in the frame that stands still; null: nothing joins them. */

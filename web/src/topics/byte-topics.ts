@@ -27,8 +27,8 @@ export interface ByteListener {
   readonly onState: () => void;
 }
 
-/** What follows one topic by its path. */
-export type OpenBytes = (path: string, listener: TopicListener) => Pick<TopicSocket, "close">;
+/** What follows one topic: by the path of its socket, or by what is wished of it. */
+export type OpenBytes = (path: string, listener: TopicListener, wish: ByteWish) => Pick<TopicSocket, "close">;
 
 /** What is told of visibility; a document. */
 interface PageVisibility {
@@ -91,7 +91,7 @@ export class ByteTopics {
       followed.state = { ...followed.state, ...more };
       this.listener.onState();
     };
-    followed.socket = this.open(bytesPath(this.site, topic, followed.wish), {
+    const listener: TopicListener = {
       onUpdate: (update) => {
         change({ update, why: update.problem });
       },
@@ -106,7 +106,8 @@ export class ByteTopics {
       onState: (link, why) => {
         change({ link, why });
       },
-    });
+    };
+    followed.socket = this.open(bytesPath(this.site, topic, followed.wish), listener, followed.wish);
   }
 
   private readonly onVisibility = (): void => {

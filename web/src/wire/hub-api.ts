@@ -41,6 +41,8 @@ export interface RequestOptions {
   readonly signal?: AbortSignal | undefined;
   /** Whether the page asks by itself; when not said, everything that changes nothing is taken so. */
   readonly background?: boolean;
+  /** Whether the answer is bytes, and no JSON. */
+  readonly bytes?: boolean;
 }
 
 export class HubApi {
@@ -237,6 +239,11 @@ export class HubApi {
     }
   }
 
+  /** Asks for bytes; otherwise as `request`. */
+  async requestBytes(path: string, { signal }: Pick<RequestOptions, "signal"> = {}): Promise<ArrayBuffer> {
+    return this.request<ArrayBuffer>("GET", path, undefined, { signal, bytes: true });
+  }
+
   private async requestOnce<T>(
     method: HttpMethod,
     path: string,
@@ -244,8 +251,8 @@ export class HubApi {
     options: RequestOptions,
   ): Promise<T> {
     // A touch of the page keeps the session (state/touched.ts); what pages ask for again and again does not.
-    const { signal, background = method === "GET" } = options;
-    const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });
+    const { signal, background = method === "GET", bytes = false } = options;
+    const headers = new Headers({ accept: bytes ? "application/msgpack" : "application/json", ...(background ? BACKGROUND : {}) });
     const request: RequestInit = { method, credentials: "same-origin", headers };
     if (signal !== undefined) request.signal = signal;
     if (body !== undefined) {
@@ -259,6 +266,7 @@ export class HubApi {
       if (signal?.aborted === true) throw error;
       throw new Unreachable("The hub does not answer.", { cause: error });
     }
+    if (response.ok && bytes) return (await response.arrayBuffer()) as T;
     if (response.ok) return (response.status === 204 ? undefined : await response.json()) as T;
     if (response.status === 502 || response.status === 503 || response.status === 504) {
       throw new Unreachable("The hub is not ready.");

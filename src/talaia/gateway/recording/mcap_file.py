@@ -73,7 +73,8 @@ class McapFileWriter:
         channel = self._channels.get(key)
         if channel is None:
             channel = self._channels[key] = self._channel_of(raw)
-        self._writer_for().add_message(channel, raw.time_ns, raw.data, raw.time_ns, self.messages)
+        said_ns = raw.said_ns or raw.time_ns
+        self._writer_for().add_message(channel, raw.time_ns, raw.data, said_ns, self.messages)
         self.messages += 1
 
     def write_metadata(self, about: dict[str, str]) -> None:

@@ -19,6 +19,8 @@ class RawMessage(NamedTuple):
         mono_ns: the same by the monotonic clock, which decides how long it is held.
         definition: of its type; empty for ROS 2 where its package is installed here.
         encoding: of its bytes: ``cdr`` or ``ros1``.
+        said_ns: when it came, where it stands at a later moment because it still holds (wall,
+            UTC); 0: ``time_ns`` says it.
 
     """
 
@@ -29,6 +31,7 @@ class RawMessage(NamedTuple):
     data: bytes
     definition: str = ""
     encoding: str = "cdr"
+    said_ns: int = 0
 
 
 class MessageRing:

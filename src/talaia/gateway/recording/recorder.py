@@ -17,6 +17,7 @@ from talaia.clock import SECOND
 from talaia.gateway.recording.mcap_file import McapFileWriter
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
+from talaia.gateway.recording.standing_messages import StandingMessages
 from talaia.model.topics import carries_pictures
 from talaia.wire.frames import RecorderState
 
@@ -81,6 +82,8 @@ class Recorder:
         self._finished = finished  # Told when a file waits for the hub.
         # The last seconds, filled while no file is open.
         self._ring = MessageRing(round(plan.before * SECOND), round(plan.ring_mb * _MB))
+        # What was said before them and still holds.
+        self._standing = StandingMessages(round(plan.ring_mb * _MB / 4))
         self._changed = threading.Condition()  # Guards all that follows; wakes the thread.
         self._queue: deque[RawMessage] = deque()  # For the file, oldest first; only while `_open`.
         self._queued = 0  # Bytes in it, with overhead.
@@ -127,6 +130,7 @@ class Recorder:
         mono_ns = self._clock.monotonic_ns()
         raw = RawMessage(topic, type_name, time_ns, mono_ns, bytes(data), definition, encoding)
         with self._changed:
+            self._standing.remember_message(raw)
             if not self._open:
                 self._ring.add_message(raw)
                 return
@@ -180,6 +184,9 @@ class Recorder:
             self._queue = self._ring.drain_messages()
             self._lost = 0
             begin_ns = self._queue[0].time_ns if self._queue else wall_ns
+            mono_ns = self._queue[0].mono_ns if self._queue else self._clock.monotonic_ns()
+            # At the beginning, so that a recording is understood without what was before it.
+            self._queue.extendleft(reversed(self._standing.messages_before(mono_ns, begin_ns)))
             self._kept = StoredRecording(
                 id=new_id(wall_ns), why=why[:1000], who=who[:200], begin_us=begin_ns // 1000
             )

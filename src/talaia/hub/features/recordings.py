@@ -5,12 +5,14 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.records.recorded_topics import RecordedTopicPages
 from talaia.hub.api.records.recordings import RecordingPages
 from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.files.file_links import FileLinks
 from talaia.hub.live.files.recordings import Recordings
 from talaia.hub.live.files.standstill import end_standing_for_ever
+from talaia.hub.live.recorded.recorded_topics import RecordedTopics
 from talaia.hub.store.sites.recordings import RecordingList
 
 if TYPE_CHECKING:
@@ -68,7 +70,8 @@ class RecordingsFeature(Feature):
             ),
         )
         self.sockets = [gateways.router()]
-        self.routers = [RecordingPages(self.files, audit).make_router()]
+        recorded = RecordedTopicPages(RecordedTopics(self.files), clock=core.clock, audit=audit)
+        self.routers = [RecordingPages(self.files, audit).make_router(), recorded.make_router()]
         ends = [self.files.end_standing_uploads, uploads.end_standing_uploads]
         self.tasks = [BackgroundTask(name="standstill", run=partial(end_standing_for_ever, ends))]
 

@@ -25,7 +25,7 @@ export class GhostModels {
 
   /** Draws all that there are now; none without a robot's form. */
   update(robot: RobotModel | null, model: SceneModel, { fixed, showRobot }: SceneOptions): void {
-    const frames = robot === null || !showRobot ? [] : ghostFrames(model.tree.rows(performance.now()).map(({ name }) => name));
+    const frames = robot === null || !showRobot ? [] : ghostFrames(model.tree.rows(model.nowMs()).map(({ name }) => name));
     // Meshes come one by one: a ghost of fewer is made anew.
     const meshes = robot === null ? 0 : countMeshes(robot);
     if (meshes !== this.meshes || robot !== this.robot) this.clear();

@@ -16,7 +16,7 @@ export interface SceneTopic {
 }
 
 export class SceneSession {
-  readonly model = new SceneModel();
+  readonly model: SceneModel;
   private readonly bytes: ByteTopics;
   private readonly chosen = new Map<string, boolean>();
   private known: readonly { readonly topic: string; readonly kind: SceneKind }[] = [];
@@ -27,13 +27,15 @@ export class SceneSession {
     site: string,
     private readonly listener: { readonly onChange: () => void; readonly onState: () => void },
     open?: OpenBytes,
+    nowMs?: () => number,
   ) {
+    this.model = new SceneModel(nowMs);
     const heard: ByteListener = {
       onBytes: (topic, message) => {
         const found = this.known.find((followed) => followed.topic === topic);
         if (found === undefined) return;
         try {
-          this.model.applyMessage(topic, found.kind, message, performance.now());
+          this.model.applyMessage(topic, found.kind, message, this.model.nowMs() - message.age_ms);
           this.problems.delete(topic);
         } catch (error) {
           if (!(error instanceof MessageError || error instanceof RangeError)) throw error;
@@ -47,8 +49,15 @@ export class SceneSession {
     this.bytes = new ByteTopics(site, heard, document, open);
   }
 
+  /** Another moment is shown: what was heard is not so. */
+  reset(): void {
+    this.model.reset();
+    this.problems.clear();
+    this.listener.onChange();
+  }
+
   /** The topics that there are; with `only`, no others of those that are switched. */
-  setTopics(topics: readonly TopicShape[], only: readonly string[]): void {
+  setTopics(topics: readonly Pick<TopicShape, "topic" | "type" | "problem">[], only: readonly string[]): void {
     const key = JSON.stringify([topics.map(({ topic, type, problem }) => [topic, type, problem]), only]);
     if (key === this.key) return;
     this.key = key;

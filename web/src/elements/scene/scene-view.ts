@@ -195,7 +195,7 @@ export class SceneView implements SceneDrawing {
   }
 
   private paint(): void {
-    const nowMs = performance.now();
+    const nowMs = this.model.nowMs();
     this.updateRobot(nowMs);
     this.ghosts.update(this.robot, this.model, this.options);
     this.updateLayers();
@@ -247,7 +247,7 @@ export class SceneView implements SceneDrawing {
       disposeObject(object);
       this.drawn.delete(topic);
     }
-    const nowMs = performance.now();
+    const nowMs = model.nowMs();
     for (const layer of model.layers.values()) {
       const object = this.drawnLayer(layer);
       const place = model.placeOf(layer, options.fixed);
@@ -284,7 +284,7 @@ export class SceneView implements SceneDrawing {
 
   private updateFrames(): void {
     const { model, options } = this;
-    const rows = options.showFrames ? model.tree.rows(performance.now()) : [];
+    const rows = options.showFrames ? model.tree.rows(model.nowMs()) : [];
     const shown = new Set(rows.map(({ name }) => name));
     for (const [name, axes] of this.frames) {
       if (shown.has(name)) continue;

@@ -7,14 +7,17 @@ import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { formatAge } from "../../format/duration.js";
-import type { TopicTable } from "../../generated/api.js";
+import { StoreController } from "../../controllers/store-controller.js";
+import type { TopicShape, TopicTable } from "../../generated/api.js";
 import type { CloudColour } from "../../scene/cloud.js";
 import type { FrameRow } from "../../scene/frame-tree.js";
 import type { FloorPose } from "../../scene/pose-command.js";
 import { chooseFixedFrame, chooseRobotFrame, isSwitched } from "../../scene/scene-topics.js";
 import type { Vector } from "../../scene/transform.js";
 import { apiContext } from "../../state/contexts.js";
+import type { PastBoard } from "../../state/past/past-board.js";
 import type { OpenBytes } from "../../topics/byte-topics.js";
+import { openPastBytes } from "../../topics/past-bytes.js";
 import { TopicsApi } from "../../topics/topics-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { base } from "../base/base-style.js";
@@ -29,6 +32,7 @@ import "../feedback/banner.js";
 import "../feedback/empty.js";
 import "../feedback/loading.js";
 import "../forms/button.js";
+import "../topic/unrecorded.js";
 
 /** Topics come and go (ms). */
 const AGAIN_MS = 5000;
@@ -54,6 +58,9 @@ export class SceneElement extends LitElement {
   /** Of the topics with layers only these; none: all that there are. */
   @property({ attribute: false }) topics: readonly string[] = [];
   @property({ attribute: false }) poseTools: readonly PoseTool[] = [];
+  /** The past moment that is shown; null for now. */
+  @property({ attribute: false }) past: PastBoard | null = null;
+  @property() zone = "UTC";
   /** What follows a topic; none: a socket to the hub. */
   @property({ attribute: false }) openTopic: OpenBytes | undefined;
 
@@ -68,7 +75,11 @@ export class SceneElement extends LitElement {
   @state() private noSpace = "";
   @state() private trouble = "";
   private readonly table = new LoadController<TopicTable>(this);
-  private known: TopicTable | undefined;
+  private readonly watched = new StoreController(this);
+  private known: { readonly topics: readonly Pick<TopicShape, "topic" | "type" | "problem">[] } | undefined;
+  /** Of a past moment: no recording holds it. */
+  private unrecorded = false;
+  private resetJumps = -1;
   private session: SceneSession | null = null;
   private drawing: SceneDrawing | null = null;
   private pointer: ScenePointer | null = null;
@@ -108,9 +119,13 @@ export class SceneElement extends LitElement {
       this.closeAll();
       this.known = undefined;
     }
+    this.watched.setStore(this.past);
     if (api === undefined || site === "") return;
-    this.table.load(`${site} ${String(this.online)}`, () => new TopicsApi(api, site).listTopics());
-    if (this.table.result.state === "ready") this.known = this.table.result.value;
+    if (this.past !== null) this.lookBack(this.past);
+    else {
+      this.table.load(`${site} ${String(this.online)}`, () => new TopicsApi(api, site).listTopics());
+      if (this.table.result.state === "ready") this.known = this.table.result.value;
+    }
     if (this.known === undefined || !this.isConnected) return;
     const listener = {
       onChange: () => this.drawing?.schedule(),
@@ -118,7 +133,7 @@ export class SceneElement extends LitElement {
         this.requestUpdate();
       },
     };
-    this.session ??= new SceneSession(site, listener, this.openTopic);
+    this.session ??= new SceneSession(site, listener, this.past === null ? this.openTopic : openPastBytes(this.past, this.onPastReset), this.past?.nowMs);
     this.session.setTopics(this.known.topics, this.topics);
   }
 
@@ -129,6 +144,7 @@ export class SceneElement extends LitElement {
 
   override render(): TemplateResult {
     const { session } = this;
+    if (this.past !== null && (this.known === undefined || session === null || session.topics.length === 0)) return this.renderPastEmpty(this.past);
     if (this.known === undefined || session === null) return html`${renderLoaded(this.table, "the topics", () => nothing)}`;
     if (session.topics.length === 0) return this.renderEmpty();
     return html`<div class="view">
@@ -139,6 +155,22 @@ export class SceneElement extends LitElement {
         <div class="notes">${this.noSpace === "" ? nothing : html`<p class="note">${this.noSpace}</p>`}${this.renderNote()}</div>
       </div>
       ${this.bare ? nothing : this.renderSide(session.topics)}`;
+  }
+
+  /** What recordings hold of the moment; while nothing does, what was there stays listed. */
+  private lookBack(past: PastBoard): void {
+    const { moment } = past.topics;
+    if (moment === null) return;
+    const gone = moment.topics.length === 0;
+    if (!gone) this.known = moment;
+    if (gone && !this.unrecorded) this.session?.reset();
+    this.unrecorded = gone;
+  }
+
+  private renderPastEmpty(past: PastBoard): TemplateResult {
+    if (past.topics.moment === null) return html`<t-loading what="Looking for what was recorded"></t-loading>`;
+    const what = this.known === undefined ? "A recording of raw topics would hold the scene." : "The recording holds no transforms, scans, maps or the like that you may see.";
+    return html`<t-unrecorded .past=${past} zone=${this.zone} what=${what}></t-unrecorded>`;
   }
 
   private renderEmpty(): TemplateResult {
@@ -164,8 +196,9 @@ export class SceneElement extends LitElement {
   }
 
   private renderNote(): TemplateResult | typeof nothing {
-    const { preview } = this;
-    if (!this.online) return html`<p class="note old" role="status">The robot's gateway is not connected: this is what came last.</p>`;
+    const { preview, past } = this;
+    if (past !== null && this.unrecorded) return html`<div class="note"><t-unrecorded .past=${past} zone=${this.zone}></t-unrecorded></div>`;
+    if (!this.online && past === null) return html`<p class="note old" role="status">The robot's gateway is not connected: this is what came last.</p>`;
     if (preview !== null && "from" in preview) return html`<p class="note" role="status">${lengthOf(preview).toFixed(2)} m</p>`;
     if (this.tool === "measure") return html`<p class="note">Drag from one place on the floor to another.</p>`;
     if (this.tool !== "") return html`<p class="note">Press where, and drag to where it is to look. It is sent only when you say so below.</p>`;
@@ -175,7 +208,7 @@ export class SceneElement extends LitElement {
   }
 
   private renderSide(topics: readonly SceneTopic[]): TemplateResult {
-    const nowMs = performance.now();
+    const nowMs = this.session?.model.nowMs() ?? 0;
     const rows = this.session?.model.tree.rows(nowMs) ?? [];
     return html`<section class="side" aria-label="What is shown" tabindex="0">
       <fieldset>
@@ -213,7 +246,7 @@ export class SceneElement extends LitElement {
     const layer = this.session?.model.layers.get(topic);
     const latched = this.session?.stateOf(topic)?.update?.latched === true;
     const age = layer === undefined ? null : (nowMs - layer.heardMs) / 1000;
-    const word = !shown || kind.kind === "robot" ? "" : age === null ? "waiting" : latched || age < OLD_S ? "live" : formatAge(age);
+    const word = !shown || kind.kind === "robot" ? "" : age === null ? "waiting" : latched || age < OLD_S ? (this.past === null ? "live" : "recorded") : formatAge(age);
     const lost = layer !== undefined && this.session?.model.placeOf(layer, this.fixedFrame()) === null;
     const problem = this.session?.problemOf(topic) ?? "";
     const why = !shown ? "" : problem !== "" ? problem : lost ? `No transform from ${layer.frame} to ${this.fixedFrame()}` : "";
@@ -243,7 +276,7 @@ export class SceneElement extends LitElement {
   }
 
   private robotAge(): number | null {
-    const row = this.session?.model.tree.rows(performance.now()).find(({ name }) => name === this.robotFrame());
+    const row = this.session?.model.tree.rows(this.session.model.nowMs()).find(({ name }) => name === this.robotFrame());
     return row === undefined || row.fixed ? null : row.age;
   }
 
@@ -316,6 +349,15 @@ export class SceneElement extends LitElement {
   private readonly showPreview = (preview: ScenePreview): void => {
     this.preview = preview;
     this.drawing?.setPreview(preview);
+  };
+
+  /** A jump ends all that was; a topic that begins anew ends its own. */
+  private readonly onPastReset = (topic: string): void => {
+    const { session, past } = this;
+    if (session === null || past === null) return;
+    if (past.jumps === this.resetJumps) session.model.forget(topic);
+    else session.reset();
+    this.resetJumps = past.jumps;
   };
 
   private readonly recolour = (): void => {

@@ -8,7 +8,9 @@ import "../feedback/banner.js";
 import "../feedback/empty.js";
 import "../feedback/loading.js";
 import "../feedback/problem.js";
+import type { PastBoard } from "../../state/past/past-board.js";
 import "../feedback/status.js";
+import "./unrecorded.js";
 
 /** What is said of a topic besides its message. */
 export interface TopicFacts {
@@ -18,6 +20,9 @@ export interface TopicFacts {
   readonly why: string;
   /** Of the newest message (s); null before one came. */
   readonly age: number | null;
+  /** The past moment that is shown. */
+  readonly past?: PastBoard | null;
+  readonly zone?: string;
 }
 
 const KINDS: Readonly<Record<TopicState, StatusKind>> = {
@@ -30,6 +35,7 @@ const KINDS: Readonly<Record<TopicState, StatusKind>> = {
   lost: "offline",
   error: "warn",
   forbidden: "bad",
+  unrecorded: "unknown",
 };
 const WORDS: Readonly<Record<TopicState, string>> = {
   loading: "asking",
@@ -41,18 +47,29 @@ const WORDS: Readonly<Record<TopicState, string>> = {
   lost: "connection lost",
   error: "not readable",
   forbidden: "not yours",
+  unrecorded: "not recorded",
 };
+/** Of a past moment nothing is live. */
+const PAST_WORDS: Readonly<Partial<Record<TopicState, string>>> = { live: "recorded", stale: "recorded", loading: "looking", waiting: "nothing yet" };
 
 /** A shape and a word, with the age of the newest message. */
-export function renderTopicStatus({ state, age }: TopicFacts): TemplateResult {
-  const aged = age === null || state === "forbidden" ? "" : state === "live" && age < 2 ? "" : `, ${formatAge(age)}`;
+export function renderTopicStatus({ state, age, past = null }: TopicFacts): TemplateResult {
+  const aged = age === null || state === "forbidden" || state === "unrecorded" ? "" : state === "live" && age < 2 ? "" : `, ${formatAge(age)}`;
+  if (past !== null) return html`<t-status kind=${state === "error" ? "warn" : "unknown"} word=${`${PAST_WORDS[state] ?? WORDS[state]}${aged}`}></t-status>`;
   return html`<t-status kind=${KINDS[state]} word=${`${WORDS[state]}${aged}`}></t-status>`;
 }
 
 /** What stands in the place of a message, or above an old one; nothing while it is live. */
-export function renderTopicTrouble({ topic, state, why, age }: TopicFacts): TemplateResult | typeof nothing {
+export function renderTopicTrouble({ topic, state, why, age, past = null, zone = "UTC" }: TopicFacts): TemplateResult | typeof nothing {
   const before = age !== null;
+  if (past !== null) {
+    if (state === "loading") return html`<t-loading what=${`Looking for ${topic} in the recordings`}></t-loading>`;
+    if (state === "waiting") return html`<t-empty heading="No message yet" icon="history"><p>The recording holds <code>${topic}</code>, and nothing had come on it by this moment.</p></t-empty>`;
+    if (state === "stale") return nothing;
+  }
   switch (state) {
+    case "unrecorded":
+      return html`<t-unrecorded .past=${past} zone=${zone} what=${`${topic} is in no recording of this moment.`}></t-unrecorded>`;
     case "live":
       return nothing;
     case "loading":

@@ -11,6 +11,7 @@ import { PAST_SPEEDS, PastBoard } from "../../state/past/past-board.js";
 import type { PastSource } from "../../state/past/past-chunks.js";
 import type { SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { RecordedApi } from "../../topics/recorded-api.js";
 import { clusterMarks, eventMarks, mergeMarks, type EventMark, type MarkCluster } from "../history/chart/event-marks.js";
 import { renderMarkShape } from "../history/chart/mark-shapes.js";
 import { EventsLoader, type EventsSource } from "../history/data/events-loader.js";
@@ -33,7 +34,7 @@ const APART = 0.07;
 const APART_US = 0.3e6;
 const NO_NAMES: ReadonlyMap<string, string> = new Map();
 
-type BoardPastSource = PastSource & EventsSource & Pick<HubApi, "request">;
+type BoardPastSource = PastSource & EventsSource & Pick<HubApi, "request" | "requestBytes">;
 
 export class BoardPast implements ReactiveController {
   board: PastBoard | null = null;
@@ -92,7 +93,7 @@ export class BoardPast implements ReactiveController {
     else if (this.other?.site !== site || shiftUs !== this.shiftUs) {
       this.closeOther();
       this.shiftUs = shiftUs;
-      this.other = new PastBoard(site, this.source(), against);
+      this.other = new PastBoard(site, this.source(), against, undefined, new RecordedApi(this.source()));
       this.stopOther = this.other.subscribe(() => {
         this.host.requestUpdate();
       });
@@ -182,7 +183,7 @@ export class BoardPast implements ReactiveController {
 
   private open(site: string, us: number): void {
     this.close();
-    this.board = new PastBoard(site, this.source(), us);
+    this.board = new PastBoard(site, this.source(), us, undefined, new RecordedApi(this.source()));
     this.written = us;
     this.happened = new EventsLoader(this.source(), () => {
       this.host.requestUpdate();

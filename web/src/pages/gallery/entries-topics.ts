@@ -8,6 +8,9 @@ import "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble } from "../../elements/topic/topic-state.js";
 import { DiagnosticsBook, type DiagnosticNode } from "../../series/diagnostics.js";
 import type { FieldTrace } from "../../topics/field-traces.js";
+import { PastBoard } from "../../state/past/past-board.js";
+import type { PastTopicSource } from "../../state/past/past-topics.js";
+import "../../elements/topic/unrecorded.js";
 import type { GalleryEntry, GalleryState } from "./entry.js";
 
 const MESSAGE = {
@@ -57,7 +60,32 @@ const STATES: readonly (readonly [state: TopicState, age: number | null, why: st
   ["forbidden", null, "you have no right to this topic any more"],
 ];
 
+const MOMENT_US = Date.UTC(2026, 2, 29, 21, 15) * 1000;
+const NO_SAMPLES = { history: () => Promise.resolve({ series: [] }), lastValues: () => Promise.resolve({ values: [] }) };
+
+/** A moment that lies so many seconds behind one recording and before another. */
+function pastBetween(earlierS: number | null, laterS: number | null, problems: readonly string[] = []): PastBoard {
+  const at = (byS: number | null): number | null => (byS === null ? null : MOMENT_US + byS * 1e6);
+  const source: PastTopicSource = {
+    moment: () => Promise.resolve({ topics: [], earlier_us: at(earlierS), later_us: at(laterS), problems }),
+    trees: (_site, _wishes, _fromUs, untilUs) => Promise.resolve({ topics: [], messages: [], untilUs }),
+    bytes: (_site, _wishes, _points, _fromUs, untilUs) => Promise.resolve({ topics: [], messages: [], untilUs }),
+  };
+  return new PastBoard("gallery", NO_SAMPLES, MOMENT_US, undefined, source);
+}
+
+const WHAT = "/scan is in no recording of this moment.";
+
 export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-unrecorded",
+    states: [
+      { name: "between two recordings", show: () => html`<t-unrecorded .past=${pastBetween(-90, 600)} what=${WHAT}></t-unrecorded>` },
+      { name: "after the last one", show: () => html`<t-unrecorded .past=${pastBetween(-90, null)} what=${WHAT}></t-unrecorded>` },
+      { name: "none at all", show: () => html`<t-unrecorded .past=${pastBetween(null, null)} what=${WHAT}></t-unrecorded>` },
+      { name: "a file that cannot be read", show: () => html`<t-unrecorded .past=${pastBetween(-90, null, ["20260329T211400Z-ab12cd: it has no index; \`mcap recover\` makes one"])} what=${WHAT}></t-unrecorded>` },
+    ],
+  },
   {
     tag: "t-message-tree",
     wide: true,

@@ -10,6 +10,7 @@ import type { Reading } from "../live-values.js";
 import { Store } from "../store.js";
 import type { PastSource } from "./past-chunks.js";
 import { PastFeed } from "./past-feed.js";
+import { PastTopics, type PastTopicSource } from "./past-topics.js";
 import { PastValues } from "./past-values.js";
 import { Playhead } from "./playhead.js";
 
@@ -35,6 +36,16 @@ export interface PastTime {
 
 const BROWSER_TIME: PastTime = { nowMs: () => performance.now(), wallUs: () => Date.now() * 1000 };
 
+/** Recordings that nobody can ask: of a board in a test, or without a hub. */
+const NO_RECORDINGS: PastTopicSource = {
+  moment: () => Promise.resolve({ topics: [], earlier_us: null, later_us: null, problems: [] }),
+  trees: (_site, _wishes, _fromUs, untilUs) => Promise.resolve({ topics: [], messages: [], untilUs }),
+  bytes: (_site, _wishes, _points, _fromUs, untilUs) => Promise.resolve({ topics: [], messages: [], untilUs }),
+};
+/** Stretches of recordings weigh more than samples: so much play time (s) is asked for ahead, and so much time at the most (s). */
+const TOPICS_AHEAD_S = 2;
+const MOST_TOPICS_AHEAD_S = 12;
+
 interface Replay {
   readonly site: string;
   readonly channels: readonly string[];
@@ -46,10 +57,13 @@ interface Replay {
 export class PastBoard extends Store {
   readonly values: PastValues;
   readonly feed: PastFeed;
+  /** Raw topics, as recordings hold them. */
+  readonly topics: PastTopics;
   private readonly head = new Playhead();
   private readonly replays = new Set<Replay>();
   private jumped = 0;
   private jumpedMs: number;
+  private toldJumps = -1;
   private tickedMs = -Infinity;
   private loadSoon = false;
   private wasSettled = false;
@@ -61,6 +75,7 @@ export class PastBoard extends Store {
     source: PastSource,
     atUs: number,
     private readonly time: PastTime = BROWSER_TIME,
+    recordings: PastTopicSource = NO_RECORDINGS,
   ) {
     super();
     const us = (): number => this.us;
@@ -73,6 +88,7 @@ export class PastBoard extends Store {
     };
     this.values = new PastValues(site, source, us, wish, changed, nowUs);
     this.feed = new PastFeed(site, source, us, () => this.jumped, wish, nowUs);
+    this.topics = new PastTopics(site, recordings, us, wish);
     this.jumpedMs = time.nowMs();
     this.head.seek(Math.min(atUs, this.endUs), time.nowMs());
     this.ended = atUs >= this.endUs;
@@ -82,6 +98,9 @@ export class PastBoard extends Store {
   get us(): number {
     return Math.min(this.head.timeUs(this.time.nowMs()), this.endUs);
   }
+
+  /** The moment as a clock that ages are counted by (ms). */
+  readonly nowMs = (): number => this.us / 1000;
 
   /** The newest moment that can be shown (µs): what is later may still be on its way to the history. */
   get endUs(): number {
@@ -140,6 +159,7 @@ export class PastBoard extends Store {
     const { endUs } = this;
     this.values.chunks.retry();
     this.feed.retry();
+    this.topics.retry();
     this.jumpTo(Math.max(0, Math.min(us, endUs)));
     this.ended = us >= endUs;
     if (this.ended && this.playing) this.pause();
@@ -159,6 +179,7 @@ export class PastBoard extends Store {
   retry(): void {
     this.values.chunks.retry();
     this.feed.retry();
+    this.topics.retry();
     this.update();
   }
 
@@ -196,6 +217,7 @@ export class PastBoard extends Store {
     this.closed = true;
     this.values.chunks.close();
     this.feed.close();
+    this.topics.close();
     this.replays.clear();
   }
 
@@ -227,8 +249,10 @@ export class PastBoard extends Store {
     this.load();
     const us = this.us;
     // The moment waits for what is to be shown: nothing is drawn that was not so.
-    this.head.setWaiting(this.playing && !this.values.chunks.isReady(us, us), this.time.nowMs());
+    this.head.setWaiting(this.playing && !(this.values.chunks.isReady(us, us) && this.topics.isReady(us)), this.time.nowMs());
     for (const replay of this.replays) this.tellReplay(replay);
+    this.topics.advance(this.toldJumps !== this.jumped);
+    this.toldJumps = this.jumped;
     this.values.notifyWatchers();
     this.notifyWatchers();
   }
@@ -238,6 +262,7 @@ export class PastBoard extends Store {
     const aheadUs = this.playing ? AHEAD_S * SECOND_US * this.speed : 0;
     this.values.chunks.load(us, us);
     this.feed.load(0);
+    this.topics.load(this.playing ? Math.min(MOST_TOPICS_AHEAD_S, TOPICS_AHEAD_S * this.speed) * SECOND_US : 0);
     if (aheadUs === 0) return;
     this.values.chunks.load(us, us + aheadUs);
     this.feed.load(aheadUs);

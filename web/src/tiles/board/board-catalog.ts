@@ -172,13 +172,15 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
       { key: "topics", label: "Only these layers", kind: "lines", hint: "A topic each line, such as /scan; all that there are where it is empty" },
       { key: "lists", label: "Lists, goals and STOP beside it", kind: "flag" },
     ],
-    notKept: "Scenes of a past moment are in recordings of raw topics.",
+    past: "moves",
     load: () => import("../scene/scene-tile.js"),
     render: (settings, context) =>
       html`<t-scene-tile
         .site=${context.site}
         .detail=${context.detail}
         .online=${context.online}
+        .past=${context.past}
+        zone=${context.zone}
         .topics=${settingList(settings, "topics")}
         ?bare=${!settingFlag(settings, "lists")}
       ></t-scene-tile>`,
@@ -228,7 +230,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
   {
     type: "diagnostics", title: "Diagnostics", about: "The diagnostics tree of a robot.", icon: "shield", desktop: [4, 6], phone: [4, 6], least: [2, 3],
     settings: [{ key: "topic", label: "Topic", kind: "topic", standard: "/diagnostics_agg" }],
-    notKept: "Raw messages are not kept.",
+    past: "moves",
     load: () => import("./topic-board-tiles.js"),
     render: (settings, context) => html`<t-tile-diagnostics .context=${context} topic=${settingText(settings, "topic", "/diagnostics_agg")}></t-tile-diagnostics>`,
   },
@@ -250,7 +252,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
       { key: "topic", label: "Topic", kind: "topic", needed: true },
       { key: "fields", label: "Fields to plot", kind: "lines", hint: "A path each line, such as twist.twist.linear.x; four at most" },
     ],
-    notKept: "Raw messages are not kept.",
+    past: "moves",
     load: () => import("./topic-board-tiles.js"),
     titleOf: (settings) => settingText(settings, "topic") || "Raw message",
     render: (settings, context) => html`<t-tile-topic .context=${context} topic=${settingText(settings, "topic")} .fields=${settingList(settings, "fields")}></t-tile-topic>`,

@@ -49,9 +49,15 @@ export class TopicBoardTile extends LitElement {
 
   private readonly plots = new FieldTraces();
   private plotted = "";
-  private readonly follower = new TopicFollower(this, (tree, nowMs) => {
-    this.plots.addMessage(tree, nowMs);
-  });
+  private readonly follower = new TopicFollower(
+    this,
+    (tree, nowMs) => {
+      this.plots.addMessage(tree, nowMs);
+    },
+    () => {
+      this.plots.clear();
+    },
+  );
 
   constructor() {
     super();
@@ -64,26 +70,29 @@ export class TopicBoardTile extends LitElement {
     const wanted = JSON.stringify(this.fields);
     if (wanted !== this.plotted) this.plots.choose(this.fields);
     this.plotted = wanted;
-    this.follower.follow(this.context?.site ?? "", this.topic, RATE);
+    this.follower.follow(this.context?.site ?? "", this.topic, RATE, this.context?.past ?? null);
   }
 
   override render(): TemplateResult {
-    const nowMs = performance.now();
+    const nowMs = this.follower.nowMs();
     const age = this.follower.flow.ageMs(nowMs);
     const facts: TopicFacts = {
       topic: this.topic,
       state: this.follower.stateAt(nowMs, this.context?.online ?? false),
       why: this.follower.problem,
       age: age === null ? null : age / 1000,
+      past: this.context?.past ?? null,
+      zone: this.context?.zone ?? "UTC",
     };
+    const hidden = facts.state === "forbidden" || facts.state === "unrecorded";
     const { tree } = this.follower;
     return html`<div class="tools">
         <input type="search" aria-label=${`Search ${this.topic}`} placeholder="Search a field" .value=${this.search} @input=${this.onSearch} />
         ${renderTopicStatus(facts)} <a href=${topicPagePath(this.context?.site ?? "", this.topic)}>Topic</a>
       </div>
       ${renderTopicTrouble(facts)}
-      ${facts.state === "forbidden" ? nothing : html`<t-field-plot .traces=${this.plots.traces} .nowMs=${nowMs} @t-plot=${this.onPlot}></t-field-plot>`}
-      ${tree === undefined || facts.state === "forbidden"
+      ${hidden ? nothing : html`<t-field-plot .traces=${this.plots.traces} .nowMs=${nowMs} @t-plot=${this.onPlot}></t-field-plot>`}
+      ${tree === undefined || hidden
         ? nothing
         : html`<t-message-tree .value=${tree} .search=${this.search} .plotted=${this.plots.paths} @t-plot=${this.onPlot}></t-message-tree>`}`;
   }
@@ -115,7 +124,7 @@ export class DiagnosticsBoardTile extends LitElement {
   @property() topic = "";
 
   override render(): TemplateResult {
-    return html`<t-diagnostics-tile .site=${this.context?.site ?? ""} .topic=${this.topic} .online=${this.context?.online ?? false}></t-diagnostics-tile>`;
+    return html`<t-diagnostics-tile .site=${this.context?.site ?? ""} .topic=${this.topic} .online=${this.context?.online ?? false} .past=${this.context?.past ?? null} zone=${this.context?.zone ?? "UTC"}></t-diagnostics-tile>`;
   }
 }
 

@@ -10,6 +10,7 @@ import { StopClient } from "../../controllers/drive/stop-client.js";
 import { base } from "../../elements/base/base-style.js";
 import type { SiteShape } from "../../generated/api.js";
 import { filledCommand, poseCommands, type FloorPose, type PoseCommand } from "../../scene/pose-command.js";
+import type { PastBoard } from "../../state/past/past-board.js";
 import { robotNewsContext } from "../../state/contexts.js";
 import "../../elements/scene/scene.js";
 import "../command/command-card.js";
@@ -53,6 +54,9 @@ export class SceneTile extends LitElement {
   /** Without lists and commands: in a small tile. */
   @property({ type: Boolean, reflect: true }) bare = false;
   @property({ attribute: false }) topics: readonly string[] = [];
+  /** The past moment that is shown; null for now. */
+  @property({ attribute: false }) past: PastBoard | null = null;
+  @property() zone = "UTC";
 
   @state() private asked: { readonly tool: string; readonly pose: FloorPose } | null = null;
   private readonly link = new ConnectionStateController(this);
@@ -74,7 +78,8 @@ export class SceneTile extends LitElement {
   protected override willUpdate(): void {
     const { connection } = this.link;
     const found = this.found();
-    const wanted = connection && this.isConnected ? `${this.site} ${found.map(({ device }) => device.id).join(" ")}` : "";
+    // Of a past moment nothing is asked of the robot.
+    const wanted = connection && this.isConnected && this.past === null ? `${this.site} ${found.map(({ device }) => device.id).join(" ")}` : "";
     if (wanted === this.built) return;
     this.closeClients();
     this.built = wanted;
@@ -91,9 +96,9 @@ export class SceneTile extends LitElement {
 
   override render(): TemplateResult {
     // Who may not use the device sees the scene without them, as everywhere.
-    const usable = this.found().filter(({ device }) => device.rights.includes("use"));
+    const usable = this.past === null ? this.found().filter(({ device }) => device.rights.includes("use")) : [];
     const tools = usable.map(({ device, command }) => ({ id: `${device.id}/${command.id}`, label: command.name }));
-    return html`<t-scene .site=${this.site} .online=${this.online} .bare=${this.bare} .topics=${this.topics} .poseTools=${this.bare ? [] : tools} @t-pose=${this.onPose}></t-scene>
+    return html`<t-scene .site=${this.site} .online=${this.online} .bare=${this.bare} .topics=${this.topics} .past=${this.past} zone=${this.zone} .poseTools=${this.bare ? [] : tools} @t-pose=${this.onPose}></t-scene>
       ${this.bare || (usable.length === 0 && this.stops.size === 0) ? nothing : this.renderAsk(usable)}`;
   }
 

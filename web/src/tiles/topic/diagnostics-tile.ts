@@ -7,12 +7,13 @@ import { TopicFollower, type TopicState } from "../../controllers/topic-follower
 import { base, raisedBox } from "../../elements/base/base-style.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { DiagnosticsBook } from "../../series/diagnostics.js";
+import type { PastBoard } from "../../state/past/past-board.js";
 import { topicPagePath } from "../../state/router.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import "../../elements/topic/diagnostics-tree.js";
 
 /** What stands in the place of the tree, and not above it. */
-const INSTEAD: readonly TopicState[] = ["loading", "waiting", "forbidden"];
+const INSTEAD: readonly TopicState[] = ["loading", "waiting", "forbidden", "unrecorded"];
 
 @customElement("t-diagnostics-tile")
 export class DiagnosticsTile extends LitElement {
@@ -49,10 +50,20 @@ export class DiagnosticsTile extends LitElement {
   /** Without a box and a head of its own. */
   @property({ type: Boolean, reflect: true }) bare = false;
 
+  /** The past moment that is shown; null for now. */
+  @property({ attribute: false }) past: PastBoard | null = null;
+  @property() zone = "UTC";
+
   private readonly book = new DiagnosticsBook();
-  private readonly follower = new TopicFollower(this, (tree, nowMs) => {
-    this.book.addMessage(tree, nowMs);
-  });
+  private readonly follower = new TopicFollower(
+    this,
+    (tree, nowMs) => {
+      this.book.addMessage(tree, nowMs);
+    },
+    () => {
+      this.book.clear();
+    },
+  );
 
   constructor() {
     super();
@@ -61,11 +72,11 @@ export class DiagnosticsTile extends LitElement {
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     if (changed.has("site") || changed.has("topic")) this.book.clear();
-    this.follower.follow(this.site, this.topic, ALL_MESSAGES);
+    this.follower.follow(this.site, this.topic, ALL_MESSAGES, this.past);
   }
 
   override render(): TemplateResult {
-    const nowMs = performance.now();
+    const nowMs = this.follower.nowMs();
     const facts = this.facts(nowMs);
     return html`
       ${this.bare
@@ -86,6 +97,8 @@ export class DiagnosticsTile extends LitElement {
       state: this.follower.stateAt(nowMs, this.online),
       why: this.follower.problem,
       age: age === null ? null : age / 1000,
+      past: this.past,
+      zone: this.zone,
     };
   }
 }

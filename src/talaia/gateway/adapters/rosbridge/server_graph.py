@@ -8,6 +8,7 @@ from talaia.gateway.adapters.ros2.type_definitions.message_definition import is_
 from talaia.gateway.adapters.rosbridge.server_questions import texts_of
 from talaia.gateway.adapters.rosbridge.server_types import long_name
 from talaia.gateway.tap_ports import GraphNode, ListedTopic
+from talaia.model.topics import is_latched_by_convention
 
 if TYPE_CHECKING:
     from talaia.gateway.adapters.rosbridge.server_questions import ServerQuestions
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
 __all__ = ["TOPICS_SERVICE", "read_nodes", "read_topics"]
 
 TOPICS_SERVICE = "/rosapi/topics"
-# A server does not say what is latched; these are by the convention of all who publish them.
-_LATCHED_NAMES = ("tf_static", "robot_description")
-_LATCHED_TYPES = ("nav_msgs/msg/OccupancyGrid",)
 # Each is a question to the robot.
 _MAX_NODES = 200
 
@@ -32,7 +30,8 @@ async def read_topics(questions: ServerQuestions) -> dict[str, ListedTopic] | st
     for topic, short_type in written:
         type_name = long_name(short_type)
         if is_type_name(type_name):
-            latched = topic.rsplit("/", 1)[-1] in _LATCHED_NAMES or type_name in _LATCHED_TYPES
+            # A server does not say it.
+            latched = is_latched_by_convention(topic, type_name)
             found[topic] = ListedTopic(topic, type_name, latched)
     return found
 

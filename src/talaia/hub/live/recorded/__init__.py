@@ -1,0 +1,1 @@
+"""Messages of recordings, read at a moment for pages that look back."""
