@@ -103,7 +103,7 @@ def site_shapes() -> list[type[msgspec.Struct]]:
     shapes = [
         *(site.Site, site.Ros2Settings, *get_args(connection.Connection)),
         *(site.Device, site.Signal, *get_args(connection.Source), site.Stream, site.Command),
-        *(site.Argument, site.Drive, site.Stop, ai_services.AiServices),
+        *(site.Argument, site.Drive, site.DrivenJoint, site.Stop, ai_services.AiServices),
         *NIGHT_SHAPES,
     ]
     return insert_parts(shapes)

@@ -29,6 +29,7 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
+from talaia.hub.api.driving import drive_schemas
 from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
@@ -97,6 +98,7 @@ SHAPES = (
     notification_schemas,
     sighting_schemas,
     tap_schemas,
+    drive_schemas,
     map_schemas,
     note_schemas,
     recorded_schemas,

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.tap_ports import TapSink
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.detection import Blur
     from talaia.model.site import Device
     from talaia.objects.detection import Detection
@@ -390,8 +391,8 @@ class CommandTarget(Protocol):
     (only the newest counts) and do not raise while the adapter is away (there is nobody to tell).
     """
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        """Publish a velocity (m/s, rad/s) at once.
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
+        """Publish a demand at once.
 
         ``key`` is the character instead, to a device that is driven by characters: each one is
         sent, in order.
@@ -450,7 +451,7 @@ class Adapter(CommandTarget, ReadingSource, Protocol):
 class ControlOutput(Protocol):
     """What those who decide say: to the robot, to the hub, and to the record."""
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Publish a velocity, or the character that stands for it."""
         ...
 

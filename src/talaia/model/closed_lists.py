@@ -91,6 +91,25 @@ class DriveMessage(StrEnum):
     TWIST = "geometry_msgs/msg/Twist"
     TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
     KEYS = "std_msgs/msg/String"
+    ACKERMANN = "ackermann_msgs/msg/AckermannDrive"
+    ACKERMANN_STAMPED = "ackermann_msgs/msg/AckermannDriveStamped"
+    JOINT_JOG = "control_msgs/msg/JointJog"
+    JOINT_VELOCITIES = "std_msgs/msg/Float64MultiArray"
+
+    @property
+    def steers(self) -> bool:
+        """Whether it holds a speed and the angle of steered wheels."""
+        return self in (DriveMessage.ACKERMANN, DriveMessage.ACKERMANN_STAMPED)
+
+    @property
+    def jogs(self) -> bool:
+        """Whether it holds velocities of joints."""
+        return self in (DriveMessage.JOINT_JOG, DriveMessage.JOINT_VELOCITIES)
+
+    @property
+    def twists(self) -> bool:
+        """Whether it holds a velocity of the whole device."""
+        return self in (DriveMessage.TWIST, DriveMessage.TWIST_STAMPED)
 
 
 class KeyMode(StrEnum):

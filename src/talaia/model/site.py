@@ -37,6 +37,7 @@ from talaia.model.connection import (
     topic_of,
 )
 from talaia.model.detection import Blur, Detect, ObjectModel, SkyLens  # noqa: TC001 - msgspec reads them
+from talaia.model.driving.drive import Drive, DrivenJoint, Keys, Stop
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
@@ -59,6 +60,7 @@ __all__ = [
     "DeviceKind",
     "Drive",
     "DriveMessage",
+    "DrivenJoint",
     "KeyMode",
     "Keys",
     "LinkLoss",
@@ -163,85 +165,6 @@ class Stream(Shape, frozen=True, kw_only=True):
     sky: SkyLens | None = None
     blur: Blur | None = None
     visibility: Visibility = Visibility.VIEW
-
-
-class Stop(Shape, frozen=True, kw_only=True):
-    """How STOP (software) reaches a device, beside zero velocity.
-
-    Attributes:
-        topic: a ``std_msgs/msg/Bool`` topic that is true while stopped; empty if there is none.
-        confirmed_by: addresses of numbers that must all be within ``below`` of zero: it stands.
-        below: see ``confirmed_by``, in the signals' units.
-
-    """
-
-    topic: str = ""
-    confirmed_by: tuple[str, ...] = ()
-    below: float = 0.02
-
-
-class Keys(Shape, frozen=True, kw_only=True):
-    """How the characters of a ``std_msgs/msg/String`` drive topic are used.
-
-    Attributes:
-        mode: see `KeyMode`.
-        speed_step: what one ``w`` adds and one ``x`` takes away (m/s). With it, characters are
-            counted: as many are sent as reach what is asked for, never beyond ``max_speed``.
-            Without it a press is one character, however far it is pressed.
-        turn_step: the same of ``a`` and ``d`` (rad/s).
-        speed: address of a number signal with the device's own speed (m/s); while it is fresh it
-            bounds what is sent as the count does.
-        turn: the same of its rate of turn (rad/s).
-
-    """
-
-    mode: KeyMode = KeyMode.PRESS
-    speed_step: float | None = None
-    turn_step: float | None = None
-    speed: str = ""
-    turn: str = ""
-
-
-class Drive(Shape, frozen=True, kw_only=True):
-    """Continuous control of a device (teleoperation), under a lease.
-
-    Attributes:
-        max_speed: forward limit (m/s).
-        max_reverse: backward limit, given positive (m/s).
-        max_turn: turning limit (rad/s).
-        max_acceleration: (m/s²); a demand for zero is never ramped.
-        max_turn_acceleration: (rad/s²).
-        rate: control rate to the robot, and of explicit zeros (Hz).
-        ttl: a driving frame older than this is refused (s). Zero comes 0.45 s after the newest
-            tick the driver has echoed, however long this is.
-        zeros_for: how long explicit zeros are published after the last frame (s).
-        lease: a lease ends so long after its last renewal (s).
-        picture: name of the stream the driver looks at; empty for none.
-        position: name of the position signal for the map; empty for none.
-        keys: for a device that listens to characters (``message: std_msgs/msg/String``).
-
-    """
-
-    topic: str
-    message: DriveMessage = DriveMessage.TWIST
-    keys: Keys = msgspec.field(default_factory=Keys)
-    # No default, here and for turning: how fast a robot may go its owner has to say.
-    max_speed: float
-    # None: as fast as forward.
-    max_reverse: float | None = None
-    max_turn: float
-    max_acceleration: float = 1.0
-    max_turn_acceleration: float = 6.0
-    # These four have bounds in `checks.site_checks`, which no description can widen.
-    rate: float = 20.0
-    ttl: float = 0.25
-    zeros_for: float = 1.0
-    lease: float = 3.0
-    # Where nobody says it, a robot without a hub is to stand.
-    link_loss: LinkLoss = LinkLoss.STOP
-    stop: Stop = msgspec.field(default_factory=Stop)
-    picture: str = ""
-    position: str = ""
 
 
 class Argument(Shape, frozen=True, kw_only=True):

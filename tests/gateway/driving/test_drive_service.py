@@ -14,6 +14,7 @@ from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.driving.stop_writer import StopWriter
 from talaia.gateway.driving.tick_clock import TickClock
 from talaia.gateway.ports import ChannelReading
+from talaia.gateway.velocity_demand import VelocityDemand
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
     ControlTick,
@@ -61,9 +62,9 @@ class Robot:
         self.notes: list[str] = []
         self.speed: ChannelReading | None = None
 
-    def drive(self, device: str, linear: float, angular: float) -> None:
+    def drive(self, device: str, demand: VelocityDemand) -> None:
         assert device == "base"
-        self.driven.append((self.clock.monotonic_ns(), linear, angular))
+        self.driven.append((self.clock.monotonic_ns(), demand.linear, demand.angular))
 
     def stop(self, device: str, *, stopped: bool) -> None:
         assert device == "base"
@@ -171,8 +172,8 @@ class KeyRobot(Robot):
 
     heard = ""
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        self.driven.append((self.clock.monotonic_ns(), linear, angular))
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
+        self.driven.append((self.clock.monotonic_ns(), demand.linear, demand.angular))
         self.heard += key
 
 

@@ -16,6 +16,7 @@ from talaia.gateway.driving.stop_writer import StopWriter
 from talaia.gateway.driving.twin_service import NOT_HELD, NOT_LIVE, TwinService
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
+from talaia.gateway.velocity_demand import VelocityDemand
 from talaia.model.twins.twin import TwinMode
 from talaia.model.twins.twin_topics import device_text
 from talaia.model.yaml_text.load import load_site
@@ -71,8 +72,8 @@ class World:
             address = address.replace("pose_yaw", "pose.yaw").replace("pose_y", "pose.y")
             self.readings[address] = ChannelReading(value, self.clock.monotonic_ns())
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        self.driven[device].append(linear)
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
+        self.driven[device].append(demand.linear)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         assert device == "base"

@@ -294,7 +294,7 @@ def test_no_history_ever_breaks_limit_ramp_or_watchdog(history: list[tuple]) -> 
             assert ended or (now - pressed > 250 * MS and now < dead)
             continue
         assert demand == STILL or now - pressed <= 250 * MS
-        assert all(map(math.isfinite, demand))
+        assert all(map(math.isfinite, demand[:4]))
         assert abs(demand.linear) <= RULE.max_speed
         assert abs(demand.angular) <= RULE.max_turn
         if now - last_good >= 250 * MS or now >= dead:

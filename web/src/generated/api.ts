@@ -112,7 +112,10 @@ export interface DeviceShape {
 export interface DriveShape {
   readonly max_speed: number;
   readonly max_reverse: number;
+  readonly max_sideways: number;
   readonly max_turn: number;
+  readonly max_steering: number;
+  readonly joints: readonly DrivenJointShape[];
   readonly rate: number;
   readonly ttl: number;
   readonly lease: number;
@@ -2351,6 +2354,17 @@ export interface TopicShape {
 export interface TopicTable {
   readonly online: boolean;
   readonly topics: readonly TopicShape[];
+}
+
+/** A joint that is driven by its velocity: rad/s and rad, or m/s and m where it slides. */
+export interface DrivenJointShape {
+  readonly id: string;
+  readonly name: string;
+  readonly max_speed: number;
+  readonly minimum: number | null;
+  readonly maximum: number | null;
+  readonly position: string;
+  readonly slides: boolean;
 }
 
 /** A picture in the local frame: its lower left corner (m), turned by ``rotation`` (°). */

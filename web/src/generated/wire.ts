@@ -82,6 +82,9 @@ export interface PageDrive {
   readonly held_ms: number;
   readonly linear: number;
   readonly angular: number;
+  readonly lateral: number;
+  readonly steering: number;
+  readonly joints: readonly number[];
   readonly picture_ms: number;
 }
 
@@ -235,6 +238,9 @@ export interface DriveUpdate {
   readonly device: string;
   readonly linear: number;
   readonly angular: number;
+  readonly lateral: number;
+  readonly steering: number;
+  readonly joints: readonly number[];
   readonly cap: number;
   readonly loop_ms: number;
   readonly accepted: number;
@@ -671,7 +677,7 @@ export const DEFAULTS = {
   unsubscribe: {},
   lease: {},
   lease_force: {},
-  drive: { held_ms: 0.0, picture_ms: -1.0 },
+  drive: { held_ms: 0.0, lateral: 0.0, steering: 0.0, joints: [], picture_ms: -1.0 },
   twin_ask: {},
   twin_drive: { held_ms: 0.0, picture_ms: -1.0, live: false },
   stop: {},
@@ -686,7 +692,7 @@ export const DEFAULTS = {
   values: { texts: {}, age_ms: [] },
   lease_news: { holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "", forceable: false },
   tick: {},
-  drive_news: { loop_ms: 0.0, accepted: 0, refused: 0, why: "", sent: "" },
+  drive_news: { lateral: 0.0, steering: 0.0, joints: [], loop_ms: 0.0, accepted: 0, refused: 0, why: "", sent: "" },
   twin_news: { live: false, who: "", why: "", path: [], metres: 0.0, seconds: 0.0, verdicts: [] },
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   held_stop_news: { id: "", held: 0, latched: 0, confirmed: 0 },

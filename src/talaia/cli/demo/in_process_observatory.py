@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from talaia.clock import Clock
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.site import Site
     from talaia.sim.observatory.models.sky_picture import Chip
     from talaia.sim.observatory.servers.base import Server, Value
@@ -107,7 +108,7 @@ class InProcessObservatory:
         """Give a text signal's newest value."""
         return self._texts.get(self._topics.get(address, ""))
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Nothing here is driven."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.connectivity import DeviceReachability
     from talaia.gateway.ports import Adapter, ChannelReading, EventSink
     from talaia.gateway.tap_ports import TopicDefinition
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.site import Device
     from talaia.wire.frames import Scalar
 
@@ -261,9 +262,9 @@ class MultiAdapter:
             self._adapter_for(device).latest(address) if self._reach.still_counts(device) else None
         )
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """See `CommandTarget.drive`."""
-        self._adapter_for(device).drive(device, linear, angular, key)
+        self._adapter_for(device).drive(device, demand, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""

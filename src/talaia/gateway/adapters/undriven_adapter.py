@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.json_signals import JsonSignals
     from talaia.gateway.ports import ChannelReading, SampleSink
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.wire.frames import Scalar
 
 __all__ = ["JsonAdapter", "UndrivenAdapter"]
@@ -20,7 +21,7 @@ __all__ = ["JsonAdapter", "UndrivenAdapter"]
 class UndrivenAdapter:
     """The part of an `Adapter` that tells nobody to move: `check` refuses a drive here."""
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Tell nobody: nothing here is driven."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

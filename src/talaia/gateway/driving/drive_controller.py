@@ -13,7 +13,7 @@ from talaia.clock import MS, SECOND
 from talaia.gateway.driving.drive_keys import KeyCounter
 from talaia.gateway.driving.lease_protocol import LeaseProtocol
 from talaia.gateway.driving.stop_latch import LatchedStop, StopLatch
-from talaia.gateway.driving.velocity_limits import STILL, VelocityDemand, VelocityLimiter
+from talaia.gateway.driving.velocity_limits import VelocityDemand, VelocityLimiter
 from talaia.model.site import DriveMessage
 from talaia.wire.frames import DriveState, StopState
 
@@ -187,11 +187,11 @@ class DriveController:
     def _send_demand(self, demand: VelocityDemand) -> None:
         """Tell the robot a velocity, or the next character towards it if there is one."""
         if self._keys is None:
-            self._output.drive(self.device, *demand)
+            self._output.drive(self.device, demand)
         elif key := self._keys.next_key(
             (demand.linear, demand.angular), self.driving.cap, self.measured
         ):
-            self._output.drive(self.device, *demand, key=key)
+            self._output.drive(self.device, demand, key)
 
     def robot_back(self, now_ns: int) -> None:
         """Halt a robot that keeps its velocity by itself: what it was sent before is not known.
@@ -219,9 +219,10 @@ class DriveController:
     def _report_demand(self, now_ns: int) -> None:
         """Tell the hub what the robot is told, when it changed, at most ten times a second."""
         driving = self.driving
-        linear, angular = driving.output if self._keys is None else self._keys.velocity
+        linear, angular = driving.output[:2] if self._keys is None else self._keys.velocity
         sent = "" if self._keys is None else self._keys.sent
-        told = (driving.output, driving.cap, self._why, sent)
+        why = self._why or driving.joint_reason
+        told = (driving.output, driving.cap, why, sent)
         if told == self._told or now_ns - self._reported_ns < REPORT_NS:
             return
         self._told, self._reported_ns = told, now_ns
@@ -230,12 +231,15 @@ class DriveController:
                 device=self.device,
                 linear=linear,
                 angular=angular,
+                lateral=driving.output.lateral,
+                steering=driving.output.steering,
+                joints=list(driving.output.joints),
                 sent=sent,
                 cap=driving.cap,
                 loop_ms=driving.loop_ms,
                 accepted=driving.accepted,
                 refused=driving.refused,
-                why=self._why,
+                why=why,
             )
         )
 
@@ -287,7 +291,7 @@ class DriveController:
 
     def _say_zero(self, now_ns: int) -> None:
         self._zero_ns = now_ns
-        self._send_demand(STILL)
+        self._send_demand(self.driving.zero)
 
     # ── time and link ──
 

@@ -135,6 +135,7 @@ class DriveService:
             controller.bar_driving(self.barred_reason(frame.device, now), now)
             controller.limit_speed(self.speed_share(frame.device, now))
             controller.measured = self._motion.measured_velocity(controller.rule, now)
+            controller.driving.joint_places = self._motion.joint_places(controller.rule, now)
             controller.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
     def stop_device(self, ask: StopRequest) -> LatchedStop | None:
@@ -318,6 +319,7 @@ class DriveService:
             if controller.driving.moving:
                 controller.bar_driving(self.barred_reason(controller.device, now), now)
                 controller.limit_speed(self.speed_share(controller.device, now))
+                controller.driving.joint_places = self._motion.joint_places(controller.rule, now)
             controller.run_due(now, partial(self._motion.standstill_proofs, controller.rule))
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
             self._send_tick(now)

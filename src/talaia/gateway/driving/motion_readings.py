@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 __all__ = ["MotionReadings"]
 
 
+# How old it may be where a joint stands, for that to bound its speed: see `END_S` of the limits.
+JOINT_AGE_NS = SECOND // 4
+
+
 class MotionReadings:
     """Reads the signals that the description of driving names."""
 
@@ -32,6 +36,15 @@ class MotionReadings:
         keys = rule.keys
         speed, turn = (self._fresh_value(address, now_ns) for address in (keys.speed, keys.turn))
         return speed, turn
+
+    def joint_places(self, rule: DriveRule, now_ns: int) -> tuple[float, ...]:
+        """Give where each driven joint stands (rad or m); NaN where that is not known now."""
+        places = []
+        for joint in rule.joints.values():
+            reading = self._readings.latest(joint.position) if joint.position else None
+            fresh = reading is not None and now_ns - reading.mono_ns <= JOINT_AGE_NS
+            places.append(reading.value if fresh and reading is not None else math.nan)
+        return tuple(places)
 
     def standstill_proofs(self, rule: DriveRule) -> list[StandstillProof | None]:
         """Give what each signal that confirms STOP says; none for one that says nothing."""

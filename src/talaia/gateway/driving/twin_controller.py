@@ -204,7 +204,7 @@ class TwinController:
     def _publish_demand(self, now_ns: int) -> None:
         demand = self.limiter.next_demand(now_ns)
         if demand is not None:
-            self._output.drive(self.name, *demand)
+            self._output.drive(self.name, demand)
 
 
 def drive_frame_of(frame: TwinFrame) -> DriveFrame:

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from enum import Enum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from talaia.clock import MS, SECOND
+from talaia.gateway.velocity_demand import STILL, VelocityDemand
 
 if TYPE_CHECKING:
-    from talaia.model.site import Drive as DriveRule
+    from talaia.model.site import Drive as DriveRule, DrivenJoint
     from talaia.wire.frames import DriveFrame as DriveFrame
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "VelocityLimiter",
     "cap_of_loop",
     "cap_of_picture",
+    "room_of_joint",
 ]
 
 # The round trip's steps of the safety rules: full, half and no speed (docs of driving name them).
@@ -36,18 +38,10 @@ DEAD_PICTURE_MS = 1000.0
 # echoes), zero comes by then, whatever frames still arrive: with the way up dark, the page echoes
 # its last tick for as long as it does not know. 500 ms are promised; the rest is for this process.
 STOP_BY_NS = 450 * MS
+# A joint slows so that it would need this long (s) for the rest of its way to its end.
+END_S = 1.0
 # Publications that may come at once, beyond the steady rate.
 CREDIT = 3.0
-
-
-class VelocityDemand(NamedTuple):
-    """A velocity for the robot: m/s forward, rad/s counter-clockwise."""
-
-    linear: float
-    angular: float
-
-
-STILL = VelocityDemand(0.0, 0.0)
 
 
 class OutputPhase(Enum):
@@ -92,10 +86,16 @@ class VelocityLimiter:
         # Between two messages to the robot in a steady hold, ns.
         self._period_ns = round(SECOND / rule.rate)
         # m/s backwards; the forward limit where the description names none.
-        self._reverse = rule.max_speed if rule.max_reverse is None else rule.max_reverse
+        self._reverse = rule.reverse
         self._phase = OutputPhase.SILENT
-        self._wish = STILL  # What the driver asks for, clamped to the limits; before cap and ramp.
-        self._output = STILL  # What the robot was told last; the ramp starts there.
+        self._still = STILL._replace(joints=(0.0,) * len(rule.joints))
+        # What the driver asks for, clamped to the limits; before cap and ramp.
+        self._wish = self._still
+        self._output = self._still  # What the robot was told last; the ramp starts there.
+        # Where each joint stands (rad or m): NaN where that is not known. Set by the controller.
+        self.joint_places: tuple[float, ...] = (math.nan,) * len(rule.joints)
+        # Why a joint that is asked for is not moved; empty when none is.
+        self.joint_reason = ""
         # When the phase ends by itself (monotonic, as all times here): driving, or the zeros.
         self._until_ns = 0
         # Until when the last frame counts, from when its driver made it.
@@ -132,6 +132,14 @@ class VelocityLimiter:
     def output(self) -> VelocityDemand:
         """The last demand given out."""
         return self._output
+
+    @property
+    def zero(self) -> VelocityDemand:
+        """What stops the robot: no speed, and steered wheels as they were told to stand.
+
+        Wheels that straighten while a vehicle brakes in a curve would leave the curve.
+        """
+        return self._still._replace(steering=self._output.steering)
 
     @property
     def cap(self) -> float:
@@ -182,17 +190,50 @@ class VelocityLimiter:
             cap_of_loop(self.loop_ms),
             cap_of_picture(frame.picture_ms, has_picture=bool(self._rule.picture)),
         )
-        self._wish = VelocityDemand(
-            min(max(frame.linear, -self._reverse), self._rule.max_speed),
-            min(max(frame.angular, -self._rule.max_turn), self._rule.max_turn),
-        )
+        self._wish = self._wish_of(frame)
         return ""
 
+    def _wish_of(self, frame: DriveFrame) -> VelocityDemand:
+        rule = self._rule
+        linear, lateral = self._within_ellipse(
+            min(max(frame.linear, -self._reverse), rule.max_speed),
+            _clamp_value(frame.lateral, rule.max_sideways),
+            1.0,
+        )
+        limits = [joint.max_speed for joint in rule.joints.values()]
+        return VelocityDemand(
+            linear,
+            _clamp_value(frame.angular, rule.max_turn),
+            lateral,
+            _clamp_value(frame.steering, rule.max_steering),
+            # A frame that names none lets go of all.
+            tuple(map(_clamp_value, frame.joints or self._still.joints, limits)),
+        )
+
+    def _within_ellipse(self, linear: float, lateral: float, share: float) -> tuple[float, float]:
+        """Cut a velocity to a share of its limits; one that goes aslant keeps its direction.
+
+        Forward and sideways at their limits at once would be faster than either.
+        """
+        # Each limit of the ellipse, on the side that is gone to.
+        ahead = share * (self._rule.max_speed if linear >= 0 else self._reverse)
+        aside = share * self._rule.max_sideways
+        linear, lateral = _clamp_value(linear, ahead), _clamp_value(lateral, aside)
+        if linear == 0.0 or lateral == 0.0:
+            return linear, lateral
+        reach = math.hypot(linear / ahead, lateral / aside)
+        return (linear, lateral) if reach <= 1.0 else (linear / reach, lateral / reach)
+
     def _why_not(self, frame: DriveFrame, epoch: int, age_ns: int) -> str:
-        numbers = (frame.linear, frame.angular, frame.held_ms, frame.ttl_ms, frame.picture_ms)
+        numbers = (
+            *(frame.linear, frame.angular, frame.lateral, frame.steering, *frame.joints),
+            *(frame.held_ms, frame.ttl_ms, frame.picture_ms),
+        )
         # NaN passes every `min` and `max`, and would reach the actuator.
         if not all(map(math.isfinite, numbers)):
             return "a value is not a finite number"
+        if frame.joints and len(frame.joints) != len(self._rule.joints):
+            return f"the frame is for {len(frame.joints)} joints, not {len(self._rule.joints)}"
         if frame.epoch != epoch:
             return "the frame belongs to an earlier lease"
         # Only within an epoch: a page loaded anew counts from zero under a higher one.
@@ -210,7 +251,7 @@ class VelocityLimiter:
         return ""
 
     def _restless_reason(self, frame: DriveFrame, now_ns: int) -> str:
-        let_go = frame.linear == 0.0 and frame.angular == 0.0
+        let_go = not frame.asks
         if now_ns < self._pause_until_ns and not let_go:
             return "the vehicle comes to rest between two drivers"
         # Nothing offered for twice a frame's life: the key was up, even if no zero arrived.
@@ -231,7 +272,7 @@ class VelocityLimiter:
 
     def halt_motion(self, now_ns: int, seconds: float = 0.0) -> None:
         """End the hold now: zeros for the stated time, or longer, then silence. No ramp."""
-        self._wish = STILL
+        self._wish = self._still
         self._phase = OutputPhase.ZEROS
         self._until_ns = now_ns + round(max(seconds, self._rule.zeros_for) * SECOND)
         # None makes `due_ns` say at once; the first zero does not wait for its turn.
@@ -245,8 +286,8 @@ class VelocityLimiter:
         after its release, is not held back, and a flood of frames cannot raise the rate to the
         robot.
         """
-        if self._wish == STILL:
-            return self._output != STILL
+        if not self._wish.asks:
+            return self._output.moves
         # Two turns' worth in a period: the frames' own pace plus what bunches.
         earned = max(0, now_ns - self._credit_ns) / (self._period_ns / 2)
         self._credit = min(CREDIT, self._credit + earned)
@@ -273,7 +314,7 @@ class VelocityLimiter:
             # Half a period where the rate was used up, one and a half where a frame should come
             # meanwhile.
             wait = self._period_ns // 2 if self._unsaid else self._period_ns * 3 // 2
-            if self._wish != STILL and self._said_ns + wait > self._fresh_until_ns:
+            if self._wish.asks and self._said_ns + wait > self._fresh_until_ns:
                 return self._until_ns
         return min(self._said_ns + wait, self._until_ns)
 
@@ -281,7 +322,7 @@ class VelocityLimiter:
         """Give what to publish now, or none for silence."""
         if self._phase is OutputPhase.DRIVING and now_ns >= self._until_ns:
             self.halt_motion(now_ns)
-        driven = self._phase is OutputPhase.DRIVING and self._wish != STILL
+        driven = self._phase is OutputPhase.DRIVING and self._wish.asks
         if driven and now_ns > self._fresh_until_ns:
             # Silence until the zeros, or until a fresh frame: an old wish moves nothing.
             # -1, so that `due_ns` waits for the end of the hold and does not come back each turn.
@@ -290,10 +331,11 @@ class VelocityLimiter:
         if self._phase is OutputPhase.ZEROS and now_ns >= self._until_ns:
             self._phase = OutputPhase.SILENT
         if self._phase is OutputPhase.SILENT:
-            self._output, self._said_ns = STILL, None
+            self._output, self._said_ns = self.zero, None
             return None
         # Zeros are told without a ramp: stopping is the robot's own brake.
-        self._output = self._ramped_demand(now_ns) if self._phase is OutputPhase.DRIVING else STILL
+        driving = self._phase is OutputPhase.DRIVING and self._wish.asks
+        self._output = self._ramped_demand(now_ns) if driving else self.zero
         self._said_ns, self._unsaid = now_ns, False
         return self._output
 
@@ -301,17 +343,70 @@ class VelocityLimiter:
         since = self._period_ns if self._said_ns is None else now_ns - self._said_ns
         # A late turn does not buy a larger jump than two turns' worth.
         seconds = min(max(since, 0), 2 * self._period_ns) / SECOND
-        rule = self._rule
-        linear = _ramp_toward(
-            self._output.linear, self._wish.linear, rule.max_acceleration * seconds
+        rule, was, wish = self._rule, self._output, self._wish
+        linear, lateral = _ramp_vector(
+            (was.linear, was.lateral), (wish.linear, wish.lateral), rule.max_acceleration * seconds
         )
         turn = rule.max_turn_acceleration * seconds
-        angular = _ramp_toward(self._output.angular, self._wish.angular, turn)
-        limit = self.cap * (rule.max_speed if linear >= 0 else self._reverse)
+        angular = _ramp_toward(was.angular, wish.angular, turn)
         # The cap cuts after the ramp: when the line gets worse, speed falls at once.
+        linear, lateral = self._within_ellipse(linear, lateral, self.cap)
+        # An angle is no speed: the cap slows how fast it changes.
+        steer = rule.max_steering_speed * seconds * self.cap
         return VelocityDemand(
-            _clamp_value(linear, limit), _clamp_value(angular, self.cap * rule.max_turn)
+            linear,
+            _clamp_value(angular, self.cap * rule.max_turn),
+            lateral,
+            min(max(wish.steering, was.steering - steer), was.steering + steer),
+            self._ramped_joints(seconds),
         )
+
+    def _ramped_joints(self, seconds: float) -> tuple[float, ...]:
+        rule, self.joint_reason = self._rule, ""
+        step = rule.max_joint_acceleration * seconds
+        speeds = []
+        for (name, joint), was, wish, place in zip(
+            rule.joints.items(),
+            self._output.joints,
+            self._wish.joints,
+            self.joint_places,
+            strict=True,
+        ):
+            # The cap cuts here as well, and then the joint's own end does.
+            limit = self.cap * joint.max_speed
+            speed = _clamp_value(_ramp_toward(was, wish, step), limit)
+            room = room_of_joint(joint, speed, place)
+            if abs(speed) > room:
+                unknown = math.isnan(place)
+                why = "where it stands is not known" if unknown else "it comes to its end"
+                self.joint_reason = self.joint_reason or f"{joint.name or name}: {why}"
+            speeds.append(_clamp_value(speed, room))
+        return tuple(speeds)
+
+
+def room_of_joint(joint: DrivenJoint, speed: float, place: float) -> float:
+    """Give how fast a joint may go on the way it goes, by where it stands (NaN: not known)."""
+    if not joint.position or speed == 0.0:
+        return abs(speed)
+    if math.isnan(place):
+        return 0.0
+    end = joint.maximum if speed > 0 else joint.minimum
+    if end is None:
+        return abs(speed)
+    # It slows toward its end and is never there: the reading is younger than this time.
+    return max(0.0, (end - place) if speed > 0 else (place - end)) / END_S
+
+
+def _ramp_vector(
+    now: tuple[float, float], wish: tuple[float, float], step: float
+) -> tuple[float, float]:
+    """Ramp forward and sideways as one: aslant is not quicker than along an axis."""
+    if wish[0] == 0.0 or wish[1] == 0.0:
+        return _ramp_toward(now[0], wish[0], step), _ramp_toward(now[1], wish[1], step)
+    # Along the straight way from what was told to what is asked for.
+    way = (wish[0] - now[0], wish[1] - now[1])
+    share = min(1.0, step / max(math.hypot(*way), 1e-12))
+    return now[0] + way[0] * share, now[1] + way[1] * share
 
 
 def _ramp_toward(now: float, wish: float, step: float) -> float:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import CommandTarget
     from talaia.gateway.recording.recorders import TriggeredRecorder
     from talaia.gateway.uplink.send_lanes import SendLanes
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.wire.frames import FromGateway
 
 __all__ = ["OutputRouter"]
@@ -53,9 +54,9 @@ class OutputRouter:
         """Tell a part of the gateway how enclosures stand, whatever the hub takes."""
         self._enclosure_listeners.append(listener)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Publish a velocity."""
-        self._adapter.drive(device, linear, angular, key)
+        self._adapter.drive(device, demand, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """Publish on the STOP topic."""

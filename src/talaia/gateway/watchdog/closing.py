@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import Adapter, CommandOutcome
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.detection import Blur
     from talaia.model.interlocks.interlock import Step
     from talaia.model.site import Site
@@ -134,7 +135,7 @@ class _Recorder:
             said = EnclosureState(enclosure=message.enclosure, why=_plain_message(message.why))
             self.on_enclosure(said)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Drive nothing."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

@@ -117,6 +117,9 @@ class AccountOffer:
         # The first to take a name keeps it.
         topics: dict[str, DrivenTopic] = {}
         for drive in self.drives:
+            # Wheels that steer and joints are driven from the pages alone.
+            if drive.rule.message.steers or drive.rule.message.jogs:
+                continue
             topics.setdefault(drive.rule.topic, DrivenTopic(drive.device, drive.rule.message.value))
             # Ours takes plain velocities, whatever the device itself listens to.
             topics[f"{prefix}/{drive.device}/drive"] = DrivenTopic(

@@ -119,13 +119,15 @@ class ClientConnection:
         """
         return self._browser.request(message)
 
-    def publish_drive(self, device: str, *, linear: float, angular: float) -> str:
-        """Take a velocity (m/s, rad/s) that the client published; give why it is refused, if so."""
+    def publish_drive(
+        self, device: str, *, linear: float, angular: float, lateral: float = 0.0
+    ) -> str:
+        """Take a velocity that the client published; give why it is refused, if so."""
         described = self.description.devices.get(device)
         rule = described.drive if described is not None else None
         now_ns = self._clock.monotonic_ns()
         why = self._driving.publish_velocity(
-            device, rule, linear=linear, angular=angular, now_ns=now_ns
+            device, rule, linear=linear, angular=angular, lateral=lateral, now_ns=now_ns
         )
         self._drive_changed.set()
         return why

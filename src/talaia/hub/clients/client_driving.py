@@ -70,6 +70,7 @@ class _Hold:
     arrived_ns: int
     linear: float = 0.0
     angular: float = 0.0
+    lateral: float = 0.0
     sent: bool = False
     # Of the lease; 0 while it is not held.
     epoch: int = 0
@@ -113,7 +114,14 @@ class ClientDriving:
         self._tick_ns = 0
 
     def publish_velocity(
-        self, device: str, rule: Drive | None, *, linear: float, angular: float, now_ns: int
+        self,
+        device: str,
+        rule: Drive | None,
+        *,
+        linear: float,
+        angular: float,
+        lateral: float = 0.0,
+        now_ns: int,
     ) -> str:
         """Take one message of the client; say why it is refused, empty when it is not.
 
@@ -122,13 +130,16 @@ class ClientDriving:
             rule: the device's ``drive``; none of a device that is not driven.
             linear: forward (m/s).
             angular: counter-clockwise (rad/s).
+            lateral: to the left (m/s); nothing comes of it on a base that cannot.
             now_ns: monotonic.
 
         """
-        if not math.isfinite(linear) or not math.isfinite(angular):
+        if not math.isfinite(linear + angular + lateral):
             return "a velocity must be a finite number"
         if rule is None:
             return f"{device or 'this'} is nothing that is driven"
+        if rule.message.steers or rule.message.jogs:
+            return f"{device} is driven by {rule.message}, which Talaia's own pages alone send"
         if not self._permits(device):
             self._let_go(device, now_ns)
             return (
@@ -136,9 +147,10 @@ class ClientDriving:
                 " drive it by other clients (Admin, Clients)"
             )
         hold = self._holds.setdefault(device, _Hold(arrived_ns=now_ns))
-        reverse = rule.max_speed if rule.max_reverse is None else rule.max_reverse
         # Cut, not scaled: a client that asks for little gets what it asks.
-        hold.linear = min(max(linear, -reverse * SPEED_SHARE), rule.max_speed * SPEED_SHARE)
+        hold.linear = min(max(linear, -rule.reverse * SPEED_SHARE), rule.max_speed * SPEED_SHARE)
+        aside = rule.max_sideways * SPEED_SHARE
+        hold.lateral = min(max(lateral, -aside), aside)
         turn = rule.max_turn * SPEED_SHARE
         hold.angular = min(max(angular, -turn), turn)
         hold.arrived_ns, hold.sent, hold.zeros = now_ns, False, 0
@@ -204,7 +216,7 @@ class ClientDriving:
                 hold.moving, hold.zeros, hold.zero_ns = False, _ZEROS, now_ns
             if hold.zeros and now_ns >= hold.zero_ns:
                 hold.zeros, hold.zero_ns = hold.zeros - 1, now_ns + _ZERO_EVERY_NS
-                self._drive(device, hold, 0.0, 0.0, now_ns=now_ns)
+                self._drive(device, hold, zero=True, now_ns=now_ns)
             if now_ns >= hold.arrived_ns + _IDLE_NS:
                 self._let_go(device, now_ns)
             elif hold.epoch and now_ns >= hold.renewed_ns + _RENEW_NS:
@@ -245,11 +257,9 @@ class ClientDriving:
         if self._tick < 0:
             return ""
         hold.sent = hold.moving = True
-        return self._drive(device, hold, hold.linear, hold.angular, now_ns=now_ns)
+        return self._drive(device, hold, now_ns=now_ns)
 
-    def _drive(
-        self, device: str, hold: _Hold, linear: float, angular: float, *, now_ns: int
-    ) -> str:
+    def _drive(self, device: str, hold: _Hold, *, zero: bool = False, now_ns: int) -> str:
         if not hold.epoch or self._tick < 0:
             return ""
         hold.seq += 1
@@ -261,8 +271,9 @@ class ClientDriving:
                 seq=hold.seq,
                 tick=self._tick,
                 held_ms=(now_ns - self._tick_ns) / MS,
-                linear=linear,
-                angular=angular,
+                linear=0.0 if zero else hold.linear,
+                angular=0.0 if zero else hold.angular,
+                lateral=0.0 if zero else hold.lateral,
             )
         )
         return "" if problem is None else problem.message
@@ -274,7 +285,7 @@ class ClientDriving:
             return
         # The gateway stops it in any case when the lease is free.
         if hold.moving or hold.zeros:
-            self._drive(device, hold, 0.0, 0.0, now_ns=now_ns)
+            self._drive(device, hold, zero=True, now_ns=now_ns)
         self._ask(PageLease(site=self._site, device=device, op=LeaseOp.FREE))
 
     def _press_again(self, press: str, pressed: _Pressed, now_ns: int) -> None:

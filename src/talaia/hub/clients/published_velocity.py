@@ -15,19 +15,21 @@ _TWIST = "Twist"
 _LITTLE_ENDIAN, _BIG_ENDIAN = 1, 0
 _ENCAPSULATION = 4
 # Of the six numbers of a Twist.
-_LINEAR_X, _ANGULAR_Z = 0, 5
+_LINEAR_X, _LINEAR_Y, _ANGULAR_Z = 0, 1, 5
 
 
 class PublishedVelocity(NamedTuple):
-    """Forward (m/s) and counter-clockwise (rad/s), as in REP-103."""
+    """Forward (m/s), counter-clockwise (rad/s) and to the left (m/s), as in REP-103."""
 
     linear: float
     angular: float
+    lateral: float = 0.0
 
 
 # Only what drives a vehicle is read of a Twist; the rest may be anything.
 class _Linear(msgspec.Struct, frozen=True):
     x: float = 0.0
+    y: float = 0.0
 
 
 class _Angular(msgspec.Struct, frozen=True):
@@ -73,7 +75,7 @@ def _read_json(data: bytes, *, stamped: bool) -> PublishedVelocity | str:
             twist = msgspec.json.decode(data, type=_Twist)
     except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
         return f"not the JSON of a velocity: {str(error)[:200]}"
-    return PublishedVelocity(twist.linear.x, twist.angular.z)
+    return PublishedVelocity(twist.linear.x, twist.angular.z, twist.linear.y)
 
 
 def _read_cdr(data: bytes, *, stamped: bool) -> PublishedVelocity | str:
@@ -93,4 +95,4 @@ def _read_cdr(data: bytes, *, stamped: bool) -> PublishedVelocity | str:
         numbers = struct.unpack_from(f"{order}6d", content, begin)
     except struct.error:
         return f"not the CDR of a velocity: {len(data)} bytes are too few"
-    return PublishedVelocity(numbers[_LINEAR_X], numbers[_ANGULAR_Z])
+    return PublishedVelocity(numbers[_LINEAR_X], numbers[_ANGULAR_Z], numbers[_LINEAR_Y])

@@ -149,6 +149,7 @@ def _safety_findings(site: Site, derived: frozenset[str]) -> Iterator[Finding]:
     for device in site.devices.values():
         if device.drive is not None:
             guarded |= {device.drive.keys.speed, device.drive.keys.turn}
+            guarded |= {joint.position for joint in device.drive.joints.values()}
     for address in sorted(guarded & derived):
         problem = (
             "an interlock, enclosure, STOP, driving or the night goes by it, and it is worked out"

@@ -35,10 +35,8 @@ from talaia.model.checks.identifiers import (
     at_least,
     check_above,
     field_fits,
-    finding_of,
     id_fits,
     name_fits,
-    number_text,
     range_fits,
     topic_fits,
 )
@@ -56,22 +54,23 @@ from talaia.model.connection import (
     rules_of,
 )
 from talaia.model.derived_signals import with_counts
-from talaia.model.errors import DescriptionError, UnknownWord
+from talaia.model.driving.drive_checks import drive_findings
+from talaia.model.errors import DescriptionError
 from talaia.model.list_texts import LIST_TYPES, parse_list
 from talaia.model.maps.map_checks import map_findings, tag_findings
 from talaia.model.renames import former_findings
-from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
+from talaia.model.site import ArgumentType, CommandKind, SignalType, Site
 from talaia.model.twins.twin_checks import twin_findings
 from talaia.model.units.time_zones import known_zones
 from talaia.model.yaml_text.value_remedies import remedy_of_value, words_of_value
 from talaia.model.yaml_text.version import FORMAT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.recording import Recording
-    from talaia.model.site import Argument, Command, Device, Drive, Signal, Stream
+    from talaia.model.site import Argument, Command, Device, Signal, Stream
 
 __all__ = ["Finding", "check_site", "raise_first"]
 
@@ -229,7 +228,7 @@ def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     if link is not None:
         yield from frames_findings(f"{where}.frames", device, link)
     if device.drive is not None:
-        yield from _check_drive(site, f"{where}.drive", device.drive)
+        yield from drive_findings(site, f"{where}.drive", device.drive)
 
 
 def _check_signal(where: str, signal: Signal) -> Iterator[Finding]:
@@ -320,81 +319,3 @@ def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
         kind = {"number": "float", "integer": "int", "boolean": "bool"}.get(argument.type, "str")
         problem = f"expected {words_of_value(None, kind)}, found {words_of_value(value, word)}"
         yield Finding(f"{where}.default", problem, remedy_of_value([kind], value, None))
-
-
-def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
-    yield from topic_fits(f"{where}.topic", drive.topic)
-    for key in ("max_speed", "max_turn", "max_acceleration", "max_turn_acceleration"):
-        for finding in check_above(f"{where}.{key}", getattr(drive, key), 0):
-            yield finding._replace(remedy="limits have no sign; backward has its own, max_reverse")
-    if drive.max_reverse is not None:
-        yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
-    # The limits of the safety rules: a description may be stricter, and looser only within these.
-    for key, low, high, unit in (
-        ("rate", 5, 100, "Hz"),
-        ("ttl", 0.05, 0.5, "s"),
-        ("zeros_for", 0.5, 10, "s"),
-        ("lease", 1, 10, "s"),
-    ):
-        found = getattr(drive, key)
-        if not low <= found <= high:
-            yield Finding(
-                f"{where}.{key}",
-                f"expected {low} to {high} {unit}, found {number_text(found)}",
-                "the safety rules allow no more",
-            )
-    if drive.stop.topic:
-        yield from topic_fits(f"{where}.stop.topic", drive.stop.topic)
-    # Of every type, by address; each place below picks its own.
-    numbers = {
-        f"{device_id}/{signal_id}": signal.type
-        for device_id, device in site.devices.items()
-        for signal_id, signal in device.signals.items()
-    }
-    streams = [
-        f"{device_id}/{stream_id}"
-        for device_id, device in site.devices.items()
-        for stream_id in device.streams
-    ]
-    yield from check_above(f"{where}.stop.below", drive.stop.below, 0)
-    for index, address in enumerate(drive.stop.confirmed_by):
-        at = f"{where}.stop.confirmed_by[{index}]"
-        # There, but no number: another name would lead astray.
-        if address in numbers and numbers[address] is not SignalType.NUMBER:
-            problem = f"{address!r} is of type {numbers[address]}, and a number belongs here"
-            yield Finding(at, problem, "name a number that is 0 while it stands, as its speed")
-        elif address not in numbers:
-            known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
-            yield finding_of(UnknownWord(at, "number signal", address, known))
-    if drive.picture and drive.picture not in streams:
-        yield finding_of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
-    if drive.position and numbers.get(drive.position) is not SignalType.POSITION:
-        known = [address for address, kind in numbers.items() if kind is SignalType.POSITION]
-        yield finding_of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
-    if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
-        yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
-    yield from _check_keys(f"{where}.keys", drive, numbers)
-
-
-def _check_keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterator[Finding]:
-    keys = drive.keys
-    if keys != Keys() and drive.message is not DriveMessage.KEYS:
-        yield Finding(where, f"{drive.message} takes no characters", "leave it out")
-    for name, step, limit in (
-        ("speed_step", keys.speed_step, drive.max_speed),
-        ("turn_step", keys.turn_step, drive.max_turn),
-    ):
-        # Left out, a press is one character and nothing is counted.
-        if step is None:
-            continue
-        yield from check_above(f"{where}.{name}", step, 0)
-        if step > limit:
-            yield Finding(
-                f"{where}.{name}",
-                f"one character is {step:g}, more than the limit of {limit:g}",
-                "no character could be sent; raise the limit if the robot may go as fast",
-            )
-    for name, address in (("speed", keys.speed), ("turn", keys.turn)):
-        if address and numbers.get(address) is not SignalType.NUMBER:
-            known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
-            yield finding_of(UnknownWord(f"{where}.{name}", "number signal", address, known))

@@ -91,6 +91,8 @@ def twin_drive(real: Drive, name: str) -> Drive:
         topic=velocity_topic(name),
         message=DriveMessage.TWIST,
         keys=Keys(),
+        # The simulated vehicle has wheels that roll forward.
+        max_sideways=0.0,
         # STOP is the robot's: nothing of it may depend on the twin.
         stop=Stop(),
         picture="",

@@ -8,7 +8,14 @@ from msgspec import Meta
 
 from talaia.wire.browser_messages.subjects import DeviceMessage, SessionMessage, SiteMessage
 from talaia.wire.gateway_messages.driving import LeaseOp
-from talaia.wire.gateway_messages.field_types import Arguments, Count, Name, Units, Word
+from talaia.wire.gateway_messages.field_types import (
+    Arguments,
+    Count,
+    JointSpeeds,
+    Name,
+    Units,
+    Word,
+)
 from talaia.wire.gateway_messages.twins import TwinOp
 
 __all__ = [
@@ -78,6 +85,9 @@ class PageDrive(DeviceMessage, frozen=True, kw_only=True, tag="drive"):
     held_ms: float = 0.0
     linear: float
     angular: float
+    lateral: float = 0.0
+    steering: float = 0.0
+    joints: JointSpeeds = []
     picture_ms: float = -1.0
 
 

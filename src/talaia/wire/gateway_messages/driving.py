@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from talaia.wire.gateway_messages.field_types import Count, Millis, Name, Sentence, Word
+from talaia.wire.gateway_messages.field_types import (
+    Count,
+    JointSpeeds,
+    Millis,
+    Name,
+    Sentence,
+    Word,
+)
 from talaia.wire.gateway_messages.relayed_fields import DriveFields, StopFields, TickFields
 from talaia.wire.message import Message
 
@@ -114,6 +121,9 @@ class DriveFrame(Message, frozen=True, kw_only=True, tag="drive"):
         held_ms: how long ago it saw it, by its own clock.
         ttl_ms: refuse this frame when it is older; 0 takes the description's.
         linear: forward (m/s). angular: counter-clockwise (rad/s), as in REP-103.
+        lateral: to the left (m/s), of a base that moves sideways.
+        steering: angle of the steered wheels, to the left (rad), of a vehicle that has them.
+        joints: of each joint in the description's order (rad/s or m/s); none: all at rest.
         picture_ms: age of the picture the driver looks at; -1 when there is none.
 
     """
@@ -127,7 +137,15 @@ class DriveFrame(Message, frozen=True, kw_only=True, tag="drive"):
     ttl_ms: float = 0.0
     linear: float
     angular: float
+    lateral: float = 0.0
+    steering: float = 0.0
+    joints: JointSpeeds = []
     picture_ms: float = -1.0
+
+    @property
+    def asks(self) -> bool:
+        """Tell whether anything is asked for; else the driver has let go."""
+        return any((self.linear, self.angular, self.lateral, self.steering, *self.joints))
 
 
 class StopRequest(Message, frozen=True, kw_only=True, tag="stop_ask"):

@@ -20,6 +20,7 @@ __all__ = [
     "FileId",
     "FormList",
     "Forms",
+    "JointSpeeds",
     "Micros",
     "Millis",
     "Name",
@@ -53,6 +54,8 @@ Units = Annotated[dict[Name, Word], Meta(max_length=100)]
 ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
 OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
 ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
+# Of the joints of an arm and its hand, in the description's order.
+JointSpeeds = Annotated[list[float], Meta(max_length=32)]
 Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
 FormList = Annotated[list[Word], Meta(max_length=16)]
 Forms = Annotated[dict[Name, FormList], Meta(max_length=1000)]

@@ -11,7 +11,14 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from talaia.wire.gateway_messages.field_types import Count, Micros, Name, Sentence, Word
+from talaia.wire.gateway_messages.field_types import (
+    Count,
+    JointSpeeds,
+    Micros,
+    Name,
+    Sentence,
+    Word,
+)
 from talaia.wire.message import Message
 
 __all__ = [
@@ -54,6 +61,11 @@ class DriveFields(Message, frozen=True, kw_only=True):
     device: Name
     linear: float
     angular: float
+    lateral: float = 0.0
+    # Angle of the steered wheels (rad).
+    steering: float = 0.0
+    # Of each joint, in the description's order (rad/s or m/s).
+    joints: JointSpeeds = []
     # What part of the limits may be driven now; it falls with the loop time.
     cap: float
     loop_ms: float = 0.0

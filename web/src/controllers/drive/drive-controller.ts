@@ -1,9 +1,10 @@
 /** Seat, STOP and hands of one device, built and taken apart together. */
 
 import type { HeldStopUpdate, LeaseUpdate, StopUpdate } from "../../generated/wire.js";
-import type { DeviceShape } from "../../generated/api.js";
+import type { DeviceShape, DriveShape } from "../../generated/api.js";
 import { DriveInputs } from "./drive-inputs.js";
 import { HapticCues, playCue } from "./haptics.js";
+import type { DriveLimits } from "./drive-machine.js";
 import { DriveSession, type DriveConnection, type FrameMessage } from "./drive-session.js";
 import { StopClient } from "./stop-client.js";
 
@@ -29,7 +30,7 @@ export class DriveController {
   constructor(line: DriveConnection, site: string, device: DeviceShape, online: boolean, messageOf?: FrameMessage) {
     const { drive } = device;
     this.stop = new StopClient(line, site, device.id, online);
-    const limits = drive && { maxSpeed: drive.max_speed, maxReverse: drive.max_reverse, maxTurn: drive.max_turn };
+    const limits = drive && limitsOf(drive);
     const may = device.rights.includes("use");
     this.seat = limits && may ? new DriveSession(line, { site, device: device.id, limits }, online, undefined, messageOf) : null;
     this.hands = new DriveInputs(this.seat, this.stop);
@@ -70,5 +71,16 @@ export class DriveController {
       performance.now(),
     );
     if (cue !== null) playCue(cue, navigator);
+  };
+}
+
+function limitsOf(drive: DriveShape): DriveLimits {
+  return {
+    maxSpeed: drive.max_speed,
+    maxReverse: drive.max_reverse,
+    maxTurn: drive.max_turn,
+    ...(drive.max_sideways > 0 ? { maxSideways: drive.max_sideways } : {}),
+    ...(drive.max_steering > 0 ? { maxSteering: drive.max_steering } : {}),
+    ...(drive.joints.length > 0 ? { jointSpeeds: drive.joints.map(({ max_speed }) => max_speed) } : {}),
   };
 }

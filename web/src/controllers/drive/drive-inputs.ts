@@ -61,7 +61,7 @@ export class DriveInputs {
     const { seat } = this;
     if (!meaning || !seat || usesKeys(event.composedPath() as KeyTaker[], event.code)) return;
     this.checkDialog();
-    if (!seat.machine.mayDrive) return;
+    if (!seat.machine.mayDrive || (meaning.kind === "push" && !seat.machine.obeys(PUSH[meaning.direction]))) return;
     event.preventDefault();
     if (meaning.kind === "push") seat.pressHold(sourceOf(event), PUSH[meaning.direction]);
     else applySeatPress(seat, meaning.kind);

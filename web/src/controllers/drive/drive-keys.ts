@@ -26,6 +26,8 @@ const LETTERS: Readonly<Record<string, KeyMeaning>> = {
   x: { kind: "push", direction: "backward" },
   a: { kind: "push", direction: "left" },
   d: { kind: "push", direction: "right" },
+  q: { kind: "push", direction: "sideLeft" },
+  e: { kind: "push", direction: "sideRight" },
   s: { kind: "halt" },
   "+": { kind: "faster" },
   "=": { kind: "faster" },

@@ -27,16 +27,34 @@ export interface DriveLimits {
   readonly maxReverse: number;
   /** rad/s */
   readonly maxTurn: number;
+  /** m/s to each side; nothing: it does not move sideways. */
+  readonly maxSideways?: number;
+  /** rad to each side, of wheels that steer; nothing: it turns by itself. */
+  readonly maxSteering?: number;
+  /** rad/s or m/s of each joint, of an arm. */
+  readonly jointSpeeds?: readonly number[];
+}
+
+/** What is asked of a robot: m/s and rad/s, an angle of its wheels (rad), speeds of its joints. */
+export interface RequestedVelocity {
+  readonly linear: number;
+  readonly angular: number;
+  readonly lateral?: number;
+  readonly steering?: number;
+  readonly joints?: readonly number[];
+}
+
+/** Whether anything is asked for. */
+export function asksAnything({ linear, angular, lateral, steering, joints }: RequestedVelocity): boolean {
+  return [linear, angular, lateral ?? 0, steering ?? 0, ...(joints ?? [])].some((value) => value !== 0);
 }
 
 /** The part of a `Drive` message that the machine decides. */
-export interface VelocityFrame {
+export interface VelocityFrame extends RequestedVelocity {
   readonly epoch: number;
   readonly seq: number;
   readonly tick: number;
   readonly held_ms: number;
-  readonly linear: number;
-  readonly angular: number;
   readonly picture_ms: number;
 }
 
@@ -104,13 +122,25 @@ export class DriveMachine {
   }
 
   /** What is asked of the robot now: m/s and rad/s. */
-  get requestedVelocity(): { readonly linear: number; readonly angular: number } {
+  get requestedVelocity(): RequestedVelocity {
     const push = this.combinedPush();
-    const scale = push.forward < 0 ? this.limits.maxReverse : this.limits.maxSpeed;
+    const { maxSpeed, maxReverse, maxTurn, maxSideways = 0, maxSteering = 0, jointSpeeds = [] } = this.limits;
+    const scale = push.forward < 0 ? maxReverse : maxSpeed;
+    const level = this.speedLevel;
     return {
-      linear: push.forward * scale * this.speedLevel + 0,
-      angular: push.turn * this.limits.maxTurn * this.speedLevel + 0,
+      linear: push.forward * scale * level + 0,
+      angular: push.turn * maxTurn * level + 0,
+      ...(maxSideways === 0 ? {} : { lateral: (push.side ?? 0) * maxSideways * level + 0 }),
+      // An angle is no speed: however slowly it goes, it can be steered as far.
+      ...(maxSteering === 0 ? {} : { steering: push.turn * maxSteering + 0 }),
+      ...(jointSpeeds.length === 0 ? {} : { joints: jointSpeeds.map((speed, index) => (push.joints?.[index] ?? 0) * speed * level + 0) }),
     };
+  }
+
+  /** Whether this robot can do what a push asks for. */
+  obeys(push: Stick): boolean {
+    const { maxSpeed, maxSideways = 0 } = this.limits;
+    return push.side === undefined ? maxSpeed > 0 || push.joints !== undefined : maxSideways > 0;
   }
 
   /** Why the last hold ended, until the next begins. */
@@ -255,8 +285,7 @@ export class DriveMachine {
     this.nextAt = Math.max(this.nextAt + FRAME_MS, now + FRAME_MS / 2);
     // Without any time mark the gateway cannot tell the frame's age and would refuse it.
     if (this.tickAt === null) return [];
-    const { linear, angular } = this.requestedVelocity;
-    return [this.velocityFrame(linear, angular, now)];
+    return [this.velocityFrame(this.requestedVelocity, now)];
   }
 
   private combinedPush(): Stick {
@@ -266,7 +295,8 @@ export class DriveMachine {
     for (const hold of this.held.values()) {
       (hold.kind === "digital" ? digital : analog).push(hold.stick);
     }
-    return combinedStick([curvedPush(combinedStick(digital)), ...analog]);
+    const keys = combinedStick(digital);
+    return combinedStick([this.limits.maxSteering === undefined ? curvedPush(keys) : keys, ...analog]);
   }
 
   private dropHolds(): void {
@@ -284,19 +314,26 @@ export class DriveMachine {
   private zeroFrame(now: number): VelocityFrame {
     this.zerosLeft -= 1;
     this.nextAt = now + FRAME_MS;
-    return this.velocityFrame(0, 0, now);
+    return this.velocityFrame({ linear: 0, angular: 0 }, now);
   }
 
-  private velocityFrame(linear: number, angular: number, now: number): VelocityFrame {
+  private velocityFrame({ linear, angular, lateral, steering, joints }: RequestedVelocity, now: number): VelocityFrame {
     this.seq += 1;
     return {
       epoch: this.epoch,
       seq: this.seq,
       tick: this.tickNumber,
       held_ms: this.tickAt === null ? 0 : Math.max(0, now - this.tickAt),
-      linear: Number.isFinite(linear) ? linear : 0,
-      angular: Number.isFinite(angular) ? angular : 0,
+      linear: finite(linear),
+      angular: finite(angular),
+      ...(lateral === undefined ? {} : { lateral: finite(lateral) }),
+      ...(steering === undefined ? {} : { steering: finite(steering) }),
+      ...(joints === undefined ? {} : { joints: joints.map(finite) }),
       picture_ms: this.pictureAt === null ? -1 : Math.max(0, now - this.pictureAt),
     };
   }
+}
+
+function finite(value: number): number {
+  return Number.isFinite(value) ? value : 0;
 }

@@ -9,7 +9,7 @@ import { Store } from "../../state/store.js";
 import type { DriveUpdate, FromBrowser, LeaseUpdate } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
 import { LeaseMachine, type LeaseAsk } from "./lease-machine.js";
-import { DriveMachine, LEVEL_STEP, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
+import { asksAnything, DriveMachine, LEVEL_STEP, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
 import type { Stick } from "./stick.js";
 import { haltWords } from "./drive-messages.js";
 
@@ -25,7 +25,7 @@ export interface DriveDevice {
 /** How a frame is said: to the robot, or to its twin. */
 export type FrameMessage = (seated: DriveDevice, frame: VelocityFrame) => FromBrowser;
 
-const robotFrame: FrameMessage = ({ site, device }, frame) => ({ t: "drive", site, device, ...frame });
+const robotFrame: FrameMessage = ({ site, device }, frame) => ({ t: "drive", site, device, lateral: 0, steering: 0, joints: [], ...frame });
 
 const LEASE_BEAT_MS = 100;
 /** More than this waiting in the socket, and a moving frame would be too old on arrival. */
@@ -226,8 +226,7 @@ export class DriveSession extends Store {
 
   private sendFrames(frames: readonly VelocityFrame[], tell = true): void {
     for (const frame of frames) {
-      const moving = frame.linear !== 0 || frame.angular !== 0;
-      if (moving && this.line.bufferedBytes > BACKLOG_BYTES) continue;
+      if (asksAnything(frame) && this.line.bufferedBytes > BACKLOG_BYTES) continue;
       this.line.send(this.messageOf(this.seated, frame));
     }
     this.scheduleTimer();

@@ -34,13 +34,14 @@ export function isGripped(pad: PadReading): boolean {
   return GRIPS.some((button) => pad.buttons[button]?.pressed === true);
 }
 
-/** Left stick or cross as a push. */
+/** Left stick or cross as a push; the right stick goes sideways. */
 export function pushOf(pad: PadReading): Stick {
   const buttonValue = (button: number): number => (pad.buttons[button]?.pressed === true ? 1 : 0);
   const forward = buttonValue(UP) - buttonValue(DOWN) - beyondRest(pad.axes[1]);
   const turn = buttonValue(LEFT) - buttonValue(RIGHT) - beyondRest(pad.axes[0]);
-  if (forward === 0 && turn === 0) return CENTRE;
-  return { forward: limitedUnit(forward), turn: limitedUnit(turn) };
+  const side = -beyondRest(pad.axes[2]) + 0;
+  if (forward === 0 && turn === 0 && side === 0) return CENTRE;
+  return { forward: limitedUnit(forward), turn: limitedUnit(turn), ...(side === 0 ? {} : { side }) };
 }
 
 /** What a reading changes. `none` when nothing did. */

@@ -10,9 +10,13 @@ export interface Stick {
   readonly forward: number;
   /** -1 right … 1 left */
   readonly turn: number;
+  /** -1 right … 1 left, without turning; nothing: 0 */
+  readonly side?: number;
+  /** -1 … 1 of each joint that is driven, in the description's order; nothing: 0 */
+  readonly joints?: readonly number[];
 }
 
-export type Direction = "forward" | "backward" | "left" | "right";
+export type Direction = "forward" | "backward" | "left" | "right" | "sideLeft" | "sideRight";
 
 export const CENTRE: Stick = { forward: 0, turn: 0 };
 
@@ -21,6 +25,8 @@ export const PUSH: Readonly<Record<Direction, Stick>> = {
   backward: { forward: -1, turn: 0 },
   left: { forward: 0, turn: 1 },
   right: { forward: 0, turn: -1 },
+  sideLeft: { forward: 0, turn: 0, side: 1 },
+  sideRight: { forward: 0, turn: 0, side: -1 },
 };
 
 /**
@@ -41,16 +47,31 @@ export function limitedUnit(value: number): number {
 export function combinedStick(sticks: Iterable<Stick>): Stick {
   let forward = 0;
   let turn = 0;
+  let side = 0;
+  const joints: number[] = [];
   for (const stick of sticks) {
     forward += limitedUnit(stick.forward);
     turn += limitedUnit(stick.turn);
+    side += limitedUnit(stick.side ?? 0);
+    for (const [index, push] of (stick.joints ?? []).entries()) joints[index] = (joints[index] ?? 0) + limitedUnit(push);
   }
-  return { forward: limitedUnit(forward), turn: limitedUnit(turn) };
+  const push: Stick = { forward: limitedUnit(forward), turn: limitedUnit(turn) };
+  return { ...push, ...(side === 0 ? {} : { side: limitedUnit(side) }), ...(joints.length === 0 ? {} : { joints: joints.map(limitedUnit) }) };
+}
+
+/** One joint that is pushed, of so many. */
+export function jointPush(index: number, count: number, push: 1 | -1): Stick {
+  return { ...CENTRE, joints: Array.from({ length: count }, (_joint, at) => (at === index ? push : 0)) };
+}
+
+/** A push on a pad that goes sideways where it would turn. */
+export function asideStick({ forward, turn }: Stick): Stick {
+  return { forward, turn: 0, side: turn };
 }
 
 /** Directions held as keys or buttons, as one push; see `CURVE`. */
 export function curvedPush(push: Stick): Stick {
-  return push.forward === 0 ? push : { forward: push.forward, turn: push.turn * CURVE };
+  return push.forward === 0 ? push : { ...push, turn: push.turn * CURVE };
 }
 
 function easedValue(value: number): number {

@@ -30,7 +30,9 @@ export class TwinLink extends Store {
     return this.wantsLive && this.told?.live === true;
   }
 
-  readonly messageOf: FrameMessage = ({ site, device }, frame) => ({ t: "twin_drive", site, device, ...frame, live: this.isLive });
+  readonly messageOf: FrameMessage = ({ site, device }, { epoch, seq, tick, held_ms, linear, angular, picture_ms }) =>
+    // The simulated vehicle has wheels that roll forward.
+    ({ t: "twin_drive", site, device, epoch, seq, tick, held_ms, linear, angular, picture_ms, live: this.isLive });
 
   open(known?: TwinUpdate): void {
     this.told = known ?? null;

@@ -23,6 +23,11 @@ const ARROWS: readonly Arrow[] = [
   { id: "backward", label: "Backward", key: "X", path: "M12 5v13M6 12l6 6 6-6", stick: { forward: -1, turn: 0 } },
 ];
 
+const ASIDE: readonly Arrow[] = [
+  { id: "sideLeft", label: "Move left", key: "Q", path: "M20 5v14M16 12H4M9 7l-5 5 5 5", stick: { forward: 0, turn: 0, side: 1 } },
+  { id: "sideRight", label: "Move right", key: "E", path: "M4 5v14M8 12h12M15 7l5 5-5 5", stick: { forward: 0, turn: 0, side: -1 } },
+];
+
 /**
  * @fires t-hold on press and release of an arrow
  * @fires t-halt the middle button
@@ -37,7 +42,7 @@ export class ArrowPad extends LitElement {
       }
       .cross {
         display: grid;
-        grid-template-areas: ". forward ." "left halt right" ". backward .";
+        grid-template-areas: "sideLeft forward sideRight" "left halt right" ". backward .";
         grid-template-columns: repeat(3, minmax(2.75rem, 1fr));
         grid-auto-rows: 1fr;
         gap: var(--t-space-1);
@@ -72,6 +77,12 @@ export class ArrowPad extends LitElement {
       }
       .backward {
         grid-area: backward;
+      }
+      .sideLeft {
+        grid-area: sideLeft;
+      }
+      .sideRight {
+        grid-area: sideRight;
       }
       .halt {
         grid-area: halt;
@@ -112,6 +123,10 @@ export class ArrowPad extends LitElement {
   ];
 
   @property({ type: Boolean, reflect: true }) disabled = false;
+  /** It also moves sideways. */
+  @property({ type: Boolean }) sideways = false;
+  /** Its wheels steer: left and right are angles. */
+  @property({ type: Boolean }) steers = false;
   private readonly held = new Map<string, { readonly button: HTMLElement; readonly byKey: boolean }>();
 
   override disconnectedCallback(): void {
@@ -125,12 +140,17 @@ export class ArrowPad extends LitElement {
 
   override render(): TemplateResult {
     return html`<div class="cross" role="group" aria-label="Hold an arrow to drive">
-      ${repeat(ARROWS, (arrow) => arrow.id, (arrow) => this.renderButton(arrow))}
+      ${repeat(this.arrows, (arrow) => arrow.id, (arrow) => this.renderButton(arrow))}
       <button type="button" class="halt" aria-label="Halt" title="Halt (S)" ?disabled=${this.disabled} @click=${this.requestHalt}>
         <svg viewBox="0 0 24 24" aria-hidden="true"><path d="M7 7h10v10H7z" fill="currentColor"></path></svg>
         <span class="key" aria-hidden="true">S</span>
       </button>
     </div>`;
+  }
+
+  private get arrows(): readonly Arrow[] {
+    const arrows = this.steers ? ARROWS.map((arrow) => ({ ...arrow, label: arrow.label.replace("Turn", "Steer") })) : ARROWS;
+    return this.sideways ? [...arrows, ...ASIDE] : arrows;
   }
 
   private renderButton(arrow: Arrow): TemplateResult {
@@ -192,7 +212,7 @@ export class ArrowPad extends LitElement {
   };
 
   private press(button: HTMLButtonElement, byKey: boolean): void {
-    const arrow = ARROWS.find((candidate) => candidate.id === button.value);
+    const arrow = this.arrows.find((candidate) => candidate.id === button.value);
     if (this.disabled || !arrow || this.held.has(arrow.id)) return;
     this.held.set(arrow.id, { button, byKey });
     this.fireHold("press", arrow.id, arrow.stick);

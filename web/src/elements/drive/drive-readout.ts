@@ -12,8 +12,13 @@ import "../base/icon.js";
 export interface Motion {
   readonly linear: number;
   readonly angular: number;
+  /** m/s to the left; nothing where it does not move sideways. */
+  readonly lateral?: number;
+  /** rad to the left, of wheels that steer. */
+  readonly steering?: number;
 }
 
+const DEGREES = 180 / Math.PI;
 const NONE: Motion = { linear: Number.NaN, angular: Number.NaN };
 
 @customElement("t-drive-readout")
@@ -66,6 +71,8 @@ export class DriveReadout extends LitElement {
   /** How speeds and turns are shown; null: in m/s and rad/s. */
   @property({ attribute: false }) shownSpeed: ShownUnitShape | null = null;
   @property({ attribute: false }) shownTurn: ShownUnitShape | null = null;
+  @property({ type: Boolean }) sideways = false;
+  @property({ type: Boolean }) steers = false;
   /** The characters since the last `s`, to a robot that is driven by them; empty for others. */
   @property() sent = "";
   /** Why the speed is capped; empty when it is not. */
@@ -86,7 +93,9 @@ export class DriveReadout extends LitElement {
         </thead>
         <tbody>
           ${renderRow("Speed", "m/s", this.shownSpeed, [this.asked.linear, this.told.linear, this.measured.linear])}
-          ${renderRow("Turn", "rad/s", this.shownTurn, [this.asked.angular, this.told.angular, this.measured.angular])}
+          ${this.sideways ? renderRow("To the left", "m/s", this.shownSpeed, [this.asked.lateral, this.told.lateral, this.measured.lateral]) : nothing}
+          ${this.steers ? renderRow("Steering", "°", null, [this.asked, this.told, this.measured].map(({ steering }) => (steering ?? Number.NaN) * DEGREES)) : nothing}
+          ${this.steers ? nothing : renderRow("Turn", "rad/s", this.shownTurn, [this.asked.angular, this.told.angular, this.measured.angular])}
           ${this.sent === ""
             ? nothing
             : html`<tr>
@@ -105,9 +114,9 @@ export class DriveReadout extends LitElement {
   }
 }
 
-function renderRow(name: string, stored: string, shown: ShownUnitShape | null, values: readonly [number, number, number]): TemplateResult {
-  const { unit, decimals } = shownUnit({ unit: stored, decimals: 2, shown });
-  const [asked, told, measured] = values.map((value) => formatNumber(toShown(shown, value), decimals));
+function renderRow(name: string, stored: string, shown: ShownUnitShape | null, values: readonly (number | undefined)[]): TemplateResult {
+  const { unit, decimals } = shownUnit({ unit: stored, decimals: stored === "°" ? 0 : 2, shown });
+  const [asked, told, measured] = values.map((value) => formatNumber(toShown(shown, value ?? Number.NaN), decimals));
   return html`<tr>
     <th scope="row">${name}, ${unit}</th>
     <td>${asked}</td>

@@ -4,6 +4,8 @@
 export interface HoldStick {
   readonly forward: number;
   readonly turn: number;
+  readonly side?: number;
+  readonly joints?: readonly number[];
 }
 
 export type HoldAct = "press" | "move" | "release" | "cancel";

@@ -105,7 +105,7 @@ export class SpeedLimit extends LitElement {
   @property({ type: Number }) level = 0.5;
   /** m/s at full level */
   @property({ type: Number }) speed = 0;
-  /** rad/s at full level */
+  /** rad/s at full level; 0: it does not turn by itself */
   @property({ type: Number }) turn = 0;
   /** How they are shown; null: in m/s and rad/s. */
   @property({ attribute: false }) shownSpeed: ShownUnitShape | null = null;
@@ -121,7 +121,7 @@ export class SpeedLimit extends LitElement {
     return html`
       <div class="head">
         <span>Full push is <strong>${percent}&#8239;%</strong></span>
-        <span class="means">${speed} · ${turn}</span>
+        <span class="means">${this.speed > 0 ? speed : ""}${this.turn > 0 ? ` · ${turn}` : ""}</span>
       </div>
       <div class="row">
         <button
@@ -139,7 +139,7 @@ export class SpeedLimit extends LitElement {
           max="100"
           step="10"
           aria-label="Speed of a full push, per cent of the limit"
-          aria-valuetext="${percent} per cent, ${speed}"
+          aria-valuetext=${`${String(percent)} per cent${this.speed > 0 ? `, ${speed}` : ""}`}
           .value=${String(percent)}
           ?disabled=${this.disabled}
           @input=${this.onSlide}

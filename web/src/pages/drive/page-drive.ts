@@ -109,7 +109,16 @@ export class PageActuate extends LitElement {
     return renderLoaded(
       this.armElement,
       "the arm",
-      () => html`<t-arm-cockpit .site=${this.site} .device=${device} .detail=${detail} .line=${this.commands} .online=${online}></t-arm-cockpit>
+      () => html`${device.drive === null ? nothing : this.renderStop(detail, device)}
+        <t-arm-cockpit
+          .site=${this.site}
+          .device=${device}
+          .detail=${detail}
+          .line=${this.commands}
+          .online=${online}
+          .seat=${this.cockpit?.seat ?? null}
+          .stopped=${this.cockpit?.stop.desk.blocksDriving ?? false}
+        ></t-arm-cockpit>
         <t-commands heading="Other commands" .site=${this.site} .devices=${[device]} .line=${this.commands} .online=${online} .shownElsewhere=${shown}></t-commands>`,
     );
   }
@@ -168,15 +177,7 @@ export class PageActuate extends LitElement {
           ></t-vehicle-hud
         ></t-camera>
       <div class="right">
-        <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
-        <div class="stopped ${stop === null || isStopIdle(stop) ? "calm" : ""}">
-          <t-stop
-            .line=${stop}
-            .zone=${detail.zone}
-            .epoch=${seat?.lease.epoch ?? 0}
-            .mayUse=${device.rights.includes("use")}
-          ></t-stop>
-        </div>
+        ${this.renderStop(detail, device)}
         ${seat
           ? html`<t-card class="hands">
               <t-drive-pad
@@ -192,6 +193,14 @@ export class PageActuate extends LitElement {
       <t-surroundings class="around" .site=${this.site} .detail=${detail} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-surroundings>
       <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
     </div>`;
+  }
+
+  private renderStop(detail: SiteShape, device: DeviceShape): TemplateResult {
+    const stop = this.cockpit?.stop ?? null;
+    return html`<t-stop-bar class="stop" .line=${stop}></t-stop-bar>
+      <div class="stopped ${stop === null || isStopIdle(stop) ? "calm" : ""}">
+        <t-stop .line=${stop} .zone=${detail.zone} .epoch=${this.cockpit?.seat?.lease.epoch ?? 0} .mayUse=${device.rights.includes("use")}></t-stop>
+      </div>`;
   }
 
   private renderOnlooker(device: DeviceShape): TemplateResult {
@@ -212,11 +221,11 @@ export class PageActuate extends LitElement {
   private chosenArm(detail: SiteShape): ArmParts | null {
     const arms = detail.devices.map(armParts).filter((arm) => arm !== null);
     const chosen = arms.find(({ device }) => device.id === this.chosen) ?? null;
-    return chosen ?? (detail.devices.some(({ drive }) => drive !== null) ? null : (arms[0] ?? null));
+    return chosen ?? (this.chosenDevice(detail) !== undefined ? null : (arms[0] ?? null));
   }
 
   private chosenDevice(detail: SiteShape): DeviceShape | undefined {
-    const drivable = detail.devices.filter((device) => device.drive !== null);
+    const drivable = detail.devices.filter((device) => device.drive !== null && device.drive.joints.length === 0);
     return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
   }
 
@@ -224,8 +233,9 @@ export class PageActuate extends LitElement {
   private buildController(): void {
     const detail = this.detail.value;
     const { connection } = this.link;
-    // While an arm is in front of somebody, no vehicle is in their hands.
-    const device = detail && this.chosenArm(detail) === null ? this.chosenDevice(detail) : undefined;
+    // While an arm is in front of somebody, no vehicle is in their hands, but the arm's own joints may be.
+    const arm = detail ? this.chosenArm(detail) : null;
+    const device = detail && arm === null ? this.chosenDevice(detail) : arm?.device.drive ? arm.device : undefined;
     const wanted = detail && connection && this.isConnected ? `${detail.site} ${JSON.stringify(device ?? null)}` : "";
     if (wanted === this.built) return;
     this.closeController();

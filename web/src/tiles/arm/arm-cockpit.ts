@@ -1,10 +1,11 @@
 /** An arm: itself in space, its joints between their ends, steps of its tool, and its named poses. */
 
 import { css, html, nothing, type TemplateResult } from "lit";
-import { customElement, state } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { isFinal } from "../../controllers/drive/command-machine.js";
+import type { DriveSession } from "../../controllers/drive/drive-session.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import { shownText } from "../../format/unit.js";
@@ -17,6 +18,7 @@ import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../command/command-buttons.js";
 import "../scene/scene-tile.js";
+import "./joint-jog.js";
 
 const STEPS = [
   { id: "0.1", label: "Small" },
@@ -70,6 +72,9 @@ export class ArmCockpit extends DevicePart {
     `,
   ];
 
+  /** Of an arm whose joints are driven, for who may drive them. */
+  @property({ attribute: false }) seat: DriveSession | null = null;
+  @property({ type: Boolean }) stopped = false;
   /** Begins with the smallest: an arm is near what it works on. */
   @state() private step: string = STEPS[0].id;
   private readonly watched = new StoreController(this);
@@ -85,12 +90,17 @@ export class ArmCockpit extends DevicePart {
     return html`<div class="cockpit">
       <t-scene-tile class="scene" bare .site=${this.site} .detail=${this.detail} .online=${this.online}></t-scene-tile>
       <div class="side">
-        <section class="card" aria-label="Joints">
-          <h2>Joints</h2>
-          <div class="joints">${repeat(parts.joints, ({ address }) => address, (joint) => this.renderJoint(joint))}</div>
-        </section>
+        ${this.seat === null
+          ? html`<section class="card" aria-label="Joints">
+              <h2>Joints</h2>
+              <div class="joints">${repeat(parts.joints, ({ address }) => address, (joint) => this.renderJoint(joint))}</div>
+            </section>`
+          : html`<section class="card" aria-label="Joints">
+              <h2>Joints</h2>
+              <t-joint-jog .site=${this.site} .device=${this.device} .seat=${this.seat} .stopped=${this.stopped}></t-joint-jog>
+            </section>`}
         ${this.mayUse ? html`${this.renderPoses(parts)} ${this.renderJog(parts)}` : html`<div class="card">${this.renderLookOnly()}</div>`}
-        <p class="note">This arm has no STOP (software) here: keep the stop on the robot in reach. What is under way can be cancelled where its controller can.</p>
+        ${this.device?.drive ? nothing : html`<p class="note">This arm has no STOP (software) here: keep the stop on the robot in reach. What is under way can be cancelled where its controller can.</p>`}
       </div>
     </div>`;
   }

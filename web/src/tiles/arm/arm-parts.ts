@@ -26,9 +26,11 @@ export interface ArmParts {
 
 /** The parts of an arm; null of a device that is none. */
 export function armParts(device: DeviceShape): ArmParts | null {
-  if (device.drive !== null || (device.kind !== "other" && device.kind !== "vehicle")) return null;
+  const jogged = device.drive?.joints ?? [];
+  // What moves as a whole is a vehicle, whatever it carries.
+  if ((device.drive !== null && jogged.length === 0) || (device.kind !== "other" && device.kind !== "vehicle")) return null;
   const joints = device.signals.filter(isJoint);
-  if (joints.length < FEWEST_JOINTS) return null;
+  if (jogged.length === 0 && joints.length < FEWEST_JOINTS) return null;
   return {
     device,
     joints,

@@ -1,11 +1,11 @@
 /** Everything to drive with, tied to the seat: lease, pad, arrows, speed and what comes of it. */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { padsFound } from "../../controllers/drive/gamepad.js";
 import { capWords } from "../../controllers/drive/drive-messages.js";
 import type { DriveSession } from "../../controllers/drive/drive-session.js";
-import { padStick } from "../../controllers/drive/stick.js";
+import { asideStick, padStick, type Stick } from "../../controllers/drive/stick.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import "../../elements/drive/arrow-pad.js";
 import "../../elements/drive/drive-readout.js";
@@ -28,6 +28,15 @@ const HAND_KEY = "talaia.hand";
 
 /** Which thumb drives on a phone: `both` has pad and arrows, one has the pad at its own side. */
 type DrivingHand = "both" | "left" | "right";
+
+const PAD_WAYS = [
+  { id: "turn", label: "Turn" },
+  { id: "move", label: "Move" },
+] as const;
+
+function sidePadStick(right: number, down: number, radius: number): Stick {
+  return asideStick(padStick(right, down, radius));
+}
 
 const HANDS = [
   { id: "both", label: "Both" },
@@ -67,6 +76,17 @@ export class DrivePad extends LitElement {
         ${quietText}
         font-variant-numeric: tabular-nums;
       }
+      .aside {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        justify-content: space-between;
+        gap: var(--t-space-2);
+        grid-area: aside;
+      }
+      :host(:not([hand="both"])) .aside {
+        grid-area: aside;
+      }
       .hint {
         ${quietText}
       }
@@ -95,12 +115,12 @@ export class DrivePad extends LitElement {
         :host([hand="left"]),
         :host([hand="right"]) {
           grid-template-columns: minmax(0, 1fr) 11.5rem;
-          grid-template-areas: "lease lease" "speed hands" "trouble trouble" "readout readout" "hand hand" "foot foot";
+          grid-template-areas: "lease lease" "speed hands" "aside aside" "trouble trouble" "readout readout" "hand hand" "foot foot";
           align-items: end;
         }
         :host([hand="left"]) {
           grid-template-columns: 11.5rem minmax(0, 1fr);
-          grid-template-areas: "lease lease" "hands speed" "trouble trouble" "readout readout" "hand hand" "foot foot";
+          grid-template-areas: "lease lease" "hands speed" "aside aside" "trouble trouble" "readout readout" "hand hand" "foot foot";
         }
         :host(:not([hand="both"])) .hands {
           grid-area: hands;
@@ -142,6 +162,8 @@ export class DrivePad extends LitElement {
 
   @property({ reflect: true }) hand: DrivingHand = readBrowserChoice(HAND_KEY, ["both", "left", "right"]);
 
+  @state() private aside = false;
+
   private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
     this.followLock();
   });
@@ -180,6 +202,8 @@ export class DrivePad extends LitElement {
     const { machine, lease, told } = seat;
     const state = lease.state;
     const idle = !machine.mayDrive;
+    const sideways = limits.max_sideways > 0;
+    const steers = limits.max_steering > 0;
     return html`
       <t-lease
         .kind=${state.kind}
@@ -196,9 +220,10 @@ export class DrivePad extends LitElement {
         @t-force=${this.forceTakeover}
       ></t-lease>
       <div class="hands" @t-hold=${this.onHold} @t-halt=${this.onHalt}>
-        <t-pad ?disabled=${idle} .stickOf=${padStick}></t-pad>
-        <t-arrows ?disabled=${idle}></t-arrows>
+        <t-pad ?disabled=${idle} .stickOf=${this.aside ? sidePadStick : padStick}></t-pad>
+        <t-arrows ?disabled=${idle} ?sideways=${sideways} ?steers=${steers}></t-arrows>
       </div>
+      ${sideways ? this.renderAside() : nothing}
       <p class="trouble" role="alert">${this.lockReason || seat.problem}</p>
       <t-speed-limit
         .level=${machine.speedLevel}
@@ -213,6 +238,8 @@ export class DrivePad extends LitElement {
         .told=${told ?? NO_MOTION}
         .sent=${told?.sent ?? ""}
         .measured=${this.measuredMotion()}
+        ?sideways=${sideways}
+        ?steers=${steers}
         .shownSpeed=${limits.shown_speed}
         .shownTurn=${limits.shown_turn}
         .cap=${this.speedCapReason()}
@@ -226,7 +253,8 @@ export class DrivePad extends LitElement {
         <summary>Keys and gamepad</summary>
         <p>
           Hold W&nbsp;A&nbsp;D&nbsp;X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, +
-          and − change the speed, Escape is STOP. Gamepad: hold a shoulder button and push the left stick or the cross;
+          and − change the speed, Escape is STOP.${sideways ? " Q and E move to the left and right without turning." : ""}
+          Gamepad: hold a shoulder button and push the left stick or the cross${sideways ? ", the right stick for sideways" : ""};
           the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.
         </p>
       </details>
@@ -236,6 +264,14 @@ export class DrivePad extends LitElement {
       >
       </div>
     `;
+  }
+
+  /** On a pad, left and right are either a turn or a move. */
+  private renderAside(): TemplateResult {
+    return html`<div class="aside">
+      <span>Left and right on the pad</span>
+      <t-choice label="Left and right on the pad" .options=${PAD_WAYS} .chosen=${this.aside ? "move" : "turn"} @t-choose=${this.onAside}></t-choice>
+    </div>`;
   }
 
   /** Whether a gamepad that is there can be driven by. */
@@ -325,6 +361,11 @@ export class DrivePad extends LitElement {
   private readonly onHand = (event: CustomEvent<string>): void => {
     this.hand = HANDS.find(({ id }) => id === event.detail)?.id ?? "both";
     saveBrowserChoice(HAND_KEY, this.hand);
+  };
+
+  private readonly onAside = (event: CustomEvent<string>): void => {
+    this.seat?.haltMotion("stop key");
+    this.aside = event.detail === "move";
   };
 
   private readonly takeControl = (): void => {

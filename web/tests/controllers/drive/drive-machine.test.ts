@@ -5,9 +5,12 @@ import {
   SILENT_MS,
   ZEROS,
   type DriveBlock,
+  type DriveLimits,
   type VelocityFrame,
 } from "../../../src/controllers/drive/drive-machine.js";
-import { CURVE, PUSH } from "../../../src/controllers/drive/stick.js";
+import { meaningOf } from "../../../src/controllers/drive/drive-keys.js";
+import { pushOf } from "../../../src/controllers/drive/gamepad.js";
+import { asideStick, combinedStick, CURVE, jointPush, PUSH } from "../../../src/controllers/drive/stick.js";
 
 const LIMITS = { maxSpeed: 0.2, maxReverse: 0.1, maxTurn: 2 };
 
@@ -409,3 +412,63 @@ test.each(Array.from({ length: 40 }, (_, i) => i + 1))(
     }
   },
 );
+
+const WHEELS = { maxSpeed: 0.4, maxReverse: 0.2, maxTurn: 2 };
+
+function granted(limits: DriveLimits): DriveMachine {
+  const made = new DriveMachine(limits);
+  made.setLevel(0.5);
+  made.grant(7, 0);
+  made.onGatewayTick(1, 0);
+  return made;
+}
+
+function sent(frames: readonly VelocityFrame[]): VelocityFrame {
+  const frame = frames.at(-1);
+  if (frame === undefined) throw new Error("nothing was sent");
+  return frame;
+}
+
+test("a base that moves sideways is pushed sideways, within its own limit", () => {
+  const arm = granted({ ...WHEELS, maxSideways: 0.2 });
+  const frame = sent(arm.pressHold("key:KeyQ", PUSH.sideLeft, 0));
+  expect(frame).toMatchObject({ linear: 0, angular: 0, lateral: 0.1 });
+  expect(sent(arm.releaseHold("key:KeyQ", 10))).toMatchObject({ linear: 0, angular: 0 });
+});
+
+test("a base that cannot move sideways does not obey such a push", () => {
+  expect(granted(WHEELS).obeys(PUSH.sideLeft)).toBe(false);
+  expect(granted({ ...WHEELS, maxSideways: 0.2 }).obeys(PUSH.sideLeft)).toBe(true);
+});
+
+test("steered wheels turn as far at any speed, and as far while it moves", () => {
+  const arm = granted({ maxSpeed: 0.4, maxReverse: 0.2, maxTurn: 0, maxSteering: 0.3 });
+  arm.pressHold("key:KeyW", PUSH.forward, 0);
+  expect(sent(arm.pressHold("key:KeyA", PUSH.left, 0))).toMatchObject({ linear: 0.2, angular: 0, steering: 0.3 });
+});
+
+test("a joint moves while its button is held, two of them together, and against each other not at all", () => {
+  const arm = granted({ maxSpeed: 0, maxReverse: 0, maxTurn: 0, jointSpeeds: [0.4, 0.2] });
+  expect(sent(arm.pressHold("a", jointPush(0, 2, 1), 0)).joints).toEqual([0.2, 0]);
+  expect(sent(arm.pressHold("b", jointPush(1, 2, -1), 0)).joints).toEqual([0.2, -0.1]);
+  expect(sent(arm.pressHold("c", jointPush(0, 2, -1), 0)).joints).toEqual([0, -0.1]);
+});
+
+test("letting go of a joint sends frames that name none", () => {
+  const arm = granted({ maxSpeed: 0, maxReverse: 0, maxTurn: 0, jointSpeeds: [0.4, 0.2] });
+  arm.pressHold("a", jointPush(0, 2, 1), 0);
+  expect(sent(arm.releaseHold("a", 20)).joints).toBeUndefined();
+});
+
+test("an arm does not obey the keys of a vehicle", () => {
+  expect(granted({ maxSpeed: 0, maxReverse: 0, maxTurn: 0, jointSpeeds: [0.4] }).obeys(PUSH.forward)).toBe(false);
+});
+
+test("Q and E are to the sides, the right stick is so, and a pad is where it is told", () => {
+  const press = { code: "KeyQ", key: "q", repeat: false, ctrlKey: false, altKey: false, metaKey: false, isComposing: false };
+  expect(meaningOf(press)).toEqual({ kind: "push", direction: "sideLeft" });
+  expect(meaningOf({ ...press, code: "KeyE", key: "e" })).toEqual({ kind: "push", direction: "sideRight" });
+  expect(pushOf({ axes: [0, 0, 1, 0], buttons: [] })).toEqual({ forward: 0, turn: 0, side: -1 });
+  expect(asideStick({ forward: 0.5, turn: 1 })).toEqual({ forward: 0.5, turn: 0, side: 1 });
+  expect(combinedStick([PUSH.sideLeft, PUSH.sideRight])).toEqual({ forward: 0, turn: 0 });
+});

@@ -14,7 +14,10 @@ const BASE: DeviceShape = {
   ...NO_DEVICE,
   id: "base",
   signals: [signal("base/wheel", { unit: "m/s" }), signal("base/speed", { unit: "m/s", role: "vehicle.speed" })],
-  drive: { max_speed: 1, max_reverse: 1, max_turn: 1, rate: 20, ttl: 0.25, lease: 3, picture: "", position: "gps/pose", stop: true, shown_speed: null, shown_turn: null },
+  drive: { max_speed: 1, max_sideways: 0,
+    max_steering: 0,
+    joints: [],
+    max_reverse: 1, max_turn: 1, rate: 20, ttl: 0.25, lease: 3, picture: "", position: "gps/pose", stop: true, shown_speed: null, shown_turn: null },
 };
 const site = (...others: readonly DeviceShape[]): SiteShape => ({
   site: "agv", name: "", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "", place: null, devices: [BASE, ...others], rules: [], enclosures: [], map: null,

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.indi.protocol import Deleted
     from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.wire.frames import Scalar
 
 __all__ = ["IndiAdapter"]
@@ -148,7 +149,7 @@ class IndiAdapter:
         """See `ReadingSource.latest`."""
         return self._readings.latest_of(address)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Tell nobody: nothing here is driven."""
 
     def stop(self, device: str, *, stopped: bool) -> None:

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.ros1.frames import ReceivedFrame
     from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
     from talaia.gateway.tap_ports import TopicDefinition
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros1Adapter"]
@@ -171,11 +172,11 @@ class Ros1Adapter:
         """See `ReadingSource.latest`."""
         return self._topics.latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """See `CommandTarget.drive`."""
         described = self._scope.devices.get(device)
         if self._node is not None and described is not None and described.drive is not None:
-            fields = velocity_fields(described.drive, linear, angular, key)
+            fields = velocity_fields(described.drive, demand, key)
             self._node.send_frame(op="say", id=f"drive {device}", fields=fields)
 
     def stop(self, device: str, *, stopped: bool) -> None:

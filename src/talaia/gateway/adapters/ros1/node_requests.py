@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.velocity import velocity_fields
+from talaia.gateway.adapters.velocity import steering_fields, velocity_fields, zero_of
 from talaia.gateway.driving.drive_keys import HALT
 from talaia.model.site import CommandKind, DriveMessage
 
@@ -47,7 +47,9 @@ def _drive_frames(device_id: str, rule: Drive) -> Iterator[Frame]:
         "topic": rule.topic,
         "type": rule.message.value,
         # The node says it by itself when nobody speaks: also when this process is gone.
-        "zero": velocity_fields(rule, 0.0, 0.0, HALT),
+        "zero": velocity_fields(rule, zero_of(rule), HALT),
+        # Steered wheels stay as they stand.
+        "kept": steering_fields(rule),
         # Characters may add up: none takes another's place before it is sent.
         "deep": 20 if rule.message is DriveMessage.KEYS else 1,
     }

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         ChannelReading,
     )
     from talaia.gateway.tap_ports import TopicDefinition
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Adapter"]
@@ -169,10 +170,10 @@ class Ros2Adapter:
         """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """See `CommandTarget.drive`."""
         if self._motion is not None:
-            self._motion.drive(device, linear, angular, key)
+            self._motion.drive(device, demand, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""
@@ -276,7 +277,7 @@ class Ros2Adapter:
             raw=self._raw,
         )
         self._source.join(self._node, thread, self._types)
-        self._motion = Ros2Motion(self._scope, self._node, self._tell_missing)
+        self._motion = Ros2Motion(self._scope, self._node, thread, self._types, self._tell_missing)
         self._worker.start()
         self._thread = thread
         thread.start()

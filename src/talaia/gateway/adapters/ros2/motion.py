@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from talaia.gateway.adapters.ros2.requests import class_of, velocity_message
+from talaia.gateway.adapters.ros2.made_types.packageless_motion import PackagelessMotion
+from talaia.gateway.adapters.ros2.requests import class_of, fill, velocity_message
 from talaia.gateway.adapters.ros2.system_ros.start import guard_velocity
+from talaia.gateway.adapters.velocity import guard_mark, stamp_fields, zero_of
 from talaia.gateway.driving.drive_keys import HALT
 from talaia.gateway.errors import TypeMissing
 from talaia.model.site import DriveMessage
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
+    from talaia.gateway.adapters.ros2.topic_types import TopicTypes
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.model.site import Drive
 
 __all__ = ["Ros2Motion"]
@@ -33,10 +38,15 @@ class Ros2Motion:
         self,
         scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
+        thread: WaitThread,
+        types: TopicTypes,
         missing: Callable[[TypeMissing], None],
     ) -> None:
         """Make them. From here on it is called on the wait-set thread, but for the velocities."""
         self._node, self._missing = node, missing
+        self._thread, self._types = thread, types
+        # Devices whose type is not installed here.
+        self._packageless: dict[str, PackagelessMotion] = {}
         self._rules: dict[str, Drive] = {}
         self._velocity: dict[str, tuple[Any, Any]] = {}
         self._stops: dict[str, tuple[Any, Any]] = {}
@@ -58,6 +68,8 @@ class Ros2Motion:
                 rules[name] = twin_drive(real.drive, name)
         before, self._rules = self._rules, rules
         for name in [name for name, rule in before.items() if rules.get(name) != rule]:
+            if (bare := self._packageless.pop(name, None)) is not None:
+                bare.close()
             for where in (self._velocity, self._stops):
                 publisher, _ = where.pop(name, (None, None))
                 if publisher is not None:
@@ -78,27 +90,35 @@ class Ros2Motion:
             try:
                 kind = class_of(type_name, topic)
             except TypeMissing as error:
-                self._missing(error)
+                if where is self._velocity:
+                    self._packageless[name] = PackagelessMotion(
+                        rule, self._node, self._thread, self._types, self._missing
+                    )
+                else:
+                    self._missing(error)
                 continue
             # Characters may add up at the robot: none takes another's place before it is sent.
             depth = 20 if type_name == DriveMessage.KEYS else 1
             publisher = self._node.create_publisher(kind, topic, _newest(durability, depth))
             where[name] = (publisher, kind())
             if where is self._velocity:
-                zero = velocity_message(
-                    drive=rule, message=kind(), linear=0.0, angular=0.0, key=HALT
-                )
-                guard_velocity(publisher, zero)
+                zero = velocity_message(rule, kind(), zero_of(rule), HALT)
+                marked = velocity_message(rule, kind(), zero_of(rule), HALT)
+                fill(marked, guard_mark(rule))
+                guard_velocity(publisher, zero, marked)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """Publish a velocity, or the character that stands for it."""
         found = self._velocity.get(device)
         if found is not None:
             publisher, message = found
-            velocity_message(
-                drive=self._rules[device], message=message, linear=linear, angular=angular, key=key
-            )
+            rule = self._rules[device]
+            velocity_message(rule, message, demand, key)
+            if stamp := stamp_fields(rule, self._node.get_clock().now().nanoseconds):
+                fill(message, stamp)
             self._publish(publisher, message)
+        elif (bare := self._packageless.get(device)) is not None:
+            self._publish(bare, demand)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """Publish STOP or its end."""

@@ -1,4 +1,4 @@
-"""Messages to the robot: fields by path, velocities in the three forms robots listen to."""
+"""Messages to the robot: fields by path, demands in the forms robots listen to."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import re
 from array import array
 from importlib import import_module
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.samples.field_paths import parse_path
 from talaia.model.site import Drive, DriveMessage
 from talaia.wire.frames import CommandPhase, Scalar
+
+if TYPE_CHECKING:
+    from talaia.gateway.velocity_demand import VelocityDemand
 
 __all__ = ["class_of", "fill", "outcome_of", "velocity_message"]
 
@@ -118,23 +121,25 @@ def outcome_of(response: object) -> CommandOutcome:
     return CommandOutcome(CommandPhase.SUCCEEDED, message)
 
 
-def velocity_message(
-    *,
-    drive: Drive,
-    message: Any,  # noqa: ANN401
-    linear: float,
-    angular: float,
-    key: str = "",
-) -> Any:  # noqa: ANN401
-    """Set a velocity in a message of the drive's type, and give it.
+def velocity_message(drive: Drive, message: Any, demand: VelocityDemand, key: str = "") -> Any:  # noqa: ANN401
+    """Set a demand in a message of the drive's type, and give it.
 
     A stamp stays 0: the robot takes that for its own now, and nobody else's clock can delay it.
     """
+    linear, angular, lateral, steering, speeds = demand
     match drive.message:
         case DriveMessage.KEYS:
             message.data = key
-        case DriveMessage.TWIST:
-            message.linear.x, message.angular.z = linear, angular
-        case DriveMessage.TWIST_STAMPED:
-            message.twist.linear.x, message.twist.angular.z = linear, angular
+        case DriveMessage.TWIST | DriveMessage.TWIST_STAMPED:
+            stamped = drive.message is DriveMessage.TWIST_STAMPED
+            twist = message.twist if stamped else message
+            twist.linear.x, twist.linear.y, twist.angular.z = linear, lateral, angular
+        case DriveMessage.ACKERMANN | DriveMessage.ACKERMANN_STAMPED:
+            stamped = drive.message is DriveMessage.ACKERMANN_STAMPED
+            steered = message.drive if stamped else message
+            steered.speed, steered.steering_angle = linear, steering
+        case DriveMessage.JOINT_JOG:
+            message.joint_names, message.velocities = list(drive.joints), list(speeds)
+        case DriveMessage.JOINT_VELOCITIES:
+            message.data = list(speeds)
     return message

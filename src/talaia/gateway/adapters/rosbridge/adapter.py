@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.topic_readers import TopicPlan
     from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
     from talaia.gateway.tap_ports import TopicDefinition
+    from talaia.gateway.velocity_demand import VelocityDemand
     from talaia.wire.frames import Scalar
 
 __all__ = ["RosbridgeAdapter"]
@@ -211,12 +212,12 @@ class RosbridgeAdapter:
         """See `ReadingSource.latest`."""
         return self._latest.get(address)
 
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+    def drive(self, device: str, demand: VelocityDemand, key: str = "") -> None:
         """See `CommandTarget.drive`."""
         described = self._scope.devices.get(device)
         if self._connected and described is not None and described.drive is not None:
             rule = described.drive
-            fields = nest_fields(velocity_fields(rule, linear, angular, key))
+            fields = nest_fields(velocity_fields(rule, demand, key))
             text = write_frame("publish", topic=rule.topic, msg=fields)
             if key:
                 # Characters may add up: none takes another's place.

@@ -22,6 +22,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from talaia.hub.api.driving.drive_schemas import DrivenJointShape  # noqa: TC001 - pydantic reads it
 from talaia.hub.api.maps.map_schemas import SiteMapShape  # noqa: TC001 - pydantic reads it
 from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydantic reads them
     EnclosureShape,
@@ -297,7 +298,10 @@ class DriveShape(Schema):
 
     max_speed: float  # m/s
     max_reverse: float
-    max_turn: float  # rad/s
+    max_sideways: float  # 0: it does not move sideways
+    max_turn: float  # rad/s; 0: it does not turn by itself
+    max_steering: float  # rad; above 0: it steers by the angle of its wheels
+    joints: list[DrivenJointShape]
     rate: float  # Hz
     ttl: float
     lease: float

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from talaia.hub.api.driving.drive_schemas import DrivenJointShape
 from talaia.hub.api.maps.site_map_views import describe_map, glance_at
 from talaia.hub.api.schemas.account_schemas import DeviceSummary
 from talaia.hub.api.schemas.common import (
@@ -401,8 +402,22 @@ def _drive_schema(drive: Drive, shown: Mapping[str, Conversion]) -> DriveShape:
     return DriveShape(
         max_speed=drive.max_speed,
         # None: as fast as forwards.
-        max_reverse=drive.max_speed if drive.max_reverse is None else drive.max_reverse,
+        max_reverse=drive.reverse,
+        max_sideways=drive.max_sideways,
         max_turn=drive.max_turn,
+        max_steering=drive.max_steering,
+        joints=[
+            DrivenJointShape(
+                id=word,
+                name=joint.name or word,
+                max_speed=joint.max_speed,
+                minimum=joint.minimum,
+                maximum=joint.maximum,
+                position=joint.position,
+                slides=joint.slides,
+            )
+            for word, joint in drive.joints.items()
+        ],
         rate=drive.rate,
         ttl=drive.ttl,
         lease=drive.lease,

@@ -101,7 +101,10 @@ class PublishedChannels:
             return velocity
         # An admin's word, the lease and the limits are looked at there.
         return self._connection.publish_drive(
-            device, linear=velocity.linear, angular=velocity.angular
+            device,
+            linear=velocity.linear,
+            angular=velocity.angular,
+            lateral=velocity.lateral,
         )
 
     def _ask_command(self, topic: RobotName, channel: FoxgloveClientChannel, data: bytes) -> str:

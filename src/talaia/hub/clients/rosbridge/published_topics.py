@@ -87,7 +87,10 @@ class PublishedTopics:
         if isinstance(velocity, str):
             return velocity
         return self._connection.publish_drive(
-            driven.device, linear=velocity.linear, angular=velocity.angular
+            driven.device,
+            linear=velocity.linear,
+            angular=velocity.angular,
+            lateral=velocity.lateral,
         )
 
     def _ask_command(self, topic: RobotName, message: bytes) -> str:

@@ -82,7 +82,10 @@ class ScriptSession:
             case PageDrive():
                 # Its epoch, number and time mark are not read: the hub has its own.
                 why = self._connection.publish_drive(
-                    message.device, linear=message.linear, angular=message.angular
+                    message.device,
+                    linear=message.linear,
+                    angular=message.angular,
+                    lateral=message.lateral,
                 )
                 if why:
                     await self._refuse_message("driving", why, about)

@@ -86,6 +86,8 @@ class PrioritySendQueue:
 
 
 def _lets_go(frame: DriveFrame | TwinFrame) -> bool:
+    if isinstance(frame, DriveFrame):
+        return not frame.asks
     return frame.linear == 0.0 and frame.angular == 0.0
 
 

@@ -133,7 +133,8 @@ class PageCommands:
     def _drive(self, browser: Browser, live: LiveSite, asked: page.PageDrive) -> None:
         # The gateway checks all of this again; what cannot be right is not even sent.
         # A sum is finite only if all of its parts are: NaN and infinities are refused.
-        if live.link is None or not math.isfinite(asked.linear + asked.angular + asked.held_ms):
+        numbers = (asked.linear, asked.angular, asked.lateral, asked.steering, *asked.joints)
+        if live.link is None or not math.isfinite(sum(numbers) + asked.held_ms):
             self._refuse(browser, asked, "invalid", "a driving frame holds plain numbers")
             return
         live.link.send(
@@ -146,6 +147,9 @@ class PageCommands:
                 held_ms=asked.held_ms,
                 linear=asked.linear,
                 angular=asked.angular,
+                lateral=asked.lateral,
+                steering=asked.steering,
+                joints=asked.joints,
                 picture_ms=asked.picture_ms,
             )
         )

@@ -110,6 +110,8 @@ class ZeroEndedPublisher:
         kind = class_of(asked["type"], message_class)
         self._kind = kind
         self._zero: dict[str, Any] | None = asked.get("zero")
+        # Fields that the zero leaves as they were said last: steered wheels stay as they stand.
+        self._kept: list[str] = asked.get("kept", [])
         # Whether something other than the zero was said last, and when (monotonic, s).
         self._moving = False
         self._said = 0.0
@@ -128,6 +130,8 @@ class ZeroEndedPublisher:
         """Publish a message with these fields."""
         message = fill_message(self._kind(), fields)
         with self._turn:
+            if self._zero is not None:
+                self._zero |= {path: fields[path] for path in self._kept}
             self._moving = self._zero is not None and fields != self._zero
             self._said = time.monotonic()
             self.publisher.publish(message)

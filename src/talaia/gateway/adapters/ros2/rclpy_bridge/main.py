@@ -135,9 +135,9 @@ class Bridge:
         if owner is not None:
             owner.destroy(entity)
 
-    def do_guard(self, entity: int, zero: str) -> None:
+    def do_guard(self, entity: int, zero: str, begin: int, end: int) -> None:
         """End with this what a publisher publishes."""
-        self._owners[entity].guard(entity, bytes.fromhex(zero))
+        self._owners[entity].guard(entity, bytes.fromhex(zero), (begin, end))
 
     def do_ready(self, entity: int) -> bool:
         """Tell whether anybody offers a client's service."""

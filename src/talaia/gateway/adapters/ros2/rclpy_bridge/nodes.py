@@ -166,9 +166,9 @@ class JoinedNode:
             self._thread.remove_client(client.handle)
             self._node.destroy_client(client)
 
-    def guard(self, entity: int, zero: bytes) -> None:
-        """End with this what is published there."""
-        self._guarded[entity] = VelocityPublisher(self._publishers[entity], zero)
+    def guard(self, entity: int, zero: bytes, kept: tuple[int, int]) -> None:
+        """End with this what is published there; see `VelocityPublisher` for ``kept``."""
+        self._guarded[entity] = VelocityPublisher(self._publishers[entity], zero, kept)
 
     def publish(self, entity: int, message: bytes, made_ns: int) -> None:
         """Publish a message; a velocity only if it is not of the past."""

@@ -24,9 +24,17 @@ _ZEROS_FOR_S = 1.0
 class VelocityPublisher:
     """A publisher of velocities; any thread."""
 
-    def __init__(self, publisher: Any, zero: bytes) -> None:  # noqa: ANN401 - rclpy ships no types
-        """Take rclpy's publisher, and the message that stops the robot."""
-        self._publisher, self._zero = publisher, zero
+    def __init__(
+        self,
+        publisher: Any,  # noqa: ANN401 - rclpy ships no types
+        zero: bytes,
+        kept: tuple[int, int] = (0, 0),
+    ) -> None:
+        """Take rclpy's publisher, and the message that stops the robot.
+
+        ``kept`` is from where to where the zero leaves bytes as they were published last.
+        """
+        self._publisher, self._zero, self._kept = publisher, zero, kept
         # The pipe's thread and the watching one both publish: a zero must not overtake.
         self._turn = threading.Lock()
         # Whether something other than the zero was published last, and when (monotonic, s).
@@ -39,6 +47,9 @@ class VelocityPublisher:
         """Publish a velocity, unless it is of the past; zeros always."""
         with self._turn:
             now_ns = time.monotonic_ns()
+            # Of the message that is published now, also if it is of the past.
+            begin, end = self._kept
+            self._zero = self._zero[:begin] + message[begin:end] + self._zero[end:]
             # The gateway says its own zeros: then there is nothing to end.
             if message == self._zero:
                 self._moving = False

@@ -261,9 +261,13 @@ class Publisher:
         """Count who listens."""
         return int(self._process.ask("listeners", entity=self.number))
 
-    def guard(self, zero: Any) -> None:  # noqa: ANN401
+    def guard(self, zero: bytes, kept: tuple[int, int]) -> None:
         """Have the bridge publish this where no velocity comes any more."""
-        self._process.ask("guard", entity=self.number, zero=self._kind.encode(zero).hex())
+        begin, end = kept
+        self._process.ask("guard", entity=self.number, zero=zero.hex(), begin=begin, end=end)
+
+    def encode(self, message: Any) -> bytes:  # noqa: ANN401, D102 - see `RemoteMessage.encode`
+        return bytes(self._kind.encode(message))
 
     def destroy(self) -> None:
         """End it."""

@@ -54,13 +54,17 @@ def prepare_bridge() -> None:
         SHARED.now()
 
 
-def guard_velocity(publisher: Any, zero: object) -> None:  # noqa: ANN401 - rclpy ships no types
+def guard_velocity(publisher: Any, zero: object, steered: object) -> None:  # noqa: ANN401 - rclpy ships no types
     """Have zeros published by the bridge where no velocity comes any more.
 
     In one process with rclpy nobody is left to do so: there the robot's own time-out does it.
+    ``steered`` is the zero of a vehicle whose wheels are steered elsewhere: where the two differ,
+    what is published last stays.
     """
     if SHARED.in_use:
-        publisher.guard(zero)
+        plain, other = publisher.encode(zero), publisher.encode(steered)
+        unlike = [at for at, byte in enumerate(plain) if byte != other[at]]
+        publisher.guard(plain, (unlike[0], unlike[-1] + 1) if unlike else (0, 0))
 
 
 def _stand_in(choice: RosChoice) -> None:

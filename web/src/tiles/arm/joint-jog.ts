@@ -1,0 +1,178 @@
+/** Joints of an arm that move while a button is held: lease, speed, and two ways for each joint. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
+import type { DriveSession } from "../../controllers/drive/drive-session.js";
+import { jointPush } from "../../controllers/drive/stick.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { LiveValuesController } from "../../controllers/live-values.js";
+import { StoreController } from "../../controllers/store-controller.js";
+import { TickerController } from "../../controllers/ticker.js";
+import { base, quietText } from "../../elements/base/base-style.js";
+import "../../elements/drive/hold-button.js";
+import "../../elements/drive/joint-bar.js";
+import "../../elements/drive/lease-line.js";
+import "../../elements/drive/speed-limit.js";
+import type { HoldDetail } from "../../elements/drive/hold-event.js";
+import { lockText } from "../../format/interlock-reason.js";
+import { shownText } from "../../format/unit.js";
+import type { DeviceShape, DrivenJointShape } from "../../generated/api.js";
+import { interlocksContext } from "../../state/contexts.js";
+import { isNearEnd, jointShare } from "./arm-parts.js";
+
+const DRAW_EVERY_MS = 200;
+
+@customElement("t-joint-jog")
+export class JointJog extends LitElement {
+  static override styles = [
+    base,
+    css`
+      :host {
+        display: grid;
+        gap: var(--t-space-3);
+      }
+      .joint {
+        display: grid;
+        grid-template-columns: auto minmax(0, 1fr) auto;
+        align-items: center;
+        gap: var(--t-space-3);
+      }
+      .trouble {
+        color: var(--t-warn);
+        font-weight: var(--t-weight-strong);
+      }
+      .trouble:empty {
+        display: none;
+      }
+      .note {
+        ${quietText}
+      }
+    `,
+  ];
+
+  @property() site = "";
+  @property({ attribute: false }) device: DeviceShape | null = null;
+  @property({ attribute: false }) seat: DriveSession | null = null;
+  @property({ type: Boolean }) stopped = false;
+
+  private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
+    this.followLock();
+  });
+  private readonly live = new LiveValuesController(this);
+  private readonly watched = new StoreController(this);
+
+  constructor() {
+    super();
+    new TickerController(this, DRAW_EVERY_MS);
+  }
+
+  override willUpdate(): void {
+    this.watched.setStore(this.seat);
+    this.followLock();
+    const named = (this.device?.drive?.joints ?? []).map(({ position }) => this.signalOf(position));
+    this.live.observeChannels(this.site, named.flatMap((signal) => signal?.channels ?? []));
+  }
+
+  override render(): TemplateResult | typeof nothing {
+    const { seat } = this;
+    const joints = this.device?.drive?.joints ?? [];
+    if (!seat || joints.length === 0) return nothing;
+    const { machine, lease, told } = seat;
+    const state = lease.state;
+    const refusal = state.kind === "mine" && !this.stopped ? (told?.why ?? "") : "";
+    return html`
+      <t-lease
+        .kind=${state.kind}
+        .holder=${state.kind === "other" || state.kind === "waiting" ? state.holder : ""}
+        .rival=${state.kind === "mine" ? (state.rival?.who ?? "") : ""}
+        .answer=${seat.answerRemainingMs}
+        .forceable=${state.kind === "other" && state.forceable && (this.device?.rights.includes("admin") ?? false)}
+        .remains=${seat.remainingMs}
+        .online=${seat.online}
+        .stopped=${this.stopped}
+        @t-take=${this.takeControl}
+        @t-free=${this.releaseControl}
+        @t-answer=${this.answerRequest}
+        @t-force=${this.forceTakeover}
+      ></t-lease>
+      <div class="joints" role="group" aria-label="Hold to move a joint" @t-hold=${this.onHold}>
+        ${repeat(joints, ({ id }) => id, (joint, index) => this.renderJoint(joint, index, joints.length, !machine.mayDrive))}
+      </div>
+      <p class="trouble" role="alert">${this.lockReason || seat.problem || (refusal === "" ? "" : `Gateway: ${refusal}`)}</p>
+      <t-speed-limit .level=${machine.speedLevel} .speed=${0} .turn=${0} @t-level=${this.onSpeedLevel}></t-speed-limit>
+      <p class="note">A joint moves while its button is held, and comes to rest when it is let go. S halts, Escape is STOP.</p>
+    `;
+  }
+
+  private renderJoint(joint: DrivenJointShape, index: number, count: number, idle: boolean): TemplateResult {
+    const signal = this.signalOf(joint.position);
+    const channel = signal?.channels[0];
+    const fresh = signal !== undefined && channel !== undefined && this.live.freshnessOf(channel, signal.max_age) === "live";
+    const value = fresh ? (this.live.readingOf(channel)?.value ?? Number.NaN) : Number.NaN;
+    const share = jointShare(joint, value);
+    const unit = signal ?? { unit: joint.slides ? "m" : "rad", decimals: 2, shown: null };
+    return html`<div class="joint">
+      <t-hold-button ?disabled=${idle} label=${`${joint.name}, down`} name=${`joint:${joint.id}:-`} .stick=${jointPush(index, count, -1)}>−</t-hold-button>
+      <t-joint
+        .name=${joint.name}
+        .value=${fresh ? shownText(unit, value) : ""}
+        .low=${joint.minimum === null ? "" : shownText(unit, joint.minimum)}
+        .high=${joint.maximum === null ? "" : shownText(unit, joint.maximum)}
+        .share=${share}
+        ?near=${isNearEnd(share)}
+      ></t-joint>
+      <t-hold-button ?disabled=${idle} label=${`${joint.name}, up`} name=${`joint:${joint.id}:+`} .stick=${jointPush(index, count, 1)}>+</t-hold-button>
+    </div>`;
+  }
+
+  private signalOf(address: string): DeviceShape["signals"][number] | undefined {
+    return this.device?.signals.find((signal) => signal.address === address);
+  }
+
+  private get lockReason(): string {
+    const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
+    return lock ? lockText(lock) : "";
+  }
+
+  /** No press counts while driving is locked, and what is held is let go in the same turn. */
+  private followLock(): void {
+    const { seat } = this;
+    if (!seat) return;
+    const barred = seat.machine.isBlocked("interlock");
+    if (this.lockReason === "" && barred) seat.unblock("interlock");
+    else if (this.lockReason !== "" && !barred) seat.block("interlock");
+  }
+
+  private readonly onHold = ({ detail: { act, source, stick, kind } }: CustomEvent<HoldDetail>): void => {
+    if (act === "press") this.seat?.pressHold(source, stick, kind);
+    else if (act === "release") this.seat?.releaseHold(source);
+    else if (act === "cancel") this.seat?.cancelHold(source);
+  };
+
+  private readonly onSpeedLevel = (event: CustomEvent<number>): void => {
+    this.seat?.setLevel(event.detail);
+  };
+
+  private readonly takeControl = (): void => {
+    this.seat?.takeControl();
+  };
+
+  private readonly releaseControl = (): void => {
+    this.seat?.releaseControl();
+  };
+
+  private readonly answerRequest = (event: CustomEvent<boolean>): void => {
+    this.seat?.answerRequest(event.detail);
+  };
+
+  private readonly forceTakeover = (): void => {
+    this.seat?.forceTakeover();
+  };
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-joint-jog": JointJog;
+  }
+}
