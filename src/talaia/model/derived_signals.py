@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.model.coco_classes import COCO
-from talaia.model.detection import CLOUDS, Detect, DetectionSource
+from talaia.model.detection import CLOUDS, LANE, Detect, DetectionSource
 from talaia.model.site import Signal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import Clip, ObjectModel, SkyLens
+    from talaia.model.detection import Clip, LaneView, ObjectModel, SkyLens
     from talaia.model.site import Device, Site, Source, Stream
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "detect_of",
     "detecting_cameras",
     "detection_setup_of",
+    "lane_signals",
     "sky_cameras",
     "with_counts",
 ]
@@ -75,6 +76,10 @@ def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
             if not isinstance(signal.source, DetectionSource):
                 continue
             camera = f"{device_id}/{signal.source.stream}"
+            stream = device.streams.get(signal.source.stream)
+            # Told by another look at the same pictures.
+            if stream is not None and stream.lane is not None and signal.source.sees in LANE:
+                continue
             if camera in cameras:
                 counts[f"{device_id}/{signal_id}"] = (camera, cameras[camera])
     return counts
@@ -91,6 +96,30 @@ def sky_cameras(site: Site) -> dict[str, tuple[str, SkyLens]]:
             stream = device.streams.get(source.stream)
             if stream is not None and stream.sky is not None:
                 told[f"{device_id}/{signal_id}"] = (f"{device_id}/{source.stream}", stream.sky)
+    return told
+
+
+class LaneSignal(NamedTuple):
+    """What a signal tells of a lane, and where."""
+
+    camera: str
+    sees: str
+    view: LaneView
+
+
+def lane_signals(site: Site) -> dict[str, LaneSignal]:
+    """Give by the address of each signal of a lane: its camera, what it tells, and the lane."""
+    told = {}
+    for device_id, device in site.devices.items():
+        for signal_id, signal in device.signals.items():
+            source = signal.source
+            if not isinstance(source, DetectionSource) or source.sees not in LANE:
+                continue
+            stream = device.streams.get(source.stream)
+            if stream is not None and stream.lane is not None:
+                told[f"{device_id}/{signal_id}"] = LaneSignal(
+                    f"{device_id}/{source.stream}", source.sees, stream.lane
+                )
     return told
 
 
@@ -115,11 +144,12 @@ def detection_setup_of(site: Site, device: str, stream: str) -> DetectionSetup |
 
 
 def camera_meaning(site: Site, device: str, stream: str) -> tuple[object, ...]:
-    """Give all that decides what a camera tells, of things and of the sky."""
+    """Give all that decides what a camera tells, of things, of the sky and of the lane."""
     described = site.devices[device].streams.get(stream)
     lens = None if described is None else described.sky
-    at = None if described is None or lens is None else described.source
-    return detection_setup_of(site, device, stream), lens, at
+    lane = None if described is None else described.lane
+    at = None if described is None or (lens is None and lane is None) else described.source
+    return detection_setup_of(site, device, stream), lens, lane, at
 
 
 def with_counts(site: Site) -> Site:

@@ -8,12 +8,17 @@ from talaia.model.base import Shape, SourceShape
 
 __all__ = [
     "CLOUDS",
+    "LANE",
+    "LANE_HEADING",
+    "LANE_OFFSET",
+    "LANE_WIDTH",
     "Blur",
     "Clip",
     "Detect",
     "DetectAt",
     "DetectionSource",
     "FloorPoints",
+    "LaneView",
     "Measured",
     "ModelKind",
     "ObjectModel",
@@ -26,6 +31,10 @@ PicturePoint = tuple[float, float]
 
 # What a signal ``sees`` on a camera that looks at all of the sky: how much is covered (%).
 CLOUDS = "clouds"
+# And on one that looks at the lane before the vehicle: how far left of its middle the vehicle is
+# (m), how it is turned against it, counter-clockwise (rad), and how wide it is (m).
+LANE_OFFSET, LANE_HEADING, LANE_WIDTH = "lane_offset", "lane_heading", "lane_width"
+LANE = {LANE_OFFSET: "m", LANE_HEADING: "rad", LANE_WIDTH: "m"}
 
 
 class DetectAt(StrEnum):
@@ -225,6 +234,30 @@ class SkyLens(Shape, frozen=True, kw_only=True):
     every: float = 30.0
 
 
+class LaneView(Shape, frozen=True, kw_only=True):
+    """A camera that sees the lane before the vehicle: two markings on the floor, or of a road.
+
+    Attributes:
+        floor: four points of the floor. Their metres are those of the vehicle: x ahead of it, y to
+            its left (REP-103).
+        ahead: from where to where is looked, before the vehicle (m).
+        narrowest: the narrowest lane that is one, from marking to marking (m).
+        widest: the widest.
+        marking: how wide a marking is (m).
+        light: markings are lighter than the floor; no: darker.
+        every: it is looked so often (s).
+
+    """
+
+    floor: FloorPoints
+    ahead: tuple[float, float] = (0.5, 2.5)
+    narrowest: float = 0.6
+    widest: float = 1.6
+    marking: float = 0.05
+    light: bool = True
+    every: float = 0.2
+
+
 class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
     """Where a signal comes from that counts what a camera sees, whatever the connection.
 
@@ -232,6 +265,8 @@ class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
         stream: a camera of the same device, by its name.
         sees: how many of this class are on its newest picture; goes with ``stream``. ``clouds`` of
             a camera that looks at all of the sky (`SkyLens`): how much of it is covered (%).
+            ``lane_offset`` (m to the left of its middle), ``lane_heading`` (rad, counter-clockwise)
+            and ``lane_width`` (m) of one that looks at the lane before the vehicle (`LaneView`).
         within: only those whose feet (the middle of the box's lower edge) are in this part of the
             picture: left, top, right, bottom, each 0 to 1; the drive path, say.
         zone: only those whose feet are in this one of the camera's `Detect.zones`.

@@ -36,7 +36,7 @@ from talaia.model.connection import (
     Source,
     topic_of,
 )
-from talaia.model.detection import Blur, Detect, ObjectModel, SkyLens  # noqa: TC001 - msgspec reads them
+from talaia.model.detection import Blur, Detect, LaneView, ObjectModel, SkyLens  # noqa: TC001 - msgspec reads them
 from talaia.model.driving.drive import Drive, DrivenJoint, Keys, Stop
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
@@ -151,6 +151,8 @@ class Stream(Shape, frozen=True, kw_only=True):
         width: pictures wider than this are made smaller (px); 0 leaves them.
         detect: what is to be seen on its pictures; see `Detect`.
         sky: it looks at all of the sky: a signal of its device may tell the clouds; see `SkyLens`.
+        lane: it sees the lane before the vehicle, of which signals of its device tell; see
+            `LaneView`.
         blur: faces are made unrecognizable before a picture leaves the gateway; see `Blur`.
 
     """
@@ -163,6 +165,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     width: int = 0
     detect: Detect | None = None
     sky: SkyLens | None = None
+    lane: LaneView | None = None
     blur: Blur | None = None
     visibility: Visibility = Visibility.VIEW
 

@@ -12,6 +12,8 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
 __all__ = ["FloorMapping", "LineCounter", "is_inside"]
 
 Point = tuple[float, float]
@@ -139,9 +141,28 @@ class FloorMapping:
         middle = np.mean(np.array(picture, float), axis=0)
         # The floor ends at the horizon: beyond it this turns its sign.
         self._sign = 1.0 if self._weight(middle[0], middle[1]) > 0 else -1.0
+        centre = np.mean(np.array(floor, float), axis=0)
+        # Any factor gives the same points: this one keeps the sign of what is before the camera.
+        back = np.linalg.inv(self._matrix)
+        self._back = back if back[2] @ (centre[0], centre[1], 1) > 0 else -back
 
     def _weight(self, x: float, y: float) -> float:
         return float(self._matrix[2] @ (x, y, 1))
+
+    def picture_matrix(self) -> NDArray[np.float64]:
+        """Give the way back (3 × 3): from the floor (m) to parts of the picture.
+
+        Its third row is above 0 for what lies before the camera.
+        """
+        return self._back
+
+    def to_picture(
+        self, x: NDArray[np.float64], y: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Say where points of the floor (m) are on the picture; NaN behind the camera."""
+        across, down, w = (row[0] * x + row[1] * y + row[2] for row in self._back)
+        before = np.where(w > _LEAST_W, w, np.nan)
+        return across / before, down / before
 
     def to_floor(self, point: Point) -> Point | None:
         """Say where a point of the picture is on the floor (m); none above the horizon."""

@@ -291,6 +291,7 @@ export interface StreamShape {
   readonly max_rate: number;
   readonly public: boolean;
   readonly detect?: DetectShape | null;
+  readonly lane?: LaneShape | null;
   readonly blurred?: boolean;
   readonly may_unblur?: boolean;
 }
@@ -2242,6 +2243,17 @@ export interface CrossingShape {
 export interface LabelShape {
   readonly camera: string;
   readonly label: string;
+}
+
+/** The lane that a camera sees, and its signals; empty for those that the person may not see. */
+export interface LaneShape {
+  readonly to_picture: readonly number[];
+  readonly near: number;
+  readonly far: number;
+  readonly offset: string;
+  readonly heading: string;
+  readonly width: string;
+  readonly max_age: number;
 }
 
 /** A signal that counts at a zone or a line of a camera. */

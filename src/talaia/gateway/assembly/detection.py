@@ -11,6 +11,7 @@ from talaia.gateway.detection.camera_detection import (
     ReadingsWithDetections,
 )
 from talaia.gateway.detection.clip_films import ClipFilms
+from talaia.gateway.detection.lane_watch import LaneWatch
 from talaia.gateway.detection.sighting_reports import DetectionReporter
 from talaia.gateway.detection.sky_watch import SkyWatch
 from talaia.objects.worker import Worker
@@ -69,13 +70,16 @@ class DetectionPart(GatewayPart):
             ),
             clock=base.clock,
         )
-        self._sky = SkyWatch(
-            site=site,
-            numbers=description.numbering.numbers_of(site),
-            pictures=video.frames,
-            publish=self.detection.publish_counts,
-            clock=base.clock,
-        )
+        self._watches: dict[str, SkyWatch | LaneWatch] = {
+            name: watch(
+                site=site,
+                numbers=description.numbering.numbers_of(site),
+                pictures=video.frames,
+                publish=self.detection.publish_counts,
+                clock=base.clock,
+            )
+            for name, watch in (("sky", SkyWatch), ("lane", LaneWatch))
+        }
         self._blur_detectors = video.blur_detectors
         self._numbering = description.numbering
         self.readings = ReadingsWithDetections(adapters.adapter, self.detection)
@@ -86,12 +90,13 @@ class DetectionPart(GatewayPart):
         self._blur_detectors.redescribe(site)
         self._clips.redescribe(site)
         self.detection.redescribe(site, numbers)
-        self._sky.redescribe(site, numbers)
+        for watch in self._watches.values():
+            watch.redescribe(site, numbers)
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Look at cameras, and tell the hub."""
         return {
             "detect": self.detection.run,
             "report": self.reporter.run,
-            "sky": self._sky.run,
+            **{name: watch.run for name, watch in self._watches.items()},
         }

@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.clock import SECOND
+from talaia.gateway.detection.camera_watch import CameraWatch
 from talaia.gateway.ports import ChannelReading
 from talaia.imaging.sky_clouds import SkyMoment, measure_clouds
 from talaia.model.derived_signals import sky_cameras
+from talaia.model.detection import SkyLens
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
@@ -27,20 +29,17 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import CameraFrame, CameraFrames
     from talaia.imaging.sky_clouds import CloudMeasure
-    from talaia.model.detection import SkyLens
     from talaia.model.interlocks.enclosure import Place
     from talaia.model.site import Site
 
 __all__ = ["SkyWatch"]
 
 log = logging.getLogger(__name__)
-# For a picture is waited so long at a time.
-WAIT_S = 0.5
 # A lens that gets dusty is no cloud for ever: so much less is expected of each next picture (mag).
 FADE_MAG = 0.0005
 
 
-class SkyWatch:
+class SkyWatch(CameraWatch[tuple[str, SkyLens]]):
     """All cameras of a site that look at the sky. Event loop only."""
 
     def __init__(
@@ -52,63 +51,24 @@ class SkyWatch:
         publish: Callable[[Columns, Mapping[str, ChannelReading]], None],
         clock: Clock,
     ) -> None:
-        """Look at nothing yet.
-
-        Args:
-            site: the description.
-            numbers: of channels, by address.
-            pictures: of the cameras.
-            publish: takes what is measured, as samples and as newest readings.
-            clock: pictures are as old as it says.
-
-        """
-        self._site, self._numbers = site, numbers
-        self._pictures, self._publish, self._clock = pictures, publish, clock
-        self._tasks: dict[str, tuple[tuple[str, SkyLens], asyncio.Task[None]]] = {}
-        self._running = False
+        """Look at nothing yet; see `CameraWatch`."""
+        super().__init__(
+            site=site, numbers=numbers, pictures=pictures, publish=publish, clock=clock
+        )
         # What was last wrong with each: said once.
         self._problems: dict[str, str] = {}
 
-    async def run(self) -> None:
-        """Look until cancelled."""
-        self._running = True
-        self._begin_cameras()
-        try:
-            await asyncio.Event().wait()
-        finally:
-            self._running = False
-            tasks = [task for _, task in self._tasks.values()]
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+    def _list_wanted(self, site: Site) -> Mapping[str, tuple[str, SkyLens]]:
+        return sky_cameras(site)
 
-    def redescribe(self, site: Site, numbers: Mapping[str, int]) -> None:
-        """Look at what another description says; a camera that is the same goes on."""
-        self._site, self._numbers = site, numbers
-        if self._running:
-            self._begin_cameras()
-
-    def _begin_cameras(self) -> None:
-        wanted = sky_cameras(self._site)
-        for address, (camera, task) in list(self._tasks.items()):
-            if wanted.get(address) != camera:
-                task.cancel()
-                del self._tasks[address]
-        for address, camera in wanted.items():
-            if address not in self._tasks:
-                task = asyncio.ensure_future(self._watch_camera(address, *camera))
-                self._tasks[address] = camera, task
-
-    async def _watch_camera(self, address: str, stream: str, lens: SkyLens) -> None:
+    async def _watch_camera(self, name: str, wanted: tuple[str, SkyLens]) -> None:
+        address, (stream, lens) = name, wanted
         release = self._pictures.hold(stream)
         since_us, zero = 0, math.nan
         try:
             while True:
-                came_us = await asyncio.to_thread(self._pictures.arrived, stream, since_us, WAIT_S)
-                if not came_us:
-                    continue
-                since_us = came_us
-                look = await asyncio.to_thread(self._pictures.newest, stream)
+                came_us, look = await self._next_picture(stream, since_us)
+                since_us = came_us or since_us
                 place = self._site.place
                 if look is None or place is None:
                     continue

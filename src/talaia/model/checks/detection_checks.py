@@ -6,16 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import Finding, check_above, finding_of, id_fits, name_fits
-from talaia.model.checks.zone_checks import measure_fits, zones_fit
+from talaia.model.checks.zone_checks import floor_fits, measure_fits, zones_fit
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
-from talaia.model.detection import CLOUDS, DetectAt, DetectionSource
+from talaia.model.detection import CLOUDS, LANE, DetectAt, DetectionSource
 from talaia.model.errors import UnknownWord
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import Detect, ObjectModel, SkyLens
+    from talaia.model.detection import Detect, LaneView, ObjectModel, SkyLens
     from talaia.model.interlocks.interlock import Condition
     from talaia.model.site import Device, Signal, Site, Stream
 
@@ -24,6 +24,7 @@ __all__ = [
     "count_fits",
     "detect_fits",
     "hub_sight_findings",
+    "lane_fits",
     "models_findings",
     "sky_fits",
 ]
@@ -35,6 +36,8 @@ _MOST_CLASSES = 1000
 _SIDES = (32, 2048)
 _BLUR_SIDES = (160, 1920)
 _LONGEST_BLUR_S = 10.0
+# Of a lane: a road's.
+_FARTHEST_M, _WIDEST_M = 50.0, 8.0
 
 
 def models_findings(site: Site) -> Iterator[Finding]:
@@ -171,6 +174,13 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
     if source.sees == CLOUDS and stream.sky is not None:
         yield from _clouds_fit(site, where, signal, stream.sky)
         return
+    if source.sees in LANE and stream.lane is not None:
+        yield from _lane_signal_fits(where, signal, LANE[source.sees], stream.lane)
+        return
+    if source.sees in LANE:
+        problem = f"{source.stream} does not say where the lane is on its pictures"
+        yield Finding(f"{where}.sees", problem, "write at the stream: lane: {floor: …}")
+        return
     detect = detect_of(site, stream)
     if detect is None:
         problem = f"nothing is detected on {source.stream}"
@@ -190,6 +200,36 @@ def _clouds_fit(site: Site, where: str, signal: Signal, lens: SkyLens) -> Iterat
     if 0.0 < signal.max_age < lens.every:
         problem = f"it is looked every {lens.every:g} s, and is old after {signal.max_age:g} s"
         yield Finding(where, problem, f"write: max_age: {3 * lens.every:g}")
+
+
+def _lane_signal_fits(where: str, signal: Signal, unit: str, lane: LaneView) -> Iterator[Finding]:
+    if signal.unit not in ("", unit):
+        at = where.removesuffix(".source")
+        yield Finding(f"{at}.unit", f"it is told in {unit}, found {signal.unit}", f"write: {unit}")
+    if 0.0 < signal.max_age < lane.every:
+        problem = f"it is looked every {lane.every:g} s, and is old after {signal.max_age:g} s"
+        yield Finding(where, problem, f"write: max_age: {5 * lane.every:g}")
+
+
+def lane_fits(where: str, stream: Stream) -> Iterator[Finding]:
+    """List what is wrong with where the lane is on a camera's pictures."""
+    lane = stream.lane
+    if lane is None:
+        return
+    yield from floor_fits(f"{where}.floor", lane.floor)
+    near, far = lane.ahead
+    # Written so that NaN is found as well.
+    if not 0 <= near < far <= _FARTHEST_M:
+        problem = f"expected from where to where is looked, 0 to {_FARTHEST_M:g} m"
+        yield Finding(f"{where}.ahead", problem, "as [0.5, 2.5]")
+    if not 0.1 <= lane.narrowest < lane.widest <= _WIDEST_M:
+        problem = f"expected 0.1 to {_WIDEST_M:g} m, and less than widest"
+        yield Finding(f"{where}.narrowest", problem, "as narrowest: 0.6, widest: 1.6")
+    if not 0.01 <= lane.marking <= lane.narrowest / 2:
+        problem = "expected how wide a marking is, 0.01 m to half of the narrowest lane"
+        yield Finding(f"{where}.marking", problem, "write: marking: 0.05")
+    if not 0.05 <= lane.every <= _LONGEST_HOLD_S:
+        yield Finding(f"{where}.every", f"expected 0.05 to {_LONGEST_HOLD_S:g} s")
 
 
 def sky_fits(where: str, stream: Stream) -> Iterator[Finding]:

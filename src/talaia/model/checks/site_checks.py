@@ -24,6 +24,7 @@ from talaia.model.checks.detection_checks import (
     count_fits,
     detect_fits,
     hub_sight_findings,
+    lane_fits,
     models_findings,
     sky_fits,
 )
@@ -216,6 +217,7 @@ def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         yield from detect_fits(site, f"{at}.detect", stream)
         yield from blur_fits(site, f"{at}.blur", stream)
         yield from sky_fits(f"{at}.sky", stream)
+        yield from lane_fits(f"{at}.lane", stream)
         if rules is not None:
             yield from rules.stream_findings(f"{at}.source", stream)
     for command_id, command in device.commands.items():

@@ -13,9 +13,9 @@ from talaia.model.errors import UnknownWord
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from talaia.model.detection import Detect, DetectionSource, PicturePoint
+    from talaia.model.detection import Detect, DetectionSource, FloorPoints, PicturePoint
 
-__all__ = ["measure_fits", "zones_fit"]
+__all__ = ["floor_fits", "measure_fits", "zones_fit"]
 
 _MOST_EACH, _MOST_POINTS = 32, 64
 _LONGEST_OVER_S = 86_400.0
@@ -37,18 +37,21 @@ def zones_fit(where: str, detect: Detect) -> Iterator[Finding]:
                 problem = f"expected {least} to {_MOST_POINTS} points, found {len(thing.points)}"
                 yield Finding(f"{at}.points", problem, "as [[0.2, 0.5], [0.8, 0.5], [0.8, 1]]")
             yield from _points_fit(f"{at}.points", thing.points)
-    floor = detect.floor
-    if floor is None:
-        return
-    yield from _points_fit(f"{where}.floor.picture", floor.picture)
+    if detect.floor is not None:
+        yield from floor_fits(f"{where}.floor", detect.floor)
+
+
+def floor_fits(where: str, floor: FloorPoints) -> Iterator[Finding]:
+    """List what is wrong with the points of a floor."""
+    yield from _points_fit(f"{where}.picture", floor.picture)
     for index, point in enumerate(floor.metres):
         if not all(math.isfinite(metres) for metres in point):
-            yield Finding(f"{where}.floor.metres[{index}]", "expected finite numbers")
+            yield Finding(f"{where}.metres[{index}]", "expected finite numbers")
             return
     for key, points in (("picture", floor.picture), ("metres", floor.metres)):
         if any(_area(three) < _FLAT for three in itertools.combinations(points, 3)):
             remedy = "take the corners of a rectangle that is marked on the floor"
-            yield Finding(f"{where}.floor.{key}", "three of the points lie on one line", remedy)
+            yield Finding(f"{where}.{key}", "three of the points lie on one line", remedy)
 
 
 def _points_fit(where: str, points: Sequence[PicturePoint]) -> Iterator[Finding]:

@@ -27,7 +27,7 @@ from talaia.sim.vehicle.textures import Picture, draw_parquet, draw_plaster, dra
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["CEILING", "DOOR", "ROOMS", "Room", "build_house"]
+__all__ = ["CEILING", "DOOR", "LANE_X", "LANE_Y", "MARKING", "ROOMS", "Room", "build_house"]
 
 CEILING = 2.5
 DOOR = 2.08
@@ -36,6 +36,11 @@ WALL = 0.06
 """Thickness of one room's half of a wall (m)."""
 FLOOR_SCALE = 160
 """Pixels a metre of the floors."""
+LANE_Y = (-0.15, 0.65)
+"""Two markings along x, from the living room through the hall (m): a lane 0.8 m wide."""
+LANE_X = (0.3, 8.7)
+MARKING = 0.05
+"""Width of a marking (m)."""
 
 Colour = tuple[float, float, float]
 
@@ -272,6 +277,17 @@ def _add_outline(hull: Hull) -> list[tuple[float, float]]:
     return [(x + c * u - s * v, y + s * u + c * v) for u, v in corners]
 
 
+def _mark_lane(floor: Picture, room: Room) -> Picture:
+    """Paint what of the lane is in a room; row 0 of the floor is at its largest y."""
+    low, high = max(LANE_X[0], room.low[0]), min(LANE_X[1], room.high[0])
+    for y in LANE_Y:
+        if low < high and room.low[1] < y < room.high[1]:
+            top = round((room.high[1] - y - MARKING / 2) * FLOOR_SCALE)
+            left, right = (round((x - room.low[0]) * FLOOR_SCALE) for x in (low, high))
+            floor[top : top + round(MARKING * FLOOR_SCALE), left:right] = (238, 226, 190)
+    return floor
+
+
 def _floor_and_ceiling(stage: SceneBuilder, room: Room) -> None:
     (x0, y0), (x1, y1) = room.low, room.high
     size = (x1 - x0, y1 - y0)
@@ -282,7 +298,8 @@ def _floor_and_ceiling(stage: SceneBuilder, room: Room) -> None:
     outlines = [[(x - x0, y - y0) for x, y in _add_outline(hull)] for hull in standing]
 
     def picture(rng: np.random.Generator) -> Picture:
-        return shade_floor(room.floor(rng, size), outlines, FLOOR_SCALE)
+        floor = _mark_lane(room.floor(rng, size), room)
+        return shade_floor(floor, outlines, FLOOR_SCALE)
 
     name = stage.add_finish(f"floor {room.name}", Finish(picture, repeat=0.0, shine=0.12))
     middle = stage.pose_at((x0 + x1) / 2, (y0 + y1) / 2)

@@ -97,6 +97,7 @@ export class PageCameras extends LitElement {
             .stream=${stream.address}
             .name=${stream.name}
             .detect=${stream.detect}
+            .lane=${stream.lane}
             ?blurred=${stream.blurred}
             ?unblurrable=${stream.may_unblur}
             .online=${online}

@@ -277,6 +277,7 @@ export class PageDevice extends LitElement {
             .stream=${stream.address}
             .name=${stream.name}
             .detect=${stream.detect}
+            .lane=${stream.lane}
             ?blurred=${stream.blurred}
             ?unblurrable=${stream.may_unblur}
             .online=${this.isOnline(detail)}

@@ -157,6 +157,7 @@ export class PageActuate extends LitElement {
           .stream=${stream?.address ?? ""}
           .name=${stream?.name ?? ""}
           .detect=${stream?.detect}
+          .lane=${stream?.lane}
           ?blurred=${stream?.blurred}
           ?unblurrable=${stream?.may_unblur}
           ?driving=${seat !== null && seat.machine.phase !== "idle"}

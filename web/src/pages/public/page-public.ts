@@ -154,6 +154,7 @@ export class PagePublic extends LitElement {
           .stream=${stream.address}
           .name=${stream.name}
           .detect=${stream.detect}
+          .lane=${stream.lane}
           ?blurred=${stream.blurred}
           ?unblurrable=${stream.may_unblur}
           .online=${online}

@@ -57,6 +57,7 @@ export class CameraWallTile extends LitElement {
           .stream=${stream.address}
           .name=${stream.name}
           .detect=${stream.detect}
+          .lane=${stream.lane}
           .online=${context?.online ?? false}
           ?filling=${this.alone || this.single}
           ?driving=${context?.pictures.isDriven(stream.address) ?? false}

@@ -2,9 +2,10 @@
 
 import { html, nothing, type LitElement } from "lit";
 import { LiveValuesController } from "../../controllers/live-values.js";
+import { laneMark } from "../../elements/camera/lane-shape.js";
 import { markCount, type PictureMark } from "../../elements/camera/mark-shapes.js";
 import "./marks-button.js";
-import type { DetectShape, PictureMarkShape } from "../../generated/api.js";
+import type { DetectShape, LaneShape, PictureMarkShape } from "../../generated/api.js";
 
 const NONE: readonly PictureMark[] = [];
 /** One choice for all cameras of this browser; kept only where they are hidden. */
@@ -12,6 +13,7 @@ const HIDDEN_KEY = "talaia.marks.hidden";
 
 export class CameraMarks {
   private detects: DetectShape | null = null;
+  private lane: LaneShape | null = null;
   private hidden: boolean;
   private readonly values: LiveValuesController;
 
@@ -24,22 +26,26 @@ export class CameraMarks {
   }
 
   /** Call it from `willUpdate`. */
-  setSubject(site: string, detects: DetectShape | null): void {
-    this.detects = detects;
-    const counts = this.hidden ? [] : this.described.flatMap((mark) => mark.counts);
-    this.values.observeChannels(site, [...new Set(counts.map(({ signal }) => signal))]);
+  setSubject(site: string, detects: DetectShape | null, lane: LaneShape | null = null): void {
+    [this.detects, this.lane] = [detects, lane];
+    const counts = this.described.flatMap((mark) => mark.counts.map(({ signal }) => signal));
+    const wanted = lane === null ? counts : [...counts, lane.offset, lane.heading, lane.width];
+    this.values.observeChannels(site, this.hidden ? [] : [...new Set(wanted)].filter((signal) => signal !== ""));
   }
 
   /** What lies over the picture now. */
   get marks(): readonly PictureMark[] {
-    if (this.hidden || this.detects === null) return NONE;
-    const zones = (this.detects.zones ?? []).map((mark) => this.markNow("zone", mark));
-    return [...zones, ...(this.detects.lines ?? []).map((mark) => this.markNow("line", mark))];
+    if (this.hidden) return NONE;
+    const zones = (this.detects?.zones ?? []).map((mark) => this.markNow("zone", mark));
+    const lines = (this.detects?.lines ?? []).map((mark) => this.markNow("line", mark));
+    const lane = this.laneNow();
+    const marks = [...zones, ...lines, ...(lane === null ? [] : [lane])];
+    return marks.length === 0 ? NONE : marks;
   }
 
   /** The button that shows and hides them; nothing where there are none. */
   renderButton(): unknown {
-    if (this.described.length === 0) return nothing;
+    if (this.described.length === 0 && this.lane === null) return nothing;
     return html`<t-marks-button slot="tool" ?on=${!this.hidden} @click=${this.onSwitch}></t-marks-button>`;
   }
 
@@ -55,6 +61,17 @@ export class CameraMarks {
       return markCount(measure, label, Number.isFinite(value) ? value : null);
     });
     return { kind, id, name, points: points.map(({ x, y }) => [x, y] as const), counts: said };
+  }
+
+  /** A lane of some seconds ago over a live picture would be believed, too. */
+  private laneNow(): PictureMark | null {
+    const { lane } = this;
+    if (lane === null || lane.width === "" || lane.heading === "") return null;
+    const [offset, heading, width] = [lane.offset, lane.heading, lane.width].map((signal) =>
+      this.values.freshnessOf(signal, lane.max_age) === "live" ? (this.values.readingOf(signal)?.value ?? Number.NaN) : Number.NaN,
+    );
+    if (offset === undefined || heading === undefined || width === undefined || !Number.isFinite(offset + heading + width)) return null;
+    return laneMark(lane.to_picture, [lane.near, lane.far], { offset, heading, width });
   }
 
   private readHidden(): boolean {

@@ -19,7 +19,7 @@ import { BoxSync, type CurrentBoxes } from "./box-sync.js";
 import { JpegPlayer } from "./jpeg-player.js";
 import { CameraMarks } from "./camera-marks.js";
 import { ObjectDetection } from "./object-detection.js";
-import type { DetectShape } from "../../generated/api.js";
+import type { DetectShape, LaneShape } from "../../generated/api.js";
 
 const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
 /** The age on the picture changes this often. */
@@ -88,6 +88,7 @@ export class CameraTile extends LitElement {
   @property({ type: Boolean }) paged = false;
   /** What is looked for on its pictures; null where nothing is. */
   @property({ attribute: false }) detect: DetectShape | null | undefined = null;
+  @property({ attribute: false }) lane: LaneShape | null | undefined = null;
   /** It shows single exposures (see `showsExposures`): none is live, and one without contrast is a picture, too. */
   @property({ type: Boolean }) still = false;
   /** Faces on its pictures are blurred for those who may not see them. */
@@ -158,7 +159,7 @@ export class CameraTile extends LitElement {
   override willUpdate(changed: PropertyValues<this>): void {
     // Of another camera nothing has been asked.
     if (changed.has("stream") || changed.has("site")) this.unblurred = false;
-    this.marked.setSubject(this.site, this.detect ?? null);
+    this.marked.setSubject(this.site, this.detect ?? null, this.lane ?? null);
     this.objects.setSubject({ site: this.site, stream: this.stream, detects: this.detect ?? null });
   }
 

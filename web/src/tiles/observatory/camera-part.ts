@@ -223,11 +223,12 @@ export class CameraPart extends DevicePart {
       </div>
       ${map(
         streams,
-        ({ address, name, detect, blurred, may_unblur: unblurrable }) => html`<t-camera
+        ({ address, name, detect, lane, blurred, may_unblur: unblurrable }) => html`<t-camera
           .site=${this.site}
           .stream=${address}
           .name=${name}
           .detect=${detect}
+          .lane=${lane}
           ?blurred=${blurred}
           ?unblurrable=${unblurrable}
           .online=${this.online}

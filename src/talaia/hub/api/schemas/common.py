@@ -33,6 +33,7 @@ from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydant
     StateNeed,
 )
 from talaia.hub.api.schemas.sighting_schemas import (  # noqa: TC001 - pydantic reads them
+    LaneShape,
     PictureMarkShape,
     SeenShape,
 )
@@ -254,6 +255,7 @@ class StreamShape(Schema):
     max_rate: float
     public: bool
     detect: DetectShape | None = None
+    lane: LaneShape | None = None
     blurred: bool = False
     may_unblur: bool = False
 

@@ -11,6 +11,7 @@ from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
 __all__ = [
     "CrossingShape",
     "LabelShape",
+    "LaneShape",
     "MarkCountShape",
     "PathPlace",
     "PictureMarkShape",
@@ -50,6 +51,21 @@ class PictureMarkShape(BaseModel):
     name: str
     points: list[PicturePlace]
     counts: list[MarkCountShape]
+
+
+class LaneShape(BaseModel):
+    """The lane that a camera sees, and its signals; empty for those that the person may not see."""
+
+    to_picture: list[float] = Field(
+        description="row by row, the homography from the floor (x ahead and y left of the vehicle, "
+        "m, and 1) to parts of the picture's width and height"
+    )
+    near: float = Field(description="it is looked for from here (m)")
+    far: float = Field(description="to here (m)")
+    offset: str = Field(description="signal: the vehicle is so far left of the middle (m)")
+    heading: str = Field(description="signal: it is turned so against the lane (rad)")
+    width: str = Field(description="signal: so wide is the lane (m)")
+    max_age: float = Field(description="older than this they are stale (s)")
 
 
 class StayShape(BaseModel):

@@ -28,6 +28,7 @@ from talaia.hub.api.schemas.common import (
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
 from talaia.hub.api.schemas.sighting_schemas import MarkCountShape, PictureMarkShape, PicturePlace
 from talaia.hub.api.sites.command_states import command_part, signal_part, state_need
+from talaia.hub.api.sites.lane_views import describe_lane
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,
@@ -234,6 +235,7 @@ def _device_schema(
                 max_rate=stream.max_rate,
                 public=stream.visibility is Visibility.PUBLIC,
                 detect=_detect_schema(site, device_id, stream_id, grants),
+                lane=describe_lane(site, device_id, stream_id, grants),
                 blurred=stream.blur is not None,
                 may_unblur=stream.blur is not None
                 and sees_unblurred(grants, site, device_id, stream_id),
