@@ -39,6 +39,7 @@ from talaia.hub.archive.store import Archive
 from talaia.hub.errors import CannotStart
 from talaia.hub.notify.senders import Sender
 from talaia.hub.observing.frame_assignment import ObservationSpan, assign_frames
+from talaia.hub.store.database import Database
 from talaia.imaging.tangent_plane import angular_distance
 from talaia.sim.observatory.models.fits import fits_file
 from talaia.sim.observatory.models.sky_picture import Chip, Shot, draw_picture
@@ -70,9 +71,18 @@ def sky_file() -> bytes:
 
 
 @pytest.fixture
-def archived(hub, tmp_path):
-    """Put a file into an archive of its own, on the hub's database."""
-    archive = Archive(hub.hub.core.database, tmp_path / "archive", hooked=True)
+async def database(tmp_path):
+    """A database that no hub runs on: a hub measures what waits in its own, and so would two."""
+    made = Database(f"sqlite+aiosqlite:///{tmp_path}/talaia.db")
+    await made.migrate()
+    yield made
+    await made.close()
+
+
+@pytest.fixture
+def archived(database, tmp_path):
+    """Put a file into an archive of its own."""
+    archive = Archive(database, tmp_path / "archive", hooked=True)
 
     async def put(data: bytes, name: str = "0" * 32) -> ArchivedFrame:
         path = tmp_path / "came.part"
@@ -84,7 +94,7 @@ def archived(hub, tmp_path):
         return await archive.archive_file("alone", "UTC", offer, path)
 
     put.archive = archive
-    put.queues = FrameQueues(hub.hub.core.database, archive)
+    put.queues = FrameQueues(database, archive)
     return put
 
 
@@ -129,6 +139,26 @@ async def test_a_new_picture_gets_its_place_and_quality_and_keeps_its_pixels(arc
         assert hdus[0].header["NSTARS"] == measures.stars
         assert hdus[0].header["OBJECT"] == "M 42"
     assert kept.digest == frame.digest
+
+
+async def test_a_picture_that_takes_too_long_of_a_processor_is_left_and_the_next_one_measured(
+    archived,
+) -> None:
+    await archived(sky_file())
+    # Less than to import what measures.
+    async with (
+        running(FrameMeasurer(archived.queues, most_s=0.01).run()),
+        asyncio.timeout(PATIENCE_S),
+    ):
+        await archived.queues.measured.wait()
+        archived.queues.measured.clear()
+        await archived(picture_of("next"), "1" * 32)
+        await archived.queues.measured.wait()
+    frames = await found(archived.archive)
+    assert {frame.measures.state for frame in frames} == {MeasureState.MEASURED}
+    assert {frame.measures.note for frame in frames} == {
+        "it could not be measured within 0.01 s of a processor"
+    }
 
 
 class Taker:

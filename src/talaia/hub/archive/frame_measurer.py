@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import logging
 import os
+import signal
 import sys
 from typing import TYPE_CHECKING
 
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["FrameMeasurer"]
 
 log = logging.getLogger(__name__)
-# A picture that takes longer is left as it came (s).
-_LONGEST_S = 60.0
+# A picture that takes longer is left as it came (s of a processor).
+_MOST_S = 60.0
+# The same by the clock: what measures gives way to all others on the machine, and waits for them.
+_LONGEST_S = 1800.0
 # The process ends when there was nothing to do for so long (s).
 _IDLE_S = 30.0
 # Pictures often come in threes; a process is not begun for each (s).
@@ -37,9 +40,9 @@ _SURROUNDINGS = ("PATH", "PYTHONPATH", "LANG", "HOME")
 class FrameMeasurer:
     """See the module. What waits is in the database, so that it outlives the hub."""
 
-    def __init__(self, queues: FrameQueues) -> None:
-        """Measure what waits in ``queues``."""
-        self._queues = queues
+    def __init__(self, queues: FrameQueues, most_s: float = _MOST_S) -> None:
+        """Measure what waits in ``queues``; ``most_s``: of a processor, for each picture."""
+        self._queues, self._most_s = queues, most_s
         self._child: asyncio.subprocess.Process | None = None
 
     async def run(self) -> None:
@@ -95,6 +98,7 @@ class FrameMeasurer:
                 sys.executable,
                 "-m",
                 "talaia.hub.archive.measure_child",
+                f"{self._most_s:g}",
                 stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.DEVNULL,
@@ -108,6 +112,10 @@ class FrameMeasurer:
         await child.stdin.drain()
         line = await child.stdout.readline()
         if not line:
+            ended = await child.wait()
+            if ended == -signal.SIGPROF:
+                words = f"it could not be measured within {self._most_s:g} s of a processor"
+                return MeasuredFile(note=words)
             raise OSError("it gave no answer")
         return msgspec.json.decode(line, type=MeasuredFile)
 

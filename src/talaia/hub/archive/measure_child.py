@@ -1,15 +1,17 @@
-"""A process that measures pictures: ``python -m talaia.hub.archive.measure_child``.
+"""A process that measures pictures: ``python -m talaia.hub.archive.measure_child SECONDS``.
 
 It reads names of FITS files, one in a line, and writes for each a line of JSON, a `MeasuredFile`.
 Where something was found it writes the file anew beside the old one (``.measured``), with the
 cards added and every byte of the pixels as it came. A process of its own, because to solve a large
 picture takes seconds in which no STOP could be relayed, and because a hostile file may kill it.
+One that takes more than so many seconds of a processor ends the process (SIGPROF).
 """
 
 from __future__ import annotations
 
 import os
 import shutil
+import signal
 import sys
 import warnings
 from pathlib import Path
@@ -62,7 +64,11 @@ def main() -> None:
     limit_this_process(most_written=2 * MOST_BYTES)
     # Whoever looks after robots on this machine goes first.
     os.nice(10)
+    most_s = float(sys.argv[1])
     for line in sys.stdin:
+        # Of the processor, not of the clock: this process gives way to all others, and how long it
+        # waits for them is no matter of the picture's.
+        signal.setitimer(signal.ITIMER_PROF, most_s)
         path = Path(msgspec.json.decode(line, type=str))
         try:
             measured = measure_file(path)
