@@ -1,4 +1,4 @@
-/** Choose two runs to be put beside each other: from recordings and notes, or by their times. */
+/** Choose two runs to be put beside each other: from recordings, drives, anomalies and notes, or by their times. */
 
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
@@ -9,13 +9,14 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { formText } from "../../format/form-values.js";
 import { formatDate, formatClock, knownZone } from "../../format/time.js";
+import type { EventList } from "../../generated/api.js";
 import { clockOf, momentProblem, type ZoneClock } from "../../series/zone-clock.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { RecordingsApi } from "../../wire/recordings-api.js";
 import { NotesApi } from "../notes/notes-api.js";
-import { alignRuns, runOffers, type RunOffer } from "./run-offers.js";
+import { alignRuns, RUN_KINDS, runOffers, type RunOffer } from "./run-offers.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
@@ -29,6 +30,7 @@ export interface ChosenRuns {
 }
 
 const MOST_NOTES = 200;
+const MOST_EVENTS = 500;
 
 /**
  * @fires t-runs which two are compared
@@ -79,11 +81,12 @@ export class RunPicker extends LitElement {
     return html`<t-field class="wide" label=${label}><select name=${run}>${renderOptions([["", "by its times"], ...options], "")}</select></t-field>${time("from", "from")}${time("to", "to")}`;
   }
 
-  /** Who may not see recordings compares by notes and times. */
+  /** Who may not see recordings compares by the rest. */
   private async loadOffers(): Promise<readonly RunOffer[]> {
     const recordings = new RecordingsApi(this.api).listRecordings(this.site).then(({ recordings: found }) => found, () => []);
+    const events = this.api.request<EventList>("GET", `/api/sites/${encodeURIComponent(this.site)}/events?kind=${RUN_KINDS}&limit=${String(MOST_EVENTS)}`).then(({ events: found }) => found, () => []);
     const { notes } = await new NotesApi(this.api, this.site).findNotes(`limit=${String(MOST_NOTES)}`);
-    return runOffers(await recordings, notes);
+    return runOffers(await recordings, notes, await events);
   }
 
   private clock(): ZoneClock {

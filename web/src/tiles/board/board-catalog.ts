@@ -241,7 +241,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
       { key: "level", label: "From level", kind: "choice", standard: "20", options: [["10", "Debug"], ["20", "Info"], ["30", "Warning"], ["40", "Error"], ["50", "Fatal"]] },
       { key: "node", label: "Only nodes with", kind: "text" },
     ],
-    notKept: "Lines of a raw topic are not kept.",
+    past: "moves",
     load: () => import("./log-board-tile.js"),
     render: (settings, context) =>
       html`<t-tile-log .context=${context} topic=${settingText(settings, "topic", "/rosout")} .level=${Number(settingText(settings, "level", "20"))} node=${settingText(settings, "node")}></t-tile-log>`,

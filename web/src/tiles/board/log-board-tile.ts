@@ -81,9 +81,15 @@ export class LogBoardTile extends LitElement {
   @state() private words = "";
 
   private readonly log = new RobotLog();
-  private readonly follower = new TopicFollower(this, (tree) => {
-    this.log.addMessage(tree);
-  });
+  private readonly follower = new TopicFollower(
+    this,
+    (tree) => {
+      this.log.addMessage(tree);
+    },
+    () => {
+      this.log.clear();
+    },
+  );
 
   constructor() {
     super();
@@ -92,14 +98,14 @@ export class LogBoardTile extends LitElement {
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     if (changed.has("topic")) this.log.clear();
-    this.follower.follow(this.context?.site ?? "", this.topic, ALL_MESSAGES);
+    this.follower.follow(this.context?.site ?? "", this.topic, ALL_MESSAGES, this.context?.past ?? null);
   }
 
   override render(): TemplateResult {
-    const nowMs = performance.now();
+    const nowMs = this.follower.nowMs();
     const stands = this.follower.stateAt(nowMs, this.context?.online ?? false);
     const age = this.follower.flow.ageMs(nowMs);
-    const facts = { topic: this.topic, state: stands, why: this.follower.problem, age: age === null ? null : age / 1000 };
+    const facts = { topic: this.topic, state: stands, why: this.follower.problem, age: age === null ? null : age / 1000, past: this.context?.past ?? null, zone: this.context?.zone ?? "UTC" };
     const level = this.chosen ?? this.level;
     const lines = this.log.linesFor({ level, node: this.node, words: this.words }, SHOWN);
     return html`<div class="tools">
@@ -121,6 +127,8 @@ export class LogBoardTile extends LitElement {
   }
 
   private summary(shown: number): string {
+    const { size } = this.log;
+    if (this.context?.past != null) return `${String(shown)} of ${String(size)} lines up to this moment, as far as the recording holds them.`;
     if (this.log.size === 0) return "No line since the tile was opened; the next appears by itself.";
     const dropped = this.log.dropped === 0 ? "" : `; ${String(this.log.dropped)} older ones are gone`;
     return `${String(shown)} of ${String(this.log.size)} lines since the tile was opened${dropped}.`;
