@@ -1757,6 +1757,9 @@ export interface AlarmDefinition {
   readonly name: string;
   readonly kind: AlarmKind;
   readonly signal?: string;
+  readonly inside?: string;
+  readonly outside?: string;
+  readonly margin?: number;
   readonly above?: number | null;
   readonly below?: number | null;
   readonly hysteresis?: number;
@@ -2684,6 +2687,7 @@ export type AlarmKind =
   | "anomaly"
   | "detection"
   | "expression"
+  | "zone"
   | "enclosure"
   | "gateway";
 
@@ -3000,7 +3004,7 @@ export type WayKind =
   | "push"
   | "extension";
 
-/** What a zone is for. It is drawn and nothing more: what stops a robot is an interlock. */
+/** What a zone is for, and how it is drawn. What stops a robot is an interlock that names it. */
 export type ZoneKind =
   | "zone"
   | "fence"
