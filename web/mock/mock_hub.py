@@ -20,9 +20,10 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 from accounts_side import CODE, Accounts, router
 from boards_side import router as boards_router
-from described import CHOSEN, device_json, shown_json
+from described import site_json
 from fastapi import FastAPI, Request, Response, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, JSONResponse
+from fleet_side import fleet_router, fleet_rows
 from scene_side import scene_router
 from seen_side import router as seen_router
 from socket_side import Browser, media
@@ -87,22 +88,6 @@ def build(site: Site) -> FastAPI:
     def who(cookies: dict[str, str]) -> str | None:
         return people.get(cookies.get(COOKIE, ""))
 
-    def row() -> dict[str, Any]:
-        return {
-            "site": site.site,
-            "name": site.name,
-            "zone": site.zone,
-            "online": world.online,
-            "since_us": int(world.since * 1e6),
-            "last_seen_us": int((time.time() if world.online else world.since) * 1e6),
-            "devices": len(site.devices),
-            "why": "" if world.online else "the gateway closed the link",
-            "loop_ms": 4.2,
-            "skew_ms": 0.0,
-            "stale": 0,
-            "signals": sum(len(device.signals) for device in site.devices.values()),
-        }
-
     @app.post("/api/login")
     async def login(request: Request) -> Response:
         asked = await request.json()
@@ -140,37 +125,15 @@ def build(site: Site) -> FastAPI:
     async def sites(request: Request) -> list[dict[str, Any]]:
         if who(request.cookies) == "empty":
             return []
-        away = time.time() - 7500
-        other = {
-            **row(), "site": "dome", "name": "Observatory dome", "online": False,
-            "since_us": int(away * 1e6), "last_seen_us": int(away * 1e6), "devices": 3,
-            "signals": 11,
-        }  # fmt: skip
-        return [row(), other]
+        return fleet_rows(world)
 
     @app.get("/api/sites/{name}")
     async def one(name: str, request: Request) -> Response:
-        if name not in {site.site, "dome"}:
+        if name not in {row["site"] for row in fleet_rows(world)}:
             return problem(404, "unknown", f"There is no site {name}.")
-        name_of = who(request.cookies) or ""
-        devices = [
-            device_json(key, device, accounts.rights(name_of, key))
-            for key, device in site.devices.items()
-        ]
-        detail = {
-            "site": name,
-            "name": site.name if name == site.site else "Observatory dome",
-            "zone": site.zone,
-            "online": world.online and name == site.site,
-            "since_us": int(world.since * 1e6),
-            "last_seen_us": int(time.time() * 1e6),
-            "catalogue": "1",
-            "place": None,
-            "rules": [],
-            "enclosures": [],
-            "shown_units": {unit: shown_json(unit) for unit in CHOSEN if shown_json(unit)},
-            "devices": devices if name == site.site else [],
-        }
+        detail = site_json(world, accounts.permissions(who(request.cookies) or ""))
+        if name != site.site:
+            detail |= {"site": name, "name": name.title(), "devices": []}
         return JSONResponse(detail)
 
     @app.get("/api/devices")
@@ -190,6 +153,7 @@ def build(site: Site) -> FastAPI:
     app.include_router(seen_router())
     app.include_router(boards_router(lambda request: request.state.who))
     app.include_router(scene_router(world))
+    app.include_router(fleet_router(world))
 
     @app.get("/api/sites/{name}/anomalies")
     async def watched() -> dict[str, Any]:

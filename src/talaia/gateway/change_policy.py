@@ -24,6 +24,7 @@ from talaia.model.connection import (
     source_as,
 )
 from talaia.model.derived_signals import camera_meaning
+from talaia.model.maps.site_map import zone_meaning
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -117,6 +118,16 @@ def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
         yield from _check_device(
             f"$.devices.{name}", before.devices.get(name), after.devices.get(name)
         )
+    zones = {
+        zone
+        for site in (before, after)
+        for rule in site.interlocks.values()
+        for condition in rule.when
+        for zone in condition.zones()
+    }
+    for zone in sorted(zones):
+        if zone_meaning(before, zone) != zone_meaning(after, zone):
+            yield Finding(f"$.map.zones.{zone}", "an interlock goes by where this zone lies", _ALL)
     # Of both: a signal must not be freed and changed in one step.
     guarded = before.safety_signals() | after.safety_signals()
     for address in sorted(guarded):

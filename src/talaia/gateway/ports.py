@@ -54,6 +54,7 @@ class ChannelReading(NamedTuple):
         mono_ns: when it came; where its own stamp is read, when that advanced last.
         stamp_ns: its own stamp (ns since the epoch, by the robot's clock); 0 where none is read.
         arrived_ns: when it came, where its own stamp is read.
+        numbers: of a position: all of it, of one message (`model.site.parts_of`).
 
     """
 
@@ -61,6 +62,7 @@ class ChannelReading(NamedTuple):
     mono_ns: int
     stamp_ns: int = 0
     arrived_ns: int = 0
+    numbers: tuple[float, ...] = ()
 
 
 class CommandOutcome(NamedTuple):

@@ -13,6 +13,7 @@ from talaia.gateway.adapters.topic_readers import (
     TopicPlan,
     plans_of,
 )
+from talaia.gateway.ports import ChannelReading
 from talaia.model.connections.ros import DIAGNOSTICS
 from talaia.model.yaml_text.load import load_site
 
@@ -67,3 +68,44 @@ def test_of_diagnostics_nobody_is_told_for_people_choose_some_of_them() -> None:
     status = SimpleNamespace(level=b"\x00", name="lidar: rate", message="ok")
     plan.read_message(SimpleNamespace(status=[status]), 1, 1, SampleBuffer())
     assert announced == []
+
+
+FENCED = """
+talaia: 1
+site: s
+name: S
+ros2: {}
+map:
+  origin: {latitude: 41, longitude: 2}
+  zones:
+    yard:
+      name: Yard
+      geometry:
+        {type: Polygon, coordinates: [[[2, 41], [2.01, 41], [2.01, 41.01], [2, 41]]]}
+devices:
+  base:
+    name: Base
+    drive: {topic: /cmd_vel, max_speed: 1, max_turn: 1}
+    signals:
+      pose:
+        {name: Pose, type: position, max_rate: 1,
+         source: {topic: /odom, type: nav_msgs/msg/Odometry, field: pose.position, stamp: stamp}}
+interlocks:
+  fence: {name: Fence, when: [{signal: base/pose, outside: yard}], refuse: [base/drive]}
+"""
+
+
+def test_a_position_that_safety_goes_by_is_one_reading_of_one_message_with_its_stamp() -> None:
+    (scope,) = scopes_of(load_site(FENCED))
+    latest: dict[str, ChannelReading] = {}
+    (plan,) = plans_of(scope, latest, lambda *_: None)
+    for second in (1, 2, 2):
+        place = SimpleNamespace(x=float(second), y=5.0, z=0.0)
+        pose = SimpleNamespace(position=place)
+        stamp = SimpleNamespace(sec=second, nanosec=0)
+        said = SimpleNamespace(pose=pose, stamp=stamp)
+        plan.read_message(said, second, second * 10 + len(latest), SampleBuffer())
+    reading = latest["base/pose"]
+    # All of it, before any thinning, since the moment at which the stamp went on.
+    assert reading.numbers[:2] == (2.0, 5.0)
+    assert (reading.stamp_ns, reading.mono_ns < reading.arrived_ns) == (2_000_000_000, True)

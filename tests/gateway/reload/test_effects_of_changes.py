@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from talaia.clock import SECOND
 from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
@@ -131,6 +132,38 @@ def test_hub_may_change_what_the_gateway_permits_and_no_more(
     assert (not forbidden_changes(BEFORE, after, AcceptedChanges.READINGS)) is readings
     assert (not forbidden_changes(BEFORE, after, AcceptedChanges.ALL)) is everything
     assert forbidden_changes(BEFORE, after, AcceptedChanges.NO)
+
+
+FENCED = load_site(
+    TEXT.replace(
+        "devices:\n",
+        """map:
+  zones:
+    yard: {name: Yard, geometry: RING}
+    pond: {name: Pond, geometry: RING}
+devices:
+""",
+        1,
+    )
+    .replace("[{signal: weather/wind, above: 10}]", "[{signal: weather/fix, outside: yard}]")
+    .replace("RING", "{type: Polygon, coordinates: [[[2, 41], [3, 41], [3, 42], [2, 41]]]}")
+)
+
+
+def moved(zone: str, **more: object):
+    """Describe a zone with other keys."""
+    known = FENCED.map.zones
+    zones = {**known, zone: structs.replace(known[zone], **more)}
+    return structs.replace(FENCED, map=structs.replace(FENCED.map, zones=zones))
+
+
+def test_where_an_interlocks_zone_lies_is_changed_at_the_gateway_alone() -> None:
+    other = structs.replace(FENCED.map.zones["yard"].geometry, coordinates=())
+    refused = forbidden_changes(FENCED, moved("yard", geometry=other), AcceptedChanges.READINGS)
+    assert [one.where for one in refused] == ["$.map.zones.yard"]
+    # Its name is for people, and of another zone nothing is kept from anything.
+    for harmless in (moved("yard", name="Court"), moved("pond", geometry=other)):
+        assert not forbidden_changes(FENCED, harmless, AcceptedChanges.READINGS)
 
 
 class World:

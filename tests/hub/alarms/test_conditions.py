@@ -6,6 +6,7 @@ import datetime as dt
 import ipaddress
 from zoneinfo import ZoneInfo
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -69,6 +70,67 @@ def judged(alarm: Alarm, *, held=False, **values: tuple[float, float]) -> Condit
         f"base/{name}": ConditionReading(value, "", age) for name, (value, age) in values.items()
     }
     return condition.judge_condition(readings, (), held=held, online=True)
+
+
+YARD = SITE.replace(
+    "devices:\n",
+    """map:
+  zones:
+    yard:
+      name: Yard
+      geometry: {type: Polygon, coordinates: [[[2, 41], [2.001, 41], [2.001, 41.001], [2, 41.001],
+                 [2, 41]]]}
+devices:
+""",
+).replace(
+    "    streams:",
+    "      fix: {name: Fix, type: position, frame: wgs84, max_age: 5,\n"
+    "            source: {topic: /f, type: sensor_msgs/msg/NavSatFix}}\n    streams:",
+)
+
+
+@pytest.mark.parametrize(
+    ("lat", "lon", "age", "expected", "said"),
+    [
+        (41.0005, 2.0005, 0, Truth.FALSE, "Fix is inside Yard"),
+        (41.0005, 2.0020, 0, Truth.HOLDS, "Fix is outside Yard"),
+        (41.0005, 2.00099, 0, Truth.HOLDS, "Fix is less than 5 m from the edge of Yard"),
+        (0.0, 0.0, 0, Truth.UNKNOWN, "Fix: farther than 100 km from Yard, so it is not believed"),
+        (41.0005, 2.0020, 9, Truth.UNKNOWN, "Fix is 9.0 s old"),
+        (float("nan"), 2.0020, 0, Truth.UNKNOWN, "Fix is not a number"),
+    ],
+)
+def test_zone_holds_outside_or_near_its_edge_and_never_for_what_is_unknown(
+    lat, lon, age, expected, said
+) -> None:
+    site = load_site(YARD)
+    alarm = Alarm(name="Strayed", kind=AlarmKind.ZONE, signal="base/fix", outside="yard", margin=5)
+    assert check_site(msgspec.structs.replace(site, alarms={"strayed": alarm})) == []
+    condition = AlarmCondition(Addresses(site), alarm)
+    assert condition.channels == ("base/fix.lat", "base/fix.lon")
+    readings = {
+        "base/fix.lat": ConditionReading(lat, "", age),
+        "base/fix.lon": ConditionReading(lon, "", age),
+    }
+    verdict = condition.judge_condition(readings, (), held=False, online=True)
+    assert verdict == (expected, said)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"signal": "base/volts"}, "base/volts"),
+        ({"outside": "yrd"}, "yrd"),
+        ({"inside": "yard"}, "both inside and outside"),
+        ({"above": 3.0}, "an alarm of kind zone has no above"),
+    ],
+)
+def test_check_says_what_a_zone_alarm_cannot_go_by(more, said) -> None:
+    alarm = Alarm(name="Strayed", kind=AlarmKind.ZONE, signal="base/fix", outside="yard")
+    site = msgspec.structs.replace(
+        load_site(YARD), alarms={"strayed": msgspec.structs.replace(alarm, **more)}
+    )
+    assert any(said in str(one) for one in check_site(site))
 
 
 def test_limit_says_why_and_lets_go_only_on_the_safe_side() -> None:

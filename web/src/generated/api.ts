@@ -1761,6 +1761,9 @@ export interface AlarmDefinition {
   readonly name: string;
   readonly kind: AlarmKind;
   readonly signal?: string;
+  readonly inside?: string;
+  readonly outside?: string;
+  readonly margin?: number;
   readonly above?: number | null;
   readonly below?: number | null;
   readonly hysteresis?: number;
@@ -2771,6 +2774,7 @@ export type AlarmKind =
   | "anomaly"
   | "detection"
   | "expression"
+  | "zone"
   | "enclosure"
   | "gateway";
 
@@ -3087,7 +3091,7 @@ export type WayKind =
   | "push"
   | "extension";
 
-/** What a zone is for. It is drawn and nothing more: what stops a robot is an interlock. */
+/** What a zone is for, and how it is drawn. What stops a robot is an interlock that names it. */
 export type ZoneKind =
   | "zone"
   | "fence"

@@ -222,8 +222,9 @@ class TopicPlan:
                 values = row.read(message)
                 # Before the sampler: interlocks see every reading.
                 if row.tapped:
-                    self._tap(row, message, values[0], mono_ns)
-                    if len(values) > 1:
+                    numbers = values if len(values) > 1 else ()
+                    self._tap(row, message, values[0], mono_ns, numbers=numbers)
+                    if numbers:
                         self._tap_parts(row, values, mono_ns)
             except FieldError as error:
                 self._report_unreadable(row.address, error)
@@ -276,15 +277,25 @@ class TopicPlan:
             self._bad.add(address)
             self._complain(address, f"{self.topic}: {error}")
 
-    def _tap(self, row: _Row, message: object, value: float, mono_ns: int) -> None:
+    def _tap(
+        self,
+        row: _Row,
+        message: object,
+        value: float,
+        mono_ns: int,
+        *,
+        numbers: tuple[float, ...] = (),
+    ) -> None:
         if row.stamp is None:
             # One assignment of one tuple: other threads see the old reading or the new.
-            self._latest[row.address] = ChannelReading(value, mono_ns)
+            self._latest[row.address] = ChannelReading(value, mono_ns, numbers=numbers)
             return
         stamp_ns, advanced_ns = row.stamp.read_stamp(message, mono_ns)
         # None: no stamp has advanced yet, so nothing proves that the value is of now.
         if advanced_ns is not None:
-            self._latest[row.address] = ChannelReading(value, advanced_ns, stamp_ns, mono_ns)
+            self._latest[row.address] = ChannelReading(
+                value, advanced_ns, stamp_ns, mono_ns, numbers
+            )
 
     def _tap_parts(self, row: _Row, values: tuple[float, ...], mono_ns: int) -> None:
         # Each by its own name: of a position the first alone would say little.

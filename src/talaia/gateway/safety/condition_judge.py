@@ -2,6 +2,8 @@
 
 Unknown is unsafe everywhere here: what is too old, out of range, frozen or not a number is never
 taken for a value.
+
+Long, because every kind of condition is judged here.
 """
 
 from __future__ import annotations
@@ -19,10 +21,11 @@ from talaia.gateway.safety.value_validity import ValueValidity, within_sighting
 from talaia.model.connection import DetectionSource, source_as
 from talaia.model.derived_signals import camera_meaning
 from talaia.model.interlocks.interlock import Condition
+from talaia.model.maps.zone_watch import ZoneWatch
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from talaia.gateway.ports import ChannelReading, ReadingSource
     from talaia.gateway.safety.link_losses import LinkLosses
@@ -130,6 +133,7 @@ class ConditionJudge:
         self._readings = readings  # The newest value of each guarded signal, by address.
         self._losses = losses  # Since when the hub is away, for conditions on the link.
         self._wall_ns = wall_ns
+        self._zones = zone_watches(site)
         # What makes a value unknown although it arrives.
         self._validity = ValueValidity(readings, wall_ns)
         # From when on a signal that has never said anything has been listened to (monotonic).
@@ -140,6 +144,7 @@ class ConditionJudge:
     def redescribe(self, site: Site, now_ns: int) -> None:
         """Judge by another description; a signal that means something else is heard anew."""
         before, self._site = self._site, site
+        self._zones = zone_watches(site)
         # Listened to for the first time now: its max_age counts from here.
         had = before.safety_signals()
         fresh = {
@@ -224,6 +229,8 @@ class ConditionJudge:
             if place is None:
                 return InterlockVerdict("it is not known where the site is", unknown=True)
             return judge_sun(condition, place, self._wall_ns())
+        if condition.zone:
+            return self._judge_position(condition, now_ns)
         other = condition.minus or condition.humidity
         if not other:
             return self._judge_signal(condition, condition.signal, now_ns)
@@ -235,6 +242,25 @@ class ConditionJudge:
             if verdict.why:
                 return verdict
         return self._judge_two(condition, other)
+
+    def _judge_position(self, condition: Condition, now_ns: int) -> InterlockVerdict:
+        # Fresh, and neither frozen nor with an old stamp, before it is asked where it lies.
+        alone = Condition(max_age=condition.max_age)
+        verdict = self._judge_signal(alone, condition.signal, now_ns)
+        if verdict.why:
+            return verdict
+        signal = self._site.signal(condition.signal)
+        reading = self._readings.latest(condition.signal)
+        if signal is None or reading is None:
+            return InterlockVerdict("no value yet", unknown=True)
+        watch = self._zones.get(condition)
+        if watch is None:
+            return InterlockVerdict(f"there is no zone {condition.zone}", unknown=True)
+        unsafe, why = watch.judge(reading.numbers)
+        # Only what is known to be on the right side is safe.
+        return (
+            InterlockVerdict() if unsafe is False else InterlockVerdict(why, unknown=unsafe is None)
+        )
 
     def _judge_two(self, condition: Condition, other: str) -> InterlockVerdict:
         first, second = self._site.signal(condition.signal), self._site.signal(other)
@@ -271,6 +297,22 @@ class ConditionJudge:
             age_ns=self.age_ns(since, now_ns),
             problem=problem,
         )
+
+
+def zone_watches(site: Site) -> dict[Condition, ZoneWatch]:
+    """Lay out the zones that interlocks go by, once for a description: by condition."""
+    found = {}
+    for condition in _each_condition(site):
+        signal, shown = site.signal(condition.signal), site.map
+        if signal is not None and shown is not None and condition.zone in shown.zones:
+            found[condition] = ZoneWatch(condition, signal, shown)
+    return found
+
+
+def _each_condition(site: Site) -> Iterator[Condition]:
+    for rule in site.interlocks.values():
+        for outer in rule.when:
+            yield from (outer, *outer.all_of)
 
 
 def signal_meaning(site: Site, address: str) -> tuple[object, ...] | None:

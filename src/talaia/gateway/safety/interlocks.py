@@ -17,6 +17,7 @@ from talaia.gateway.safety.interlock_monitor import InterlockMonitor
 from talaia.gateway.safety.link_losses import LinkLosses
 from talaia.gateway.safety.outlet_guard import refuse_power_cut
 from talaia.gateway.safety.pointing_limits import pointed_place, pointing_problem
+from talaia.model.maps.site_map import zone_meaning
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -290,4 +291,6 @@ def _means_other(before: Site, after: Site, rule: Interlock) -> bool:
     changed = any(
         signal_meaning(before, address) != signal_meaning(after, address) for address in watched
     )
-    return changed or (sun and before.place != after.place)
+    zones = [zone for condition in rule.when for zone in condition.zones()]
+    moved = any(zone_meaning(before, zone) != zone_meaning(after, zone) for zone in zones)
+    return changed or moved or (sun and before.place != after.place)

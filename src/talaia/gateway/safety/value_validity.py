@@ -56,12 +56,13 @@ class ValueValidity:
             if signal is None or signal.frozen_after <= 0:
                 self._same.pop(address, None)
             elif (reading := self._readings.latest(address)) is not None:
-                self._observe_value(address, reading.value, now_ns)
+                self._observe_value(address, reading, now_ns)
 
-    def _observe_value(self, address: str, value: float, now_ns: int) -> _Same:
+    def _observe_value(self, address: str, reading: ChannelReading, now_ns: int) -> _Same:
         # Bits, not numbers: NaN differs from itself, and 0.0 from -0.0; a true sensor wavers in the
         # last bit.
-        bits = struct.pack("<d", value)
+        numbers = reading.numbers or (reading.value,)
+        bits = struct.pack(f"<{len(numbers)}d", *numbers)
         same = self._same.get(address)
         if same is None or same.bits != bits:
             same = self._same[address] = _Same(bits, now_ns)
@@ -121,7 +122,7 @@ class ValueValidity:
     ) -> str:
         if signal.frozen_after <= 0:
             return ""
-        still_ns = now_ns - self._observe_value(address, reading.value, now_ns).since_ns
+        still_ns = now_ns - self._observe_value(address, reading, now_ns).since_ns
         if still_ns < round(signal.frozen_after * SECOND):
             return ""
         shown = f"{reading.value:g}{_with_unit(signal)}"

@@ -13,6 +13,7 @@ from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.alarms.expression import Expression, parse_condition
 from talaia.model.checks.alarm_checks import signals_of
 from talaia.model.connection import DerivedSource
+from talaia.model.maps.zone_watch import ZoneWatch
 from talaia.model.site import SignalType
 from talaia.model.units.conversion import shown_units
 
@@ -101,6 +102,9 @@ class AlarmCondition:
         self._expression: Expression | None = None
         if alarm.kind is AlarmKind.EXPRESSION:
             self._expression = parse_condition(alarm.expression, addresses.kinds)
+        self._zone: ZoneWatch | None = None
+        if alarm.kind is AlarmKind.ZONE and addresses.map is not None:
+            self._zone = ZoneWatch(alarm, addresses.positions[alarm.signal], addresses.map)
 
     @property
     def aged(self) -> bool:
@@ -141,6 +145,8 @@ class AlarmCondition:
                 return self._judge_limit(readings, held=held)
             case AlarmKind.STATE:
                 return self._judge_state(readings)
+            case AlarmKind.ZONE:
+                return self._judge_zone(readings)
             case AlarmKind.GATEWAY:
                 # Never unknown: the missing link is what it watches.
                 if online:
@@ -264,6 +270,17 @@ class AlarmCondition:
             if why:
                 return ConditionVerdict(Truth.HOLDS, why)
         return ConditionVerdict(Truth.FALSE, "closed, or allowed to be open")
+
+    def _judge_zone(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
+        numbers = []
+        for address in self.channels:
+            value = self.current_value(address, readings)
+            if not isinstance(value, float):
+                return self._unknown_verdict(address, readings)
+            numbers.append(value)
+        holds, why = (None, "there is no map") if self._zone is None else self._zone.judge(numbers)
+        truths = {True: Truth.HOLDS, False: Truth.FALSE, None: Truth.UNKNOWN}
+        return ConditionVerdict(truths[holds], why)
 
     def _judge_expression(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         values = {address: self.current_value(address, readings) for address in self.channels}

@@ -24,6 +24,8 @@ class AlarmKind(StrEnum):
     ANOMALY = "anomaly"
     DETECTION = "detection"
     EXPRESSION = "expression"
+    # A position is inside or outside a zone of the map.
+    ZONE = "zone"
     # An enclosure should be closed and cannot be shown to be, or its sensors disagree.
     ENCLOSURE = "enclosure"
     # The site's gateway has no link to the hub.
@@ -66,8 +68,12 @@ class Alarm(Shape, frozen=True, kw_only=True):
     Attributes:
         name: what people call it.
         kind: what it watches for.
-        signal: limit, state, stale, anomaly: the channel, ``<device>/<signal>`` or, of a
+        signal: limit, state, stale, anomaly, zone: the channel, ``<device>/<signal>`` or, of a
             position, ``<device>/<signal>.x``.
+        inside: zone: true while the position ``signal`` (``<device>/<signal>``) is in this polygon
+            of the map's zones.
+        outside: zone: true while it is not in this one.
+        margin: zone: true already so near to the zone's edge (m).
         above: limit: true when greater, in the signal's unit.
         below: limit: true when less, in the signal's unit.
         hysteresis: limit: once true it lets go only so far on the safe side of the limit.
@@ -98,6 +104,9 @@ class Alarm(Shape, frozen=True, kw_only=True):
     name: str
     kind: AlarmKind
     signal: str = ""
+    inside: str = ""
+    outside: str = ""
+    margin: float = 0.0
     above: float | None = None
     below: float | None = None
     hysteresis: float = 0.0

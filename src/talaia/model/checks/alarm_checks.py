@@ -19,7 +19,8 @@ from talaia.model.checks.identifiers import (
 )
 from talaia.model.derivation.plan import channel_kinds
 from talaia.model.errors import UnknownWord
-from talaia.model.site import SignalType
+from talaia.model.maps.zone_checks import watched_zone_findings
+from talaia.model.site import SignalType, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,6 +45,7 @@ _OWN = {
     AlarmKind.DETECTION: {"stream", "label", "count", "confidence"},
     AlarmKind.EXPRESSION: {"expression", "max_age"},
     AlarmKind.ENCLOSURE: {"enclosure"},
+    AlarmKind.ZONE: {"signal", "inside", "outside", "margin", "max_age"},
     AlarmKind.GATEWAY: set(),
 }
 # ``is`` cannot be the name of an attribute in Python.
@@ -59,6 +61,8 @@ class Addresses:
         enclosures: their short names.
         groups: the groups of signals that are judged together, by their addresses.
         kinds: what each channel is in an expression: a state compares as the text of its name.
+        positions: the positions, by the address of their signal.
+        map: the zones that alarms go by, and where the local frame is.
         shown_units: in which unit the site wants values of another one shown.
 
     """
@@ -73,6 +77,13 @@ class Addresses:
         self.kinds = channel_kinds(site)
         self.enclosures = list(site.enclosures)
         self.shown_units = site.shown_units
+        self.map = site.map
+        self.positions = {
+            f"{device_id}/{signal_id}": signal
+            for device_id, device in site.devices.items()
+            for signal_id, signal in device.signals.items()
+            if signal.type is SignalType.POSITION
+        }
         self.streams = [
             f"{device_id}/{stream_id}"
             for device_id, device in site.devices.items()
@@ -119,6 +130,8 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
                 yield finding_of(
                     UnknownWord(at, "enclosure", alarm.enclosure, addresses.enclosures)
                 )
+        case AlarmKind.ZONE:
+            yield from _check_zone(addresses, where, alarm)
         case AlarmKind.GATEWAY:
             pass
         case _:
@@ -133,6 +146,10 @@ def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
         # `alarm_findings` says what is wrong with it.
         except ExpressionError:
             return ()
+    if alarm.kind is AlarmKind.ZONE:
+        signal = addresses.positions.get(alarm.signal)
+        parts = () if signal is None else parts_of(signal)[:2]
+        return tuple(f"{alarm.signal}.{part}" for part in parts)
     group = addresses.groups.get(alarm.signal)
     # Who may see an alarm about a group is who may see all of its signals.
     if group is not None:
@@ -252,6 +269,15 @@ def _check_detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator
         yield Finding(
             f"{where}.confidence", f"expected 0 to 1, found {number_text(alarm.confidence)}"
         )
+
+
+def _check_zone(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    signal = addresses.positions.get(alarm.signal)
+    if signal is None:
+        known = list(addresses.positions)
+        yield finding_of(UnknownWord(f"{where}.signal", "position", alarm.signal, known))
+        return
+    yield from watched_zone_findings(addresses.map, where, alarm, signal)
 
 
 def _check_expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:

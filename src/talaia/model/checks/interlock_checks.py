@@ -16,6 +16,7 @@ from talaia.model.checks.identifiers import (
     number_text,
 )
 from talaia.model.errors import UnknownWord
+from talaia.model.maps.zone_checks import zone_condition_findings
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
@@ -97,6 +98,11 @@ def _check_condition(site: Site, where: str, condition: Condition) -> Iterator[F
     if condition.sun is not None:
         yield from _check_sun(site, where, condition)
         return
+    if condition.zone or condition.margin:
+        yield from zone_condition_findings(site, where, condition)
+        yield from at_least(f"{where}.lasting", condition.lasting, 0)
+        yield from _check_dwell(where, condition)
+        return
     signals = {
         f"{device_id}/{signal_id}": signal
         for device_id, device in site.devices.items()
@@ -114,15 +120,19 @@ def _check_condition(site: Site, where: str, condition: Condition) -> Iterator[F
         problem = f"{condition.signal} never goes stale, so nothing would tell that it fell silent"
         yield Finding(f"{where}.max_age", problem, "say here how old it may be (s)")
     yield from at_least(f"{where}.lasting", condition.lasting, 0)
-    if condition.dwell is not None and not 0 <= condition.dwell <= _DAY:
-        yield Finding(
-            f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {number_text(condition.dwell)}"
-        )
+    yield from _check_dwell(where, condition)
     if signal.type is SignalType.STATE:
         yield from _check_states(where, condition, signal)
     else:
         yield from _check_limits(where, condition)
     yield from _check_second_signal(where, condition, signals)
+
+
+def _check_dwell(where: str, condition: Condition) -> Iterator[Finding]:
+    if condition.dwell is not None and not 0 <= condition.dwell <= _DAY:
+        yield Finding(
+            f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {number_text(condition.dwell)}"
+        )
 
 
 def _check_sun(site: Site, where: str, condition: Condition) -> Iterator[Finding]:

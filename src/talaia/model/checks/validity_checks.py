@@ -19,13 +19,17 @@ def validity_fits(where: str, signal: Signal) -> Iterator[Finding]:
     """List what is wrong with a signal's range, and with when it counts as frozen."""
     yield from range_fits(where, signal.minimum, signal.maximum)
     yield from at_least(f"{where}.frozen_after", signal.frozen_after, 0)
-    if signal.frozen_after and signal.type is not SignalType.NUMBER:
+    if signal.frozen_after and signal.type not in (SignalType.NUMBER, SignalType.POSITION):
         problem = f"a {signal.type} may stay the same for as long as it likes"
         yield Finding(f"{where}.frozen_after", problem, "leave it out")
     # A sensor may send as rarely as that, and the same value twice: it would be called frozen.
     elif 0 < signal.frozen_after <= signal.max_age:
         problem = f"within {signal.max_age:g} s (max_age) one value may come but once"
         yield Finding(f"{where}.frozen_after", problem, "take a longer time")
+
+
+# Texts are what people read; of the others interlocks and fences go by.
+_JUDGED = (SignalType.NUMBER, SignalType.STATE, SignalType.POSITION)
 
 
 def stamp_fits(where: str, signal: Signal, stamp: str, *, synchronized: bool) -> Iterator[Finding]:
@@ -41,6 +45,6 @@ def stamp_fits(where: str, signal: Signal, stamp: str, *, synchronized: bool) ->
     if synchronized and not stamp:
         problem = "there is no stamp whose clock could agree"
         yield Finding(f"{where}.synchronized", problem, "write: stamp: header.stamp")
-    if stamp and signal.type not in (SignalType.NUMBER, SignalType.STATE):
+    if stamp and signal.type not in _JUDGED:
         problem = f"a {signal.type} is judged by no interlock"
         yield Finding(f"{where}.stamp", problem, "leave the stamp out")

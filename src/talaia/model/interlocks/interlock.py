@@ -36,7 +36,8 @@ class Condition(Shape, frozen=True, kw_only=True):
 
     Give ``signal`` with at least one of ``above``, ``below``, ``is`` and ``is_not`` (any of them
     is enough); with none of them only its absence is unsafe. Or give ``sun`` with one of the
-    limits, or ``link_lost``. Or give ``all``: conditions that are harmless one by one and unsafe
+    limits, or ``link_lost``. Or give a ``signal`` that is a position, with ``inside`` or
+    ``outside``. Or give ``all``: conditions that are harmless one by one and unsafe
     together.
 
     Attributes:
@@ -48,6 +49,10 @@ class Condition(Shape, frozen=True, kw_only=True):
             is computed (Magnus).
         sun: ``altitude``: the limits are for the Sun's altitude (°) at the site's ``place``, by
             the gateway's clock.
+        inside: a polygon of the map's zones: unsafe while the position ``signal`` is in it.
+        outside: a polygon of the map's zones: unsafe while the position ``signal`` is not in it.
+        margin: of ``inside`` and ``outside``: unsafe already so near to the zone's edge (m). Give
+            what the position may be wrong by, and the way that the robot needs to stand.
         above: unsafe when greater, in the signal's unit.
         until_below: once it was above, unsafe until it is less than this.
         below: unsafe when less, in the signal's unit.
@@ -72,6 +77,9 @@ class Condition(Shape, frozen=True, kw_only=True):
     minus: str = ""
     humidity: str = ""
     sun: SunAngle | None = None
+    inside: str = ""
+    outside: str = ""
+    margin: float = 0.0
     above: float | None = None
     until_below: float | None = None
     below: float | None = None
@@ -84,6 +92,16 @@ class Condition(Shape, frozen=True, kw_only=True):
     lasting: float = 0.0
     dwell: float | None = None
     override: Overriding = Overriding.AUTO
+
+    @property
+    def zone(self) -> str:
+        """Name the zone that it looks at; empty for none."""
+        return self.inside or self.outside
+
+    def zones(self) -> tuple[str, ...]:
+        """Name all zones that it looks at, those of its ``all`` among them."""
+        own = (self.zone,) if self.zone else ()
+        return (*own, *(name for part in self.all_of for name in part.zones()))
 
     def signals(self) -> tuple[str, ...]:
         # Each condition of an ``all`` names its own.

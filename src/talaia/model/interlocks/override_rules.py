@@ -58,7 +58,9 @@ def condition_id(condition: Condition) -> str:
     if condition.sun is not None:
         return "sun"
     if condition.signal:
-        looked_at = condition.signal, condition.minus, condition.humidity
+        # Two zones of one position are two conditions: who overrides one is kept by the other.
+        zone = f"zone:{condition.zone}" if condition.zone else ""
+        looked_at = condition.signal, condition.minus, condition.humidity, zone
         return "+".join(filter(None, looked_at))[:200]
     return "link" if condition.link_lost is not None else "other"
 
@@ -69,6 +71,10 @@ def condition_label(site: Site, name: str) -> str:
     for part in name.split("+"):
         device, _, signal = part.partition("/")
         described = site.devices[device].signals.get(signal) if device in site.devices else None
+        zone = part.removeprefix("zone:")
+        if zone != part and site.map is not None and zone in site.map.zones:
+            said.append(site.map.zones[zone].name)
+            continue
         said.append(part if described is None else described.name)
     return " and ".join(said)
 

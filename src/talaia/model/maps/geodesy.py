@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-__all__ = ["GeodeticPlace", "place_of_local"]
+__all__ = ["GeodeticPlace", "local_of_place", "place_of_local"]
 
 # Half the greater axis (m) and the flattening of WGS 84.
 _AXIS = 6_378_137.0
@@ -18,6 +18,31 @@ class GeodeticPlace(NamedTuple):
 
     latitude: float
     longitude: float
+
+
+def local_of_place(place: GeodeticPlace, origin: GeodeticPlace) -> tuple[float, float] | None:
+    """Give how far east and north (m) a place is on the plane that touches at ``origin``.
+
+    None where it is not on that side of Earth, or no place at all: a plane has no such point.
+    """
+    if not (abs(place.latitude) <= 90 and abs(place.longitude) <= 180):
+        return None
+    lat, lon = math.radians(origin.latitude), math.radians(origin.longitude)
+    here, there = _earth_centred(origin), _earth_centred(place)
+    d_x, d_y, d_z = (to - at for at, to in zip(here, there, strict=True))
+    across = d_x * math.cos(lon) + d_y * math.sin(lon)
+    # Beyond the horizon by a quarter of Earth the plane would show it again from behind.
+    if across * math.cos(lat) + d_z * math.sin(lat) < -_AXIS / 2:
+        return None
+    east = d_y * math.cos(lon) - d_x * math.sin(lon)
+    return east, d_z * math.cos(lat) - across * math.sin(lat)
+
+
+def _earth_centred(place: GeodeticPlace) -> tuple[float, float, float]:
+    lat, lon = math.radians(place.latitude), math.radians(place.longitude)
+    normal = _AXIS / math.sqrt(1 - _ECC2 * math.sin(lat) ** 2)
+    across = normal * math.cos(lat)
+    return across * math.cos(lon), across * math.sin(lon), normal * (1 - _ECC2) * math.sin(lat)
 
 
 def place_of_local(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.maps.site_map import FloorPlan, MapZone, ZoneGeometry
     from talaia.model.site import Site
 
-__all__ = ["map_findings", "tag_findings"]
+__all__ = ["geometry_findings", "map_findings", "tag_findings"]
 
 _MOST = 500  # Zones, and plans.
 _MOST_PLACES = 10_000  # Of one zone.
@@ -72,7 +72,7 @@ def _degrees_fit(where: str, latitude: float, longitude: float) -> Iterator[Find
 def _zone_fits(site: Site, where: str, name: str, zone: MapZone) -> Iterator[Finding]:
     yield from id_fits(where, name)
     yield from name_fits(f"{where}.name", zone.name)
-    yield from _geometry_fits(f"{where}.geometry.coordinates", zone.geometry)
+    yield from geometry_findings(f"{where}.geometry.coordinates", zone.geometry)
     if zone.alarm and zone.alarm not in site.alarms:
         yield finding_of(UnknownWord(f"{where}.alarm", "alarm", zone.alarm, list(site.alarms)))
     if zone.interlock and zone.interlock not in site.interlocks:
@@ -80,7 +80,8 @@ def _zone_fits(site: Site, where: str, name: str, zone: MapZone) -> Iterator[Fin
         yield finding_of(UnknownWord(f"{where}.interlock", "interlock", zone.interlock, known))
 
 
-def _geometry_fits(where: str, geometry: ZoneGeometry) -> Iterator[Finding]:
+def geometry_findings(where: str, geometry: ZoneGeometry) -> Iterator[Finding]:
+    """Look at the places of a zone; ``where`` is that of its coordinates."""
     kind, given = geometry.type, geometry.coordinates
     if kind is GeometryType.POINT:
         yield from _place_fits(where, given)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from talaia.model.base import Shape
+
+if TYPE_CHECKING:
+    from talaia.model.site import Site
 
 __all__ = [
     "FloorPlan",
@@ -16,6 +20,7 @@ __all__ = [
     "SiteMap",
     "ZoneGeometry",
     "ZoneKind",
+    "zone_meaning",
 ]
 
 
@@ -38,7 +43,7 @@ class MapOrigin(Shape, frozen=True, kw_only=True):
 
 
 class ZoneKind(StrEnum):
-    """What a zone is for. It is drawn and nothing more: what stops a robot is an interlock."""
+    """What a zone is for, and how it is drawn. What stops a robot is an interlock that names it."""
 
     ZONE = "zone"
     FENCE = "fence"
@@ -135,3 +140,11 @@ class SiteMap(Shape, frozen=True, kw_only=True):
     zones: dict[str, MapZone] = {}
     plans: dict[str, FloorPlan] = {}
     grid: str = ""
+
+
+def zone_meaning(site: Site, name: str) -> object:
+    """Give all that decides where a zone lies to a position; not its name or look."""
+    shown = site.map
+    if shown is None or name not in shown.zones:
+        return None
+    return shown.zones[name].geometry, shown.origin

@@ -8,6 +8,7 @@ export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }
   { kind: "state", name: "State or text" },
   { kind: "stale", name: "No fresh value" },
   { kind: "expression", name: "Expression" },
+  { kind: "zone", name: "Inside or outside a zone" },
   { kind: "anomaly", name: "Anomaly" },
   { kind: "detection", name: "Something a camera sees" },
   { kind: "enclosure", name: "Enclosure NOT CLOSED" },
@@ -29,7 +30,10 @@ const ALL = KINDS.map(({ kind }) => kind);
 
 /** Every field, in the order of the form, with the kinds that have it. */
 export const FIELDS: readonly AlarmField[] = [
-  { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
+  { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly", "zone"], sort: "signal" },
+  { name: "inside", label: "Raised inside", hint: "A zone of the map, by its short name", kinds: ["zone"], sort: "text" },
+  { name: "outside", label: "Raised outside", hint: "Or outside of this one", kinds: ["zone"], sort: "text" },
+  { name: "margin", label: "Already so near to its edge (m)", kinds: ["zone"], sort: "number" },
   { name: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
   { name: "label", label: "Detected object", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
   { name: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
@@ -44,7 +48,7 @@ export const FIELDS: readonly AlarmField[] = [
   { name: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
   { name: "delay", label: "Raised after (s)", hint: "So long it must be so", kinds: ALL, sort: "number" },
   { name: "clear_delay", label: "Over after (s)", hint: "So long it must not be so", kinds: ALL, sort: "number" },
-  { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
+  { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly", "zone"], sort: "number" },
   { name: "unknown_after", label: "Raised if unknown for (s)", hint: "When it cannot be judged. Empty: never", kinds: ALL, sort: "number" },
   { name: "repeat", label: "Repeat every (s)", hint: "Until acknowledged. Empty: notify once", kinds: ALL, sort: "number" },
   { name: "escalate", label: "Who is notified, in order", hint: "Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it", kinds: ALL, sort: "people" },
@@ -70,6 +74,7 @@ export function shownHint(field: AlarmField, text: string, signal: Showable | un
 /** Whether an alarm of a kind can watch a signal of a type. */
 export function kindFitsType(kind: AlarmKind, type: SignalType): boolean {
   if (kind === "limit" || kind === "anomaly") return type === "number" || type === "position";
+  if (kind === "zone") return type === "position";
   if (kind === "state") return type === "state" || type === "text";
   return true;
 }

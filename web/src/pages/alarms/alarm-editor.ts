@@ -147,7 +147,7 @@ export class AlarmEditor extends LitElement {
   /** The signal that is chosen; at first that of the definition, else the first that fits. */
   private signalOf(kind: AlarmKind, defined: string): SignalShape | undefined {
     const signals = (this.detail.value?.devices ?? []).flatMap((device) => device.signals).filter(({ type }) => kindFitsType(kind, type));
-    const channelSignal = (channel: string): SignalShape | undefined => signals.find(({ channels }) => channels.includes(channel));
+    const channelSignal = (channel: string): SignalShape | undefined => signals.find(({ address, channels }) => address === channel || channels.includes(channel));
     return channelSignal(this.signal ?? defined) ?? signals[0];
   }
 
@@ -166,8 +166,9 @@ export class AlarmEditor extends LitElement {
       signals
         .filter(({ type }) => kind === null || kindFitsType(kind, type))
         .flatMap((signal) =>
-          signal.channels.map((channel) => {
-            const part = signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : "";
+          // A position as a whole is in a zone; elsewhere it is its parts that are watched.
+          (kind === "zone" ? [signal.address] : signal.channels).map((channel) => {
+            const part = kind !== "zone" && signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : "";
             return [channel, `${name}: ${signal.name}${part}${signal.unit === "" ? "" : ` (${signal.unit})`}`] as const;
           }),
         ),

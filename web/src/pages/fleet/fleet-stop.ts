@@ -24,7 +24,7 @@ export class FleetStop extends LitElement {
       /* Its parts stand in the page's own grid, so that the button stays in reach while the page is long. */
       :host {
         display: contents;
-        --t-word: 7rem;
+        --t-word: 9rem;
       }
       t-stop-button {
         position: sticky;

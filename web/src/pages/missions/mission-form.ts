@@ -50,6 +50,12 @@ export class MissionForm extends LitElement {
         padding-inline: var(--t-space-1);
         font-weight: var(--t-weight-strong);
       }
+      /* What is chosen by name is read in full. */
+      @media (min-width: 45rem) {
+        .named {
+          grid-column: span 2;
+        }
+      }
       .moves,
       .days {
         grid-column: 1 / -1;
@@ -110,7 +116,7 @@ export class MissionForm extends LitElement {
 
   private renderCommand(step: StepDraft, error: (field: string) => string): TemplateResult {
     const options = (this.site?.devices ?? []).flatMap((device) => device.commands.map((command) => [`${device.id}/${command.id}`, `${device.name}: ${command.name}`] as const));
-    return html`<t-field label="Command" .error=${error("command")}
+    return html`<t-field class="named" label="Command" .error=${error("command")}
         ><select data-field="command">${renderOptions([["", "Choose a command"], ...options], step.command)}</select></t-field
       >
       ${map(commandAt(this.site, step.command)?.arguments, (argument) => renderArgument(argument, step, error(argument.id)))}`;
@@ -120,7 +126,7 @@ export class MissionForm extends LitElement {
     const { draft } = this;
     return html`<fieldset>
       <legend class="visually-hidden">When it begins</legend>
-      <t-field label="Begins"><select data-field="schedule">${renderOptions(SCHEDULES, draft.schedule)}</select></t-field>
+      <t-field class="named" label="Begins"><select data-field="schedule">${renderOptions(SCHEDULES, draft.schedule)}</select></t-field>
       ${draft.schedule === "never"
         ? nothing
         : html`<t-field label="At" hint=${`Time in ${this.site?.zone ?? "the site's zone"}`} .error=${this.errors["at"] ?? ""}><input data-field="at" type="time" .value=${settled(draft.at)} /></t-field>`}

@@ -81,6 +81,8 @@ export class MissionRunView extends LitElement {
   @property() zone = "UTC";
   /** This person may pause, resume and cancel it. */
   @property({ type: Boolean }) allowed = false;
+  /** Its name, state and reason stand above it already. */
+  @property({ type: Boolean }) listed = false;
 
   override render(): TemplateResult | typeof nothing {
     const { run } = this;
@@ -88,10 +90,10 @@ export class MissionRunView extends LitElement {
     const goesOn = run.state === "running" || run.state === "paused";
     return html`
       <div class="head">
-        <strong>${run.name}</strong> ${runStatus(run.state)}
+        ${this.listed ? nothing : html`<strong>${run.name}</strong> ${runStatus(run.state)}`}
         <span class="facts">with the rights of ${run.who}, begun by ${run.begun_by === "schedule" ? "its schedule" : run.begun_by} <t-time short .us=${run.began_us} .zone=${this.zone}></t-time></span>
       </div>
-      ${run.why === "" ? nothing : html`<p>${run.why}</p>`}
+      ${run.why === "" || this.listed ? nothing : html`<p>${run.why}</p>`}
       ${goesOn && this.allowed
         ? html`<div class="actions">
             ${run.state === "running" ? html`<t-button @click=${this.pause}>Pause after this step</t-button>` : html`<t-button kind="primary" @click=${this.resume}>Go on</t-button>`}

@@ -175,7 +175,7 @@ export class PageMissions extends LitElement {
         ${repeat(
           over.slice(0, 20),
           ({ id }) => id,
-          (run) => html`<li class="mission"><details><summary>${run.name} ${runStatus(run.state)} <span class="quiet"><t-time short .us=${run.began_us} .zone=${this.zone}></t-time>${run.why === "" ? "" : `: ${run.why}`}</span></summary><t-mission-run .run=${run} .zone=${this.zone}></t-mission-run></details></li>`,
+          (run) => html`<li class="mission"><details><summary>${run.name} ${runStatus(run.state)} <span class="quiet"><t-time short .us=${run.began_us} .zone=${this.zone}></t-time>${run.why === "" ? "" : `: ${run.why}`}</span></summary><t-mission-run listed .run=${run} .zone=${this.zone}></t-mission-run></details></li>`,
         )}
       </ul>
     </section>`;

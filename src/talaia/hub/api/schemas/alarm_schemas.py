@@ -41,6 +41,9 @@ class AlarmDefinition(Schema):
     name: _Name
     kind: AlarmKind
     signal: _Name = ""
+    inside: _Name = ""
+    outside: _Name = ""
+    margin: _Number = 0.0
     above: _Number | None = None
     below: _Number | None = None
     hysteresis: _Number = 0.0

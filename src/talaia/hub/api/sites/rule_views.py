@@ -134,7 +134,8 @@ def _sees_target(site: Site, grants: Grants, target: str) -> bool:
 
 def _condition_schema(condition: Condition) -> ConditionShape:
     alone = condition.signal or condition.sun is not None
-    limits = condition.all_of or ((condition,) if alone else ())
+    # Where a robot is has no limits to compare: its gateway says it in words.
+    limits = [one for one in condition.all_of or ((condition,) if alone else ()) if not one.zone]
     return ConditionShape(
         limits=[_limit_schema(limit) for limit in limits],
         lasting=condition.lasting,
