@@ -137,8 +137,9 @@ def _file_header(found: Found, made: DescriptionProposal) -> list[str]:
     if any(device.drive is not None for device in made.site.devices.values()):
         lines += [
             "",
-            "Driving is limited to a careful speed: raise max_speed (m/s) and max_turn",
-            "(rad/s) to what your robot may do.",
+            "Driving is limited to careful speeds: raise max_speed (m/s), max_turn (rad/s),",
+            "max_steering (rad) or those of joints to what your robot may do. A base that moves",
+            "sideways has max_sideways (m/s).",
         ]
     for choice in made.stops:
         lines += ["", *stop_lines(choice)]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.connection import RosSource
+from talaia.model.discovery.rules.field_names import JOINTS
 from talaia.model.discovery.topic_words import last_part
 from talaia.model.site import Stop
 
@@ -68,7 +69,9 @@ def choices_of(found: Found, devices: Mapping[str, Device]) -> tuple[StopChoice,
             name,
             topics,
             # The robot's odometry may stand at another of its devices.
-            _speeds_of(name, device)
+            _joint_speeds_of(name, device)
+            if device.drive.joints
+            else _speeds_of(name, device)
             or tuple(one for other in devices.items() for one in _speeds_of(*other)),
         )
         for name, device in devices.items()
@@ -83,6 +86,16 @@ def _speeds_of(name: str, device: Device) -> tuple[str, ...]:
         if isinstance(signal.source, RosSource)
         and signal.source.type == "nav_msgs/msg/Odometry"
         and signal.source.field in _MOTION
+    )
+
+
+def _joint_speeds_of(name: str, device: Device) -> tuple[str, ...]:
+    return tuple(
+        f"{name}/{word}"
+        for word, signal in device.signals.items()
+        if isinstance(signal.source, RosSource)
+        and signal.source.type == JOINTS
+        and signal.source.field.startswith("velocity")
     )
 
 
