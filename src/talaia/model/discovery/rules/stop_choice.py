@@ -19,7 +19,16 @@ if TYPE_CHECKING:
     from talaia.model.discovery.probe_report import Found
     from talaia.model.site import Device
 
-__all__ = ["NO_ANSWERS", "StopAnswers", "StopChoice", "choices_of", "with_answers"]
+__all__ = [
+    "ABOUT_STOP",
+    "NO_ANSWERS",
+    "StopAnswers",
+    "StopChoice",
+    "choices_of",
+    "question_of_signal",
+    "question_of_topic",
+    "with_answers",
+]
 
 _STOP_TOPICS = ("stop", "e_stop", "estop", "emergency_stop", "soft_stop", "software_stop")
 _MOTION = ("twist.twist.linear.x", "twist.twist.angular.z")
@@ -39,6 +48,22 @@ class StopAnswers(NamedTuple):
 
 
 NO_ANSWERS = StopAnswers()
+
+
+# The questions, as the terminal, the page and the configurator ask them.
+ABOUT_STOP = (
+    "STOP always sends a velocity of zero. What else it does, only you know; no answer means no."
+)
+
+
+def question_of_topic(topic: str) -> str:
+    """Ask for the polarity of a topic: neither is ever assumed."""
+    return f"{topic} listens. Does `true` on it stop the robot, and `false` let it go?"
+
+
+def question_of_signal(shown: str) -> str:
+    """Ask whether a signal can confirm STOP: one that never moves confirms nothing."""
+    return f"Have you seen {shown} move while the robot moves, and stand at 0 when it stands?"
 
 
 class StopChoice(NamedTuple):
