@@ -36,6 +36,7 @@ ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 IMAGES = ROOT / "src/talaia/deploy/images.lock"
 IMAGE_EXTRAS = (
     "hub", "arrow", "mariadb", "postgresql", "objects", "gateway", "ros2", "recording", "camera",
+    "observatory",
 )  # fmt: skip
 OTHER_GROUPS = {"build": "setuptools\n", "uv": "uv\n"}
 COMPILE = (

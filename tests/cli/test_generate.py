@@ -275,3 +275,11 @@ def test_a_key_that_is_good_is_kept_and_one_that_is_void_is_made_anew(tmp_path: 
     assert main(["enrol", "agv", "--data", str(tmp_path / "data")]) == 0
     assert main(words) == 0
     assert key.read_text() != first
+
+
+def test_the_gateway_of_an_observatory_has_what_astronomy_needs_and_a_vehicles_has_not() -> None:
+    observatory = EXAMPLE.parents[1] / "observatory" / "site.yaml"
+    choice = DeployOptions(DatabaseKind.SQLITE, 8443, (), "0.1.0", "/opt/t")
+    made = make_deployment(read_site(observatory), observatory.read_text(), choice, lambda: "word")
+    assert "\nastropy==" in made["locks/gateway.txt"].text
+    assert "\nastropy==" not in files_of(DatabaseKind.SQLITE)["locks/gateway.txt"].text

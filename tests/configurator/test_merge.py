@@ -10,6 +10,7 @@ from talaia.configurator.merge import merge_findings
 from talaia.configurator.presets import SENSORS
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.probe_report import FieldFound, Found, ServiceFound, TopicFound
+from talaia.model.discovery.rules.stop_choice import StopAnswers
 
 DATA = (FieldFound("data", "number"),)
 FOUND = Found(
@@ -87,3 +88,21 @@ def test_a_sensor_that_was_found_is_not_added_a_second_time_by_its_number() -> N
     site = merge_findings(EMPTY, FOUND).site
     speed = next(each for each in SENSORS if each.word == "speed")
     assert edits.free_number(site, speed) == 2
+
+
+def test_what_stop_goes_by_is_asked_of_what_is_newly_driven_and_is_what_was_said() -> None:
+    asked = msgspec.structs.replace(
+        FOUND, topics=(*FOUND.topics, TopicFound("/e_stop", "std_msgs/msg/Bool", 0, 1))
+    )
+    first = merge_findings(EMPTY, asked)
+    (choice,) = first.stops
+    assert choice.topics == ("/e_stop",)
+    drive = first.site.devices[choice.device].drive
+    assert drive is not None
+    assert drive.stop.topic == ""
+    said = merge_findings(EMPTY, asked, StopAnswers("/e_stop", choice.signals))
+    drive = said.site.devices[choice.device].drive
+    assert drive is not None
+    assert (drive.stop.topic, bool(drive.stop.confirmed_by)) == ("/e_stop", bool(choice.signals))
+    # What is driven already is not asked about again.
+    assert merge_findings(said.site, asked).stops == ()

@@ -17,6 +17,11 @@ from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found, found_from
 from talaia.model.discovery.robot_name import name_robot
 from talaia.model.discovery.ros_units import word_of
+from talaia.model.discovery.rules.proposal_answers import (
+    ProposalAnswers,
+    answered_proposal,
+    answers_problems,
+)
 from talaia.model.interlocks.unguarded import unguarded_notice
 from talaia.model.yaml_text.write import write_description
 
@@ -61,7 +66,17 @@ def main(argv: Sequence[str]) -> int:
         help="ask nothing: all devices are taken, and STOP is a velocity of zero alone until the "
         "file says more",
     )
+    parser.add_argument(
+        "--web",
+        action="store_true",
+        help="ask in a page of this machine's browser, with the newest values; ends when answered",
+    )
+    parser.add_argument(
+        "--no-browser", action="store_true", help="with --web: print the address and open nothing"
+    )
     options = parser.parse_args(argv)
+    if options.web and (options.found or options.no_questions):
+        raise CliError("--web asks about the robot that runs; leave --found and --no-questions out")
     shown = str(options.output) == "-"
     if not shown and options.output.exists() and not options.force:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
@@ -75,6 +90,8 @@ def main(argv: Sequence[str]) -> int:
     )
     made = propose_description(found, *names)
     _refuse_names(made)
+    if options.web:
+        return _ask_in_page(options, found, names, made)
     if not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
         without = ask_about_devices(made, input)
         made = propose_description(found, *names, without=without)
@@ -86,14 +103,46 @@ def main(argv: Sequence[str]) -> int:
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
             "lists; nothing was written"
         )
+    _write_file(options.output, found, made)
+    return 1 if check_site(made.site) else 0
+
+
+def _write_file(output: Path, found: Found, made: DescriptionProposal) -> None:
     # Made in memory first: nothing is written when there is nothing to write.
     text = write_description(made.site, _file_header(found, made))
+    shown = str(output) == "-"
     if shown:
         print(text, end="")
     else:
-        options.output.write_text(text)
-    _print_summary(options.output, made, shown=shown)
-    return 1 if check_site(made.site) else 0
+        output.write_text(text)
+    _print_summary(output, made, shown=shown)
+
+
+def _ask_in_page(
+    options: argparse.Namespace,
+    found: Found,
+    names: tuple[str, str, str],
+    made: DescriptionProposal,
+) -> int:
+    """Serve the questions until they are answered; 130 when Ctrl-C ends it, as shells say it."""
+    # Not at the top: a gateway's readers are loaded only to show what they read.
+    from talaia.cli.init_page.session import ask_in_page
+
+    def finish(answers: ProposalAnswers) -> list[str]:
+        answered = answered_proposal(found, names, answers)
+        problems = answers_problems(answered)
+        if not problems:
+            _write_file(options.output, found, answered)
+        return problems
+
+    written = ask_in_page(
+        made,
+        output=str(options.output),
+        domain=found.domain if found.protocol == "ros2" else None,
+        finish=finish,
+        browse=not options.no_browser,
+    )
+    return 0 if written else 130
 
 
 def _refuse_names(made: DescriptionProposal) -> None:
@@ -137,11 +186,15 @@ def _file_header(found: Found, made: DescriptionProposal) -> list[str]:
     if any(device.drive is not None for device in made.site.devices.values()):
         lines += [
             "",
-            "Driving is limited to a careful speed: raise max_speed (m/s) and max_turn",
-            "(rad/s) to what your robot may do.",
+            "Driving is limited to careful speeds: raise max_speed (m/s), max_turn (rad/s),",
+            "max_steering (rad) or those of joints to what your robot may do. A base that moves",
+            "sideways has max_sideways (m/s).",
         ]
     for choice in made.stops:
-        lines += ["", *stop_lines(choice)]
+        # What is not wanted has no STOP, either.
+        device = made.site.devices.get(choice.device)
+        if device is not None and device.drive is not None:
+            lines += ["", *stop_lines(choice, device.drive.stop)]
     if made.left_out:
         # All of it: what is missing here would have been left out in silence.
         lines += ["", "Left out:", *(f"  {reason}" for reason in made.left_out[:MAX_LEFT_OUT])]

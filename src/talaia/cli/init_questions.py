@@ -8,13 +8,19 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from talaia.model.discovery.rules.stop_choice import StopAnswers
+from talaia.model.discovery.rules.stop_choice import (
+    ABOUT_STOP,
+    StopAnswers,
+    question_of_signal,
+    question_of_topic,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.model.discovery.generate_description import DescriptionProposal
     from talaia.model.discovery.rules.stop_choice import StopChoice
+    from talaia.model.site import Stop
 
 __all__ = ["ask_about_devices", "ask_about_stop", "stop_lines"]
 
@@ -68,28 +74,19 @@ def ask_about_stop(made: DescriptionProposal, ask: Callable[[str], str]) -> Stop
         ask: shows a question and gives the line that was typed.
 
     """
-    print(
-        "\nSTOP always sends a velocity of zero. What else it does, only you know; an empty line "
-        "means no.",
-        file=sys.stderr,
-    )
+    print(f"\n{ABOUT_STOP}", file=sys.stderr)
     # One topic, for a description has room for one: the first that is meant.
     topic = ""
     topics = dict.fromkeys(name for choice in made.stops for name in choice.topics)
     for name in topics:
-        if _is_yes(
-            ask, f"{name} listens. Does `true` on it stop the robot, and `false` let it go?"
-        ):
+        if _is_yes(ask, question_of_topic(name)):
             topic = name
             break
     confirmed: list[str] = []
     for address in dict.fromkeys(one for choice in made.stops for one in choice.signals):
         signal = made.site.signal(address)
         shown = f"{address} ({signal.name})" if signal is not None else address
-        question = (
-            f"Have you seen {shown} move while the robot moves, and stand at 0 when it stands?"
-        )
-        if _is_yes(ask, question):
+        if _is_yes(ask, question_of_signal(shown)):
             confirmed.append(address)
     return StopAnswers(topic, tuple(confirmed))
 
@@ -102,16 +99,17 @@ def _is_yes(ask: Callable[[str], str], question: str) -> bool:
         return False
 
 
-def stop_lines(choice: StopChoice) -> list[str]:
-    """Say in a description's first lines what STOP of a device may go by."""
+def stop_lines(choice: StopChoice, stop: Stop) -> list[str]:
+    """Say in a description's first lines what STOP of a device may go by and was not said."""
     lines = [
         f"STOP of {choice.device} sends a velocity of zero. Say under `drive` what else it does:",
         *(
             f"  stop: {{topic: {topic}}} if `true` on it stops the robot (and `false` not)"
             for topic in choice.topics
+            if not stop.topic
         ),
     ]
-    if choice.signals:
+    if choice.signals and not stop.confirmed_by:
         named = ", ".join(choice.signals)
         lines.append(f"  stop: {{confirmed_by: [{named}]}} if these move when the robot moves")
     return lines if len(lines) > 1 else []

@@ -15,6 +15,7 @@ from talaia.configurator.edits import free_word
 from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import kind_of
 from talaia.model.discovery.generate_description import propose_description
+from talaia.model.discovery.rules.stop_choice import NO_ANSWERS, StopAnswers, StopChoice
 
 if TYPE_CHECKING:
     from talaia.model.discovery.probe_report import Found
@@ -37,16 +38,21 @@ class Merged(NamedTuple):
     added: tuple[Path, ...]
     known: int
     left_out: tuple[str, ...]
+    # What STOP of a device that is newly driven may go by; only its owner knows.
+    stops: tuple[StopChoice, ...] = ()
 
     def count(self, group: str) -> int:
         """Tell how many of ``signals``, ``streams`` or ``commands`` are new."""
         return sum(len(path) == 4 and path[2] == group for path in self.added)
 
 
-def merge_findings(site: Site, found: Found) -> Merged:
-    """Add to ``site`` what a probe found and it does not describe yet."""
+def merge_findings(site: Site, found: Found, answers: StopAnswers = NO_ANSWERS) -> Merged:
+    """Add to ``site`` what a probe found and it does not describe yet.
+
+    ``answers`` are what the owner said of STOP, by the addresses of ``Merged.stops``.
+    """
     # The same proposal as `talaia init` makes, so that both ways lead to one description.
-    proposal = propose_description(found, site.site, site.name, site.zone)
+    proposal = propose_description(found, site.site, site.name, site.zone, answers=answers)
     links = site.links()
     # Also a domain that the description does not say yet; one that it says stays.
     if not links or (found.domain and site.ros2 and site.ros2.domain is None):
@@ -84,7 +90,10 @@ def merge_findings(site: Site, found: Found) -> Merged:
         known += old
     # Last, when all that driving may refer to is there.
     site = _without_open_ends(site, added)
-    return Merged(site, tuple(added), known, proposal.left_out)
+    # Asked is of what is driven from now on; what was driven before its owner has described.
+    driven = {path[1] for path in added if path[-1] == "drive"}
+    stops = tuple(stop for stop in proposal.stops if words.get(stop.device) in driven)
+    return Merged(site, tuple(added), known, proposal.left_out, stops)
 
 
 def _device_to_fill(site: Site, word: str, link: str) -> str:
@@ -124,6 +133,12 @@ def _fill_device(
             drive,
             picture=_renamed_address(drive.picture, words),
             position=_renamed_address(drive.position, words),
+            joints={
+                name: msgspec.structs.replace(
+                    joint, position=_renamed_address(joint.position, words)
+                )
+                for name, joint in drive.joints.items()
+            },
         )
         confirmed = tuple(_renamed_address(address, words) for address in drive.stop.confirmed_by)
         stop = msgspec.structs.replace(drive.stop, confirmed_by=confirmed)

@@ -15,6 +15,7 @@ from talaia.deploy.locks import BUILD, UV, write_lock
 from talaia.deploy.readme import write_readme
 from talaia.deploy.ros_image import message_packages, write_ros_dockerfile
 from talaia.deploy.systemd import gateway_unit, hub_unit
+from talaia.model.closed_lists import DeviceKind
 from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.detection import DetectAt
 
@@ -172,6 +173,9 @@ def pin_images(files: Mapping[str, File], pins: Iterable[str]) -> dict[str, File
     }
 
 
+_OBSERVATORY = (DeviceKind.DOME, DeviceKind.TELESCOPE)
+
+
 def _gateway_extras(site: Site, choice: DeployOptions) -> list[str]:
     """Name what the site's connections, recordings and cameras need."""
     links = site.links().values()
@@ -182,6 +186,11 @@ def _gateway_extras(site: Site, choice: DeployOptions) -> list[str]:
         extras.append("ros2")
     if site.recording is not None:
         extras.append("recording")
+    # Taking frames to where they were taken needs the library of astronomy.
+    if site.night is not None or any(
+        device.kind in _OBSERVATORY for device in site.devices.values()
+    ):
+        extras.append("observatory")
     # Whether objects are seen on its cameras' pictures may be chosen while it runs.
     if any(device.streams for device in site.devices.values()):
         extras.append("objects")

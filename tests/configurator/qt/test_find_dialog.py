@@ -203,3 +203,20 @@ def test_a_deployment_is_written_by_the_real_generator(
     page.make_button.click()
     wait(qt, lambda: not page.made.is_alive, 60)
     assert "--force" in page.made_problem.text()
+
+
+def test_what_stop_goes_by_is_asked_and_a_yes_is_written(scripted: Any, qt: Any) -> None:
+    driven = msgspec.structs.replace(FOUND, topics=(
+        TopicFound("/cmd_vel", "geometry_msgs/msg/Twist", 0, 1),
+        TopicFound("/e_stop", "std_msgs/msg/Bool", 0, 1),
+    ))  # fmt: skip
+    window = scripted(f"print({msgspec.json.encode(driven).decode()!r})")
+    dialog, asked = window.finder, []
+    dialog.confirm = lambda question: asked.append(question) or True
+    dialog.open()
+    dialog.start_button.click()
+    wait(qt, lambda: finished(dialog))
+    assert asked == ["/e_stop listens. Does `true` on it stop the robot, and `false` let it go?"]
+    (drive,) = [one.drive for one in window.editor.site.devices.values() if one.drive]
+    assert drive.stop.topic == "/e_stop"
+    dialog.close()

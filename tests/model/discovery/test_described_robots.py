@@ -160,6 +160,9 @@ def test_what_flies_is_not_driven_and_says_why() -> None:
         ("usv", "/wamv/command/twist"),
         ("rover", "/commands/velocity"),
         ("two_arms", "/base/cmd_vel"),
+        ("racer", "/drive"),
+        ("mecanum", "/cmd_vel"),
+        ("ur5e", "/servo_node/delta_joint_cmds"),
     ],
 )
 def test_a_robot_is_driven_by_one_topic_and_its_stop_is_not_assumed(name: str, topic: str) -> None:
@@ -181,6 +184,36 @@ def test_an_arm_has_a_jog_and_its_named_poses() -> None:
     assert home.fixed["trajectory.joint_names[1]"] == "shoulder_lift_joint"
     assert home.fixed["trajectory.points[0].positions[1]"] == -1.57
     assert home.confirm
+
+
+def test_an_arms_joints_are_driven_between_their_ends_by_where_they_stand() -> None:
+    _, made = described("chosen", "ur5e")
+    device = made.site.devices["joints"]
+    assert device.drive is not None
+    elbow = device.drive.joints["elbow_joint"]
+    assert (elbow.name, elbow.max_speed, elbow.minimum, elbow.maximum) == (
+        "Elbow",
+        0.1,
+        -3.142,
+        3.142,
+    )
+    assert made.site.signal(elbow.position) == device.signals["elbow_position"]
+    # Beside them, on the same page, their named poses and the tool's steps.
+    assert {"jog", "to_ur_manipulator_home"} <= set(device.commands)
+    (choice,) = made.stops
+    assert all(address.endswith("velocity") for address in choice.signals)
+
+
+def test_what_steers_is_driven_by_an_angle_and_a_twist_alone_goes_nowhere_sideways() -> None:
+    drives = {
+        name: device.drive
+        for name in ("racer", "mecanum", "turtlebot4")
+        for device in described("chosen", name)[1].site.devices.values()
+        if device.drive
+    }
+    assert (drives["racer"].max_steering, drives["racer"].max_turn) == (0.3, 0.0)
+    assert drives["mecanum"].max_sideways == 0.2
+    assert drives["turtlebot4"].max_sideways == 0.0
 
 
 def test_a_share_and_a_percentage_are_both_shown_in_percent() -> None:

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QLabel,
     QLineEdit,
+    QMessageBox,
     QPlainTextEdit,
     QProgressBar,
     QRadioButton,
@@ -36,9 +37,15 @@ from talaia.configurator.robot_discovery import (
     RobotDiscovery,
     probe_command,
 )
+from talaia.model.discovery.rules.stop_choice import (
+    ABOUT_STOP,
+    StopAnswers,
+    question_of_signal,
+    question_of_topic,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from PySide6.QtGui import QCloseEvent
 
@@ -57,6 +64,8 @@ class FindDialog(QDialog):
         self.setWindowTitle("Find on robot")
         self.setMinimumWidth(560)
         self._editor, self._talaia = editor, tuple(talaia)
+        # Asks a person a question that is answered by yes or no.
+        self.confirm: Callable[[str], bool] = self._ask_question
         # What has come of the search; the process below only brings it words.
         self.look = RobotDiscovery()
         # Apart, not together: the output must be JSON, whatever ssh says beside it.
@@ -200,13 +209,31 @@ class FindDialog(QDialog):
             self._show_message("", self.look.problem)
         elif self.look.found is not None:
             # Into the site as it is now: the person may have changed it while the probe ran.
-            result = merge_findings(self._editor.site, self.look.found)
+            site, found = self._editor.site, self.look.found
+            answers = self._ask_about_stop(merge_findings(site, found))
+            result = merge_findings(site, found, answers)
             # One step, so that one undo takes all of it back.
             self._editor.apply("find on robot", lambda _: result.site)
             self._show_message(_summary_text(result), "")
             self.left_out.setPlainText("Left out:\n" + "\n".join(result.left_out))
             self.left_out.setVisible(bool(result.left_out))
             self.close_button.setFocus()
+
+    def _ask_about_stop(self, result: Merged) -> StopAnswers:
+        """Ask what only the robot's owner knows; neither topic nor polarity is assumed."""
+        topics = dict.fromkeys(name for stop in result.stops for name in stop.topics)
+        # A description has room for one topic: the first that is meant.
+        topic = next((name for name in topics if self.confirm(question_of_topic(name))), "")
+        signals = dict.fromkeys(one for stop in result.stops for one in stop.signals)
+        confirmed = [one for one in signals if self.confirm(question_of_signal(one))]
+        return StopAnswers(topic, tuple(confirmed))
+
+    def _ask_question(self, question: str) -> bool:
+        buttons = QMessageBox.StandardButton.Yes | QMessageBox.StandardButton.No
+        # Return and Escape both say no: a yes is never an accident.
+        no = QMessageBox.StandardButton.No
+        asked = QMessageBox.question(self, "STOP", f"{ABOUT_STOP}\n\n{question}", buttons, no)
+        return asked is QMessageBox.StandardButton.Yes
 
     def _show_phase(self) -> None:
         busy = self.look.phase in (DiscoveryPhase.RUNNING, DiscoveryPhase.CANCELLING)

@@ -36,6 +36,10 @@ _MESSAGES = {
     DriveMessage.KEYS: "keys w x a d s (std_msgs/String)",
     DriveMessage.TWIST: "velocity (geometry_msgs/Twist)",
     DriveMessage.TWIST_STAMPED: "velocity with time (geometry_msgs/TwistStamped)",
+    DriveMessage.ACKERMANN: "steered wheels (ackermann_msgs/AckermannDrive)",
+    DriveMessage.ACKERMANN_STAMPED: "steered wheels (ackermann_msgs/AckermannDriveStamped)",
+    DriveMessage.JOINT_JOG: "joints (control_msgs/JointJog)",
+    DriveMessage.JOINT_VELOCITIES: "joints (std_msgs/Float64MultiArray)",
 }
 
 

@@ -27,31 +27,25 @@ from talaia.gateway.adapters.connection_scope import connection_names, scopes_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.notices.settings import NoticeSettings  # noqa: TC001 - msgspec reads it
-from talaia.gateway.ports import AdapterContext, Filming
+from talaia.gateway.ports import AdapterContext
 from talaia.gateway.safety.interlocks import Interlocks
+from talaia.gateway.silent_sinks import SilentSinks
 from talaia.gateway.watchdog.closing_site import GONE_WORDS, closing_site
 from talaia.gateway.watchdog.notices import WatchdogNotices
 from talaia.model.arguments import fields_of
 from talaia.model.yaml_text.load import load_site
-from talaia.objects.errors import DetectorError
 from talaia.wire.frames import EnclosureState
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
+    from collections.abc import Callable
 
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import Adapter, CommandOutcome
     from talaia.gateway.velocity_demand import VelocityDemand
-    from talaia.model.detection import Blur
     from talaia.model.interlocks.interlock import Step
     from talaia.model.site import Site
-    from talaia.objects.detection import Detection
-    from talaia.wire.columns import Columns
-    from talaia.wire.frames import FromGateway, PictureFrame
+    from talaia.wire.frames import FromGateway
 
 __all__ = ["ClosingJob", "WatchdogRecord", "main"]
 
@@ -147,47 +141,6 @@ def _plain_message(message: str) -> str:
     return message.replace(GONE_WORDS, WHY)
 
 
-class _NoSamples:
-    """A `SampleSink` and a `PictureSink` that take nothing."""
-
-    def put_samples(self, columns: Columns) -> None:
-        pass
-
-    def asked(self, stream: str) -> Collection[str]:
-        return ()
-
-    def key_due(self, stream: str, form: str) -> bool:
-        return False
-
-    def room(self) -> float:
-        return 0.0
-
-    def offer_frame(
-        self,
-        stream: str,
-        stamp: tuple[int, int, int],
-        decode: Callable[[], NDArray[np.uint8] | None],
-        blurred: Callable[[], NDArray[np.uint8] | None] | None = None,
-    ) -> None:
-        pass
-
-    def find_private(self, blur: Blur, rgb: NDArray[np.uint8]) -> Sequence[Detection]:
-        # Nobody is asked for a picture here.
-        raise DetectorError("nothing is detected here")
-
-    def offer(self, picture: PictureFrame) -> None:
-        pass
-
-    def filming(self, stream: str, time_us: int) -> Filming:
-        return Filming.NO
-
-    def film(self, picture: PictureFrame) -> None:
-        pass
-
-    def trouble(self, stream: str, why: str) -> None:
-        pass
-
-
 class Closing:
     """Keeps enclosures closed. Event loop only."""
 
@@ -214,7 +167,7 @@ class Closing:
         of = connection_names(site)
         reach = DeviceReachability(of, clock, lambda _state: None)
         # Samples and pictures go nowhere: there is no hub and no spool.
-        nothing = _NoSamples()
+        nothing = SilentSinks()
         context = AdapterContext(
             clock, nothing, nothing, self._recorder, Path(job.folder), job.domain, site=site.name
         )

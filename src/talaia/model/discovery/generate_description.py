@@ -13,17 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
-from talaia.model.camera_addresses import NO_ADDRESS, why_no_camera
 from talaia.model.checks.site_checks import check_site
-from talaia.model.closed_lists import LogLevel
 from talaia.model.connection import (
-    AlpacaConnection,
-    IndiConnection,
-    Ros1Connection,
-    RosbridgeConnection,
     RosSource,
 )
-from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
+from talaia.model.discovery.device_places import PICTURES, place_of, place_order
+from talaia.model.discovery.found_connections import connections_of, ros2_of
 from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
 from talaia.model.discovery.proposed_nodes import (
@@ -38,9 +33,11 @@ from talaia.model.discovery.ros_units import word_of
 from talaia.model.discovery.rules.drive_topics import (
     choose_drive_topics,
     is_commanded_velocity,
+    is_holonomic,
     is_level,
 )
 from talaia.model.discovery.rules.field_names import JOINTS, plain_name
+from talaia.model.discovery.rules.joint_jogs import is_joint_jog, joint_drive
 from talaia.model.discovery.rules.proposed_commands import (
     FOLLOW,
     command_of,
@@ -70,7 +67,6 @@ from talaia.model.site import (
     Device,
     Drive,
     DriveMessage,
-    Ros2Settings,
     SignalType,
     Site,
     Stream,
@@ -79,7 +75,6 @@ from talaia.model.site import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from talaia.model.connection import Connection
     from talaia.model.discovery.device_places import DevicePlace
     from talaia.model.discovery.probe_report import (
         ActionFound,
@@ -96,6 +91,7 @@ _T = TypeVar("_T")
 # Slow and gentle: about a walking child's speed, until the owner says what the robot can do.
 CAREFUL_SPEED = 0.2
 CAREFUL_TURN = 0.5
+CAREFUL_STEERING = 0.3
 # Leaving out what the checks refuse can break what refers to it; a few rounds end that.
 MAX_ROUNDS = 5
 # Last parts of camera topics (image_transport's) that say nothing of the camera.
@@ -143,8 +139,8 @@ def propose_description(
         site=site,
         name=name,
         zone=zone,
-        ros2=_ros2_of(found),
-        connections=_connections_of(found),
+        ros2=ros2_of(found),
+        connections=connections_of(found),
         devices={
             name: with_roles(device)
             for name, device in {
@@ -180,54 +176,6 @@ def propose_description(
     boards = robot_boards(found, devices)
     proposed = msgspec.structs.replace(proposed, devices=devices, boards=boards)
     return DescriptionProposal(proposed, tuple(left_out), stops)
-
-
-def _ros2_of(found: Found) -> Ros2Settings | None:
-    """Say how ROS 2 is joined; its log is read from warnings on, as ROS 1's is."""
-    if found.protocol != "ros2":
-        return None
-    return Ros2Settings(
-        domain=found.domain,
-        # The gateway has to read the same.
-        definitions=found.definitions,
-        log=LogLevel.WARNING,
-        use_sim_time=found.sim_time,
-    )
-
-
-def _connections_of(found: Found) -> dict[str, Connection]:
-    """Name how the robot is reached."""
-    match found.protocol:
-        case "ros1":
-            return {"ros1": _ros1_of(found)}
-        case "rosbridge":
-            return {"rosbridge": _rosbridge_of(found)}
-        case "indi":
-            return {"indi": IndiConnection(host=found.host, port=found.port)}
-        case "alpaca":
-            return {"alpaca": _alpaca_of(found)}
-        case "mqtt" | "http":
-            named = connection_of(found)
-            return dict([named]) if named else {}
-        case _:
-            # ROS 2 has a key of its own in a description; the others are named connections.
-            return {}
-
-
-def _ros1_of(found: Found) -> Ros1Connection:
-    return Ros1Connection(master=found.master, log=LogLevel.WARNING, use_sim_time=found.sim_time)
-
-
-def _rosbridge_of(found: Found) -> RosbridgeConnection:
-    return RosbridgeConnection(
-        url=found.url, ros=found.ros, ca=found.ca, token_file=found.token_file
-    )
-
-
-def _alpaca_of(found: Found) -> AlpacaConnection:
-    # A server on the gateway's own computer has to be meant; whoever probed it there means it.
-    here = why_no_camera(found.host) not in ("", NO_ADDRESS)
-    return AlpacaConnection(host=found.host, port=found.port, here=here)
 
 
 def _devices_described(found: Found) -> dict[str, Device]:
@@ -359,7 +307,7 @@ class _ProposedDevices:
     def _add_action(self, action: ActionFound) -> None:
         poses = tuple(pose_commands(action, self._found)) if action.type == FOLLOW else ()
         for word, command in poses:
-            commands = self._commands_at(action.action, action.type)
+            commands = self._commands.setdefault(self._arm_of(action.action), {})
             commands[free_word(word, commands)] = command
         if poses and action.problem:
             # Nobody fills a trajectory in a form; its named poses are what there is of it.
@@ -415,10 +363,11 @@ class _ProposedDevices:
     def _add_listener(self, topic: TopicFound) -> None:
         # The order counts: what drives is a velocity, and what is left out has its reason already.
         if topic.topic in {one.topic for one in self._driven.driving}:
-            self._add_drive(topic, TWISTS[topic.type])
+            self._add_drive(topic, DriveMessage(topic.type))
+        elif is_joint_jog(topic):
+            self._add_joints(topic)
         elif is_servo(topic):
-            # By its namespace: an arm is no vehicle, though the type is a vehicle's.
-            commands = self._commands_at(topic.topic, JOINTS)
+            commands = self._commands.setdefault(self._arm_of(topic.topic), {})
             commands[free_word("jog", commands)] = jog_command(topic, JOG_FRAME)
         elif topic.topic in self._driven.left_out:
             self.left_out.append(f"{topic.topic}: {self._driven.left_out[topic.topic]}")
@@ -443,6 +392,32 @@ class _ProposedDevices:
                 topic = msgspec.structs.replace(topic, problem=reason)
             self._add_asked(topic.topic, topic.type, CommandKind.TOPIC, topic)
 
+    def _arm_of(self, target: str) -> DevicePlace:
+        """Give the device of an arm: its joints where one device has them all, else by its name."""
+        # By its namespace: an arm is no vehicle, though the type of a jog is a vehicle's.
+        joints = [
+            place
+            for place, signals in self._signals.by_place.items()
+            if any(getattr(one.source, "type", "") == JOINTS for one in signals.values())
+        ]
+        return joints[0] if len(joints) == 1 else self._place_of(target, JOINTS)
+
+    def _add_joints(self, topic: TopicFound) -> None:
+        place = self._arm_of(topic.topic)
+        read = {
+            f"{at.word}/{word}": signal
+            for at, signals in self._signals.by_place.items()
+            for word, signal in signals.items()
+        }
+        drive = joint_drive(topic, self._found, read)
+        if isinstance(drive, str):
+            self.left_out.append(f"{topic.topic}: {drive}")
+        elif place in self._drives:
+            first = self._drives[place].topic
+            self.left_out.append(f"{topic.topic}: {first} drives the joints of {place.name}")
+        else:
+            self._drives[place] = drive
+
     def _is_keys(self, topic: TopicFound) -> bool:
         """Tell whether it takes CloudConnect's characters."""
         is_text = topic.type == "std_msgs/msg/String" and last_part(topic.topic) == "control"
@@ -458,7 +433,9 @@ class _ProposedDevices:
             topic=topic.topic,
             message=message,
             max_speed=CAREFUL_SPEED,
-            max_turn=CAREFUL_TURN,
+            max_turn=0.0 if message.steers else CAREFUL_TURN,
+            max_sideways=CAREFUL_SPEED if message.twists and is_holonomic(self._found) else 0.0,
+            max_steering=CAREFUL_STEERING if message.steers else 0.0,
             picture=_first_address(self._streams),
             position=_first_address(
                 self._signals.by_place, lambda signal: signal.type is SignalType.POSITION

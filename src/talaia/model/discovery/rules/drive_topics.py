@@ -23,10 +23,11 @@ __all__ = [
     "choose_drive_topics",
     "flies",
     "is_commanded_velocity",
+    "is_holonomic",
     "is_no_base",
 ]
 
-# Speed and steering angle, which Talaia does not send.
+# Speed and the angle of steered wheels.
 ACKERMANN = ("ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped")
 # Packages that only robots use which fly.
 _FLYING_PACKAGES = ("mavros_msgs/", "px4_msgs/", "crazyflie_interfaces/", "tello_msgs/")
@@ -38,6 +39,8 @@ _VELOCITY = ("velocity", "twist", "vel", "cmd", "drive")
 _COMMAND = ("command", "commands", "cmd", "cmds", "base", "drive", "control", "reference")
 
 
+# What only a base that moves sideways has: wheels, a controller, or a planner's own parameters.
+_SIDEWAYS = re.compile(r"mecanum|omni_?wheel|omnidirectional|omni_drive|holonomic|swerve")
 _SWIMS = re.compile(r"thruster|ballast|propeller|(?:^|[/_])dvl(?:$|[/_])")
 
 
@@ -86,6 +89,17 @@ def is_level(found: Found, topic: str) -> bool:
     return not flies(found, topic) and not is_no_base(topic)
 
 
+def is_holonomic(found: Found) -> bool:
+    """Tell whether anything says that the robot's base moves sideways; a Twist alone does not."""
+    names = [
+        *(one.topic for one in found.topics),
+        *(one.node for one in found.nodes),
+        *(one.joint for one in found.joints),
+        *(parameter.parameter for node in found.nodes for parameter in node.parameters),
+    ]
+    return any(_SIDEWAYS.search(name.lower()) for name in names)
+
+
 def choose_drive_topics(found: Found) -> DriveTopics:
     """Choose for each robot the topic that drives it."""
     left_out: dict[str, str] = {}
@@ -114,17 +128,13 @@ def choose_drive_topics(found: Found) -> DriveTopics:
 
 
 def _reason(found: Found, topic: TopicFound) -> str:
-    if topic.type in ACKERMANN:
-        return (
-            "it steers by speed and angle of its wheels (Ackermann); Talaia drives by speed and "
-            "turn rate, so have a node of the robot turn one into the other"
-        )
     parts = topic.topic.strip("/").lower().split("/")
     if flies(found, topic.topic):
         return "by its other topics the robot flies: this may be roll, pitch and thrust, no driving"
     if is_no_base(topic.topic):
         return "by its name a velocity of an arm or a head, and no driving"
-    if not _says_velocity(parts):
+    # Speed and angle of steered wheels say by their type what they are.
+    if topic.type not in ACKERMANN and not _says_velocity(parts):
         return "a velocity, by whose name nobody can say what moves; if a base, name it in `drive`"
     return ""
 
@@ -135,15 +145,18 @@ def _says_velocity(parts: list[str]) -> bool:
     return len(parts) > 1 and parts[-1] in _VELOCITY and parts[-2] in _COMMAND
 
 
-def _order(topic: TopicFound) -> tuple[bool, int, bool, str]:
+def _order(topic: TopicFound) -> tuple[bool, bool, int, bool, str]:
     """Sort by how surely it is meant for whoever drives: the plain name, near the root."""
     parts = topic.topic.strip("/").split("/")
-    return (parts[-1] != "cmd_vel", len(parts), topic.publishers > 0, topic.topic)
+    # A Twist is understood by tools and scripts, too.
+    named = (parts[-1] != "cmd_vel", len(parts), topic.publishers > 0, topic.topic)
+    return (topic.type in ACKERMANN, *named)
 
 
 def _same_robot(first: TopicFound, other: TopicFound, found: Iterable[TopicFound]) -> bool:
     one, two = _robot_of(first.topic), _robot_of(other.topic)
-    if one == two:
+    # What only says another way of steering is no robot of its own.
+    if one == two or (not two and other.type in ACKERMANN):
         return True
     # Beside one without a namespace, another is a robot of its own only with its own odometry.
     space = other.topic.rpartition("/")[0]

@@ -241,7 +241,10 @@ def stays_reason(topic: TopicFound) -> str:
     """Say why a topic that takes lists is no command; empty of one that takes none."""
     last = topic.topic.lower()
     if topic.type.endswith("MultiArray") and "velocity" in last:
-        return "joint velocities, which go on until others come: no command that ends by itself"
+        return (
+            "velocities of joints in an order that nobody tells: name them in it, each with its "
+            "max_speed, under `drive` with this message"
+        )
     return ""
 
 

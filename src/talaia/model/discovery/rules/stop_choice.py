@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.connection import RosSource
+from talaia.model.discovery.rules.field_names import JOINTS
 from talaia.model.discovery.topic_words import last_part
 from talaia.model.site import Stop
 
@@ -18,7 +19,16 @@ if TYPE_CHECKING:
     from talaia.model.discovery.probe_report import Found
     from talaia.model.site import Device
 
-__all__ = ["NO_ANSWERS", "StopAnswers", "StopChoice", "choices_of", "with_answers"]
+__all__ = [
+    "ABOUT_STOP",
+    "NO_ANSWERS",
+    "StopAnswers",
+    "StopChoice",
+    "choices_of",
+    "question_of_signal",
+    "question_of_topic",
+    "with_answers",
+]
 
 _STOP_TOPICS = ("stop", "e_stop", "estop", "emergency_stop", "soft_stop", "software_stop")
 _MOTION = ("twist.twist.linear.x", "twist.twist.angular.z")
@@ -38,6 +48,22 @@ class StopAnswers(NamedTuple):
 
 
 NO_ANSWERS = StopAnswers()
+
+
+# The questions, as the terminal, the page and the configurator ask them.
+ABOUT_STOP = (
+    "STOP always sends a velocity of zero. What else it does, only you know; no answer means no."
+)
+
+
+def question_of_topic(topic: str) -> str:
+    """Ask for the polarity of a topic: neither is ever assumed."""
+    return f"{topic} listens. Does `true` on it stop the robot, and `false` let it go?"
+
+
+def question_of_signal(shown: str) -> str:
+    """Ask whether a signal can confirm STOP: one that never moves confirms nothing."""
+    return f"Have you seen {shown} move while the robot moves, and stand at 0 when it stands?"
 
 
 class StopChoice(NamedTuple):
@@ -68,7 +94,9 @@ def choices_of(found: Found, devices: Mapping[str, Device]) -> tuple[StopChoice,
             name,
             topics,
             # The robot's odometry may stand at another of its devices.
-            _speeds_of(name, device)
+            _joint_speeds_of(name, device)
+            if device.drive.joints
+            else _speeds_of(name, device)
             or tuple(one for other in devices.items() for one in _speeds_of(*other)),
         )
         for name, device in devices.items()
@@ -83,6 +111,16 @@ def _speeds_of(name: str, device: Device) -> tuple[str, ...]:
         if isinstance(signal.source, RosSource)
         and signal.source.type == "nav_msgs/msg/Odometry"
         and signal.source.field in _MOTION
+    )
+
+
+def _joint_speeds_of(name: str, device: Device) -> tuple[str, ...]:
+    return tuple(
+        f"{name}/{word}"
+        for word, signal in device.signals.items()
+        if isinstance(signal.source, RosSource)
+        and signal.source.type == JOINTS
+        and signal.source.field.startswith("velocity")
     )
 
 

@@ -64,6 +64,8 @@ class FolderDefinitions:
         """Take what finds the file of a package, its kind (``msg``) and its name with ending."""
         self._files = files
         self._source = source
+        # Where parts are looked for that are not here.
+        self._beside: FolderDefinitions | None = None
 
     @classmethod
     def of_prefixes(cls, prefixes: Iterable[Path]) -> FolderDefinitions:
@@ -107,6 +109,11 @@ class FolderDefinitions:
 
         return cls(files, f"the folder {folder}")
 
+    def with_parts_of(self, beside: FolderDefinitions) -> FolderDefinitions:
+        """Take what a type holds and is not here (``std_msgs/Header``) from there."""
+        self._beside = beside
+        return self
+
     def find(self, type_name: str) -> Iterable[TypeDefinition]:
         """See `DefinitionSource.find`."""
         parts: dict[str, PartDefinition] = {}
@@ -116,6 +123,9 @@ class FolderDefinitions:
             if name in parts:
                 continue
             read = self._read_parts(name)
+            # A workspace has its own packages alone, and theirs hold ROS's common ones.
+            if read is None and name != type_name and self._beside is not None:
+                read = self._beside._read_parts(name)  # noqa: SLF001 - of this class
             # One part without a text: the whole is described beside it, if it is installed.
             if read is None:
                 described = self._read_json(type_name)

@@ -77,12 +77,12 @@ class DefinitionFinder:
         # None where nothing is named, or it cannot be read; see `problem`.
         self._named: DefinitionSource | None = None
         self.problem = ""
+        self._files = FolderDefinitions.of_prefixes(ros_prefixes())
         try:
             if named is not None:
-                self._named = _named_source(named)
+                self._named = _named_source(named, self._files)
         except BadDefinition as error:
             self.problem = str(error)
-        self._files = FolderDefinitions.of_prefixes(ros_prefixes())
         self._distributions = DistributionDefinitions()
 
     def find(
@@ -191,7 +191,7 @@ def _read(
         problems.append(str(error))
 
 
-def _named_source(path: Path) -> DefinitionSource:
+def _named_source(path: Path, beside: FolderDefinitions) -> DefinitionSource:
     if path.suffix not in (".mcap", ".db3") and not (path / "metadata.yaml").is_file():
-        return FolderDefinitions.of_folder(path)
+        return FolderDefinitions.of_folder(path).with_parts_of(beside)
     return RecordedDefinitions(path)

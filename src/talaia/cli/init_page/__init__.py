@@ -1,0 +1,1 @@
+"""The questions of `talaia init`, in a page."""
