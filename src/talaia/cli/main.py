@@ -89,6 +89,9 @@ COMMANDS = {
     "upgrade": Subcommand(
         "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
     ),
+    "update": Subcommand(
+        "talaia.cli.updating.update", "signed releases of a gateway: install, try, keep", "gateway"
+    ),
     "doctor": Subcommand(
         "talaia.cli.examining.doctor", "say what is here, what runs, and what is missing", ""
     ),
@@ -108,7 +111,7 @@ COMMANDS = {
 _PRIVATE = frozenset(
     {
         *("account", "audit", "backup", "configure", "demo", "demo-indi", "enrol", "gateway"),
-        *("hub", "import", "record", "restore", "support-bundle", "up"),
+        *("hub", "import", "record", "restore", "support-bundle", "up", "update"),
     }
 )
 

@@ -20,6 +20,7 @@ from talaia.gateway.assembly.reload import ReloadPart
 from talaia.gateway.assembly.samples import SamplesPart
 from talaia.gateway.assembly.supervision import SupervisionPart
 from talaia.gateway.assembly.taps import TapsPart
+from talaia.gateway.assembly.updates import UpdatesPart
 from talaia.gateway.assembly.uplink import UplinkPart
 from talaia.gateway.assembly.video import VideoPart
 from talaia.service_manager import ServiceManager
@@ -65,10 +66,8 @@ class Gateway:
             SettingsError: the description names a connection that cannot be used here.
 
         """
-        # Of the process and not of this run: gateways follow each other in one process.
-        self._manager = manager = manager or ServiceManager()
-        # Built and started in this order, closed in reverse.
-        self._parts: tuple[GatewayPart, ...] = (
+        self._manager = manager = manager or ServiceManager()  # Of the process, not of this run.
+        self._parts: tuple[GatewayPart, ...] = (  # Started in this order, closed in reverse.
             base := FoundationPart(settings=settings, clock=clock),
             description := DescriptionPart(base=base, site=site, file=file),
             samples := SamplesPart(base=base, description=description),
@@ -127,6 +126,7 @@ class Gateway:
                 reload=reload,
                 night=night,
             ),
+            UpdatesPart(base=base, description=description, uplink=uplink),
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )
         # Asked after `run` for the description to begin again with.

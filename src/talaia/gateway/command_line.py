@@ -11,7 +11,7 @@ from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import read_key_file
 from talaia.gateway.notices.settings import read_notice_settings
-from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
+from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings, UpdateSettings
 from talaia.log_setup import add_log_options
 from talaia.objects.errors import DetectorError
 from talaia.objects.providers import parse_provider
@@ -88,6 +88,7 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="ways to people while the hub is away (TOML); try them with talaia gateway"
         " test-notice FILE",
     )
+<<<<<<< HEAD
     parser.add_argument(
         "--detector-provider",
         type=_read_provider,
@@ -96,6 +97,9 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="what detectors of objects and faces run on: cpu, cuda, tensorrt, openvino, coreml, "
         "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
     )
+=======
+    _add_update_options(parser)
+>>>>>>> ops21
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )
@@ -116,6 +120,19 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
     parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
     add_log_options(parser)
     return parse_options(parser, argv, "TALAIA_GATEWAY_")
+
+
+def _add_update_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--releases", type=Path, metavar="DIR", help="folder of releases; talaia update run sets it"
+    )
+    parser.add_argument(
+        "--update-rest",
+        type=_read_positive,
+        default=30.0,
+        metavar="S",
+        help="the gateway ends for a release that waits when nothing has moved for so long (30)",
+    )
 
 
 def _read_port(text: str) -> int:
@@ -172,6 +189,11 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
         spool_age_s=arguments.spool_days * 86400.0,
         door=_legacy_settings(arguments),
         accepts=arguments.accept_changes,
+        updates=(
+            UpdateSettings(arguments.releases, rest_s=arguments.update_rest)
+            if arguments.releases
+            else None
+        ),
         notices=read_notice_settings(arguments.notices) if arguments.notices else None,
     )
 

@@ -13,10 +13,26 @@ from talaia.gateway.errors import SettingsError
 if TYPE_CHECKING:
     from talaia.gateway.notices.settings import NoticeSettings
 
-__all__ = ["GatewaySettings", "HubAddress", "LegacySettings"]
+__all__ = ["GatewaySettings", "HubAddress", "LegacySettings", "UpdateSettings"]
 
 # Names of this machine; what is sent to them never leaves it.
 _LOOPBACK = ("127.0.0.1", "::1", "localhost")
+
+
+@dataclass(frozen=True, slots=True)
+class UpdateSettings:
+    """How a gateway changes to another release of itself.
+
+    Attributes:
+        releases: their folder.
+        linked_s: a release works once its link has been there for so long (s).
+        rest_s: the gateway ends for another one when nothing has moved for so long (s).
+
+    """
+
+    releases: Path
+    linked_s: float = 10.0
+    rest_s: float = 30.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +131,7 @@ class GatewaySettings:
         door: for founding clients; none leaves it closed.
         accepts: which changes of the description it takes from the hub.
         notices: ways to people while the hub is away; none where there are none.
+        updates: where its releases are; none where it is not started by `talaia update run`.
         backfill_bytes: old samples go out at this rate beside the live ones (bytes/s).
         detector_provider: what detectors of objects and faces run on.
 
@@ -136,4 +153,8 @@ class GatewaySettings:
     door: LegacySettings | None = None
     accepts: AcceptedChanges = AcceptedChanges.NO
     notices: NoticeSettings | None = None
+<<<<<<< HEAD
     detector_provider: str = "cpu"
+=======
+    updates: UpdateSettings | None = None
+>>>>>>> ops21

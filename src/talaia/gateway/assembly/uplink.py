@@ -34,6 +34,7 @@ class UplinkPart(GatewayPart):
 
     Attributes:
         dispatcher: gives each message of the hub to whom it concerns.
+        actuation: what moves, and may move.
         night: what observes by itself, of which the hub is told.
 
     """
@@ -53,7 +54,7 @@ class UplinkPart(GatewayPart):
         night: NightPart,
     ) -> None:
         """Dial nobody yet."""
-        self.night = night
+        self.night, self.actuation = night, actuation
         self._base, self._samples, self._reload = base, samples, reload
         self._recording, self._video = recording, video
         self.dispatcher = MessageDispatcher(

@@ -259,6 +259,11 @@ class NightService:
                 async with asyncio.timeout(LOOK_S):
                     await self._wake.wait()
 
+    @property
+    def is_armed(self) -> bool:
+        """Whether the night may begin, or runs, by itself."""
+        return bool(self._executor.arming.armed_by)
+
     def look_once(self) -> None:
         """Let the executor go on by how things stand now."""
         view = self._view()

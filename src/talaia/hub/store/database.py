@@ -166,8 +166,16 @@ def _upgrade_schema(connection: Connection) -> None:
 
 def _run_migrations(connection: Connection) -> None:
     """Run what has not run yet; the caller has the turn to change tables."""
-    if _is_current(connection):
+    found = _migrations_done(connection)
+    if found == [_last_migration()]:
         return
+    # Numbers have four digits, so texts are compared as they are.
+    if found and max(found) > _last_migration():
+        raise StoreError(
+            f"the tables are of version {max(found)}, which is newer than this program's "
+            f"{_last_migration()}",
+            "start the newer program, or restore the backup of before with: talaia restore",
+        )
     # At most starts there is nothing to do, and to import Alembic takes longer than all the rest.
     from alembic import command
     from alembic.config import Config
@@ -179,12 +187,12 @@ def _run_migrations(connection: Connection) -> None:
     command.upgrade(config, "head")
 
 
-def _is_current(connection: Connection) -> bool:
-    """Tell whether the last migration has run."""
+def _migrations_done(connection: Connection) -> list[str]:
+    """Give the last migration that has run; empty for a new database."""
     if not inspect(connection).has_table("alembic_version"):
-        return False
+        return []
     versions = connection.execute(text("SELECT version_num FROM alembic_version")).scalars()
-    return list(versions) == [_last_migration()]
+    return list(versions)
 
 
 @functools.cache

@@ -1,0 +1,1 @@
+"""Signed updates of a gateway: releases beside each other, one of which is tried."""
