@@ -167,6 +167,10 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/sites/{site}/anomalies/forgiven"): AccessNeed.USE,
         ("POST", "/api/sites/{site}/anomalies/confirmed"): AccessNeed.USE,
         ("POST", "/api/sites/{site}/anomalies/learned"): AccessNeed.USE,
+        # Each detector is looked at besides.
+        ("GET", "/api/sites/{site}/causes"): AccessNeed.SEE,
+        ("POST", "/api/sites/{site}/causes/known"): AccessNeed.USE,
+        ("DELETE", "/api/sites/{site}/causes/known/{known}"): AccessNeed.USE,
         ("GET", "/api/sites/{site}/anomalies/budget"): AccessNeed.SEE,
         ("PUT", "/api/sites/{site}/anomalies/budget"): AccessNeed.USE,
         # They compute at the hub for minutes; each signal is looked at besides.

@@ -97,6 +97,10 @@ def of_site(**ask: object) -> Recipe:
     return Recipe(make, ("agv", "moon"))
 
 
+async def _ended_known(_world: World, _client: httpx.AsyncClient, about: str) -> Ask:
+    return Ask({"site": about, "known": "none"}, done=(404,))
+
+
 async def _shown_test(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     return await _of_test(world, client, about, done=(200,))
 
@@ -696,6 +700,12 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("POST", "/api/sites/{site}/anomalies/confirmed"): of_site(
         json={"address": "base/open", "detector": "change"}, done=(404,)
     ),
+    ("GET", "/api/sites/{site}/causes"): of_site(query={"at_us": "1"}),
+    # No such detector is at work, and no such entry is kept.
+    ("POST", "/api/sites/{site}/causes/known"): of_site(
+        json={"address": "base/open", "detector": "change"}, done=(404,)
+    ),
+    ("DELETE", "/api/sites/{site}/causes/known/{known}"): Recipe(_ended_known, SITES),
     ("GET", "/api/sites/{site}/anomalies/budget"): of_site(),
     ("PUT", "/api/sites/{site}/anomalies/budget"): of_site(json={"a_week": 1}),
     ("POST", "/api/sites/{site}/anomalies/learned"): of_site(

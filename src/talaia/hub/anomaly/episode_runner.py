@@ -81,6 +81,7 @@ class EpisodeRunner:
         to_us: its last high sample (µs); 0 while it is on.
         forgiven: whether a person said that the newest anomaly was none.
         confirmed: whether a person said that it was one.
+        known: of the newest anomaly, by which word of a person nobody is told; empty: they are.
         changed: whether it has learned since it was kept last.
         late: samples that were older than the newest, and not looked at.
         members: addresses of the signals of a group; of a single signal none.
@@ -101,6 +102,7 @@ class EpisodeRunner:
         self.address, self.word, self.kind, self.episodes = address, word, kind, episodes
         self.score, self.why, self.changed, self.late = 0.0, "", False, 0
         self.from_us, self.to_us, self.forgiven, self.confirmed = 0, 0, False, False
+        self.known = ""
         self.needs: tuple[float, ...] = ()
         self.tail: ScoreTail | None = None
         self.shares: list[SignalShare] = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.causes.cause_pages import CausePages
 from talaia.hub.api.sites.alarm_budgets import AlarmBudgetPages
 from talaia.hub.api.sites.anomalies import AnomalyPages
 from talaia.hub.api.sites.back_tests import BackTestPages
@@ -66,9 +67,15 @@ class AnomaliesFeature(Feature):
             clock=core.clock,
         )
         budgets = AlarmBudgetPages(self.budgets, self.detectors, audit)
+        causes = CausePages(watching=self.detectors, history=history, audit=audit, clock=core.clock)
         self._tests = BackTests(history)
         tests = BackTestPages(self._tests, core.clock)
-        self.routers = [pages.make_router(), budgets.make_router(), tests.make_router()]
+        self.routers = [
+            pages.make_router(),
+            budgets.make_router(),
+            causes.make_router(),
+            tests.make_router(),
+        ]
         self.tasks = [
             BackgroundTask(name="detect", run=self.detectors.run),
             BackgroundTask(name="false alarms", run=self.budgets.run),

@@ -23,11 +23,13 @@ import { signalLabels } from "../../state/signal-labels.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import type { SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { AlarmBudgetApi } from "./alarm-budget-api.js";
 import { BackTestsApi } from "./back-tests-api.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";
 import "../history/chart/anomaly-scores.js";
+import "./alarm-budget.js";
 import "./back-test.js";
 import "./learn-form.js";
 
@@ -65,6 +67,8 @@ export class PageAnomalies extends LitElement {
   private readonly painter = new PaintScheduler();
   private tests: BackTestsApi | null = null;
   private testsOf = "";
+  private budget: AlarmBudgetApi | null = null;
+  private budgetOf = "";
 
   constructor() {
     super();
@@ -97,7 +101,7 @@ export class PageAnomalies extends LitElement {
     const singles = list.filter(({ signals }) => signals.length === 0);
     const labels = signalLabels(detail);
     return html`${groups.length === 0 ? nothing : this.renderGroups(detail, groups, labels, mayForgive)}
-      ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)} ${mayForgive ? this.renderTrial(detail, groups) : nothing}`;
+      ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)} ${this.renderBudget()} ${mayForgive ? this.renderTrial(detail, groups) : nothing}`;
   }
 
   private renderTrial(detail: SiteShape, groups: readonly Detector[]): TemplateResult | typeof nothing {
@@ -110,6 +114,18 @@ export class PageAnomalies extends LitElement {
       <h2 id="trial">Try a detector on the past</h2>
       <p class="muted">What it would have said of stored history, by two settings. It looks at one sample a second; nothing is switched on and nobody is told.</p>
       <t-back-test .site=${this.site} .zone=${detail.zone} .groups=${groups} .signals=${numbersOf(detail)} .hub=${this.tests}></t-back-test>
+    </section>`;
+  }
+
+  private renderBudget(): TemplateResult | typeof nothing {
+    if (this.api === undefined) return nothing;
+    if (this.budget === null || this.budgetOf !== this.site) {
+      this.budget = new AlarmBudgetApi(this.api, this.site);
+      this.budgetOf = this.site;
+    }
+    return html`<section class="sheet" aria-labelledby="budget">
+      <h2 id="budget">How often may it cry?</h2>
+      <t-alarm-budget .hub=${this.budget}></t-alarm-budget>
     </section>`;
   }
 

@@ -25,6 +25,7 @@ from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded, score_
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.guarded import GuardedDetector
 from talaia.hub.anomaly.runner import DetectorRunner
+from talaia.hub.live.detection.known_anomalies import KnownAnomalies
 from talaia.hub.live.detection.score_writer import ScoreWriter
 from talaia.hub.live.detection.site_watch import SiteWatch, watch_site
 from talaia.hub.ports import AnomalyReport
@@ -71,6 +72,7 @@ class AnomalyService:
     """Runs the detectors that site descriptions ask for.
 
     Attributes:
+        known: what nobody is told of.
         skipped: samples for which there was no room, since the start.
 
     """
@@ -85,6 +87,8 @@ class AnomalyService:
         clock: Clock,
     ) -> None:
         """Keep scores in ``history`` and what is learned in ``learned``; show scores live."""
+        # What people know, and are not told of.
+        self.known = KnownAnomalies(learned)
         # The sites as they are now.
         self._sites = sites
         # Shows scores on pages.
@@ -331,14 +335,29 @@ class AnomalyService:
             _LOG.warning("detectors of %s learn anew, the database fails: %s", live.name, error)
             return
         watch.restore(kept)
+        await self.known.read_all([live.name])
 
     def _publish_anomaly(
         self, live: LiveSite, runner: EpisodeRunner, turn: AnomalyBegan | AnomalyEnded
     ) -> None:
-        news = _report_of(live, runner, turn)
-        for sink in self._sinks:
-            sink.report_anomaly(news)
+        if isinstance(turn, AnomalyBegan):
+            known = self.known.holding_for(live, runner)
+            runner.known = "" if known is None else known.key
+        # Of a known one nobody is told, neither that it began nor that it ended.
+        if not runner.known:
+            news = _report_of(live, runner, turn)
+            for sink in self._sinks:
+                sink.report_anomaly(news)
         self._publish_standing(live, runner)
+
+    def _tell_known(self, live: LiveSite) -> None:
+        """Tell of anomalies that go on after what they were known for is over."""
+        for runner in self._watch_of(live).all_runners():
+            if runner.known and self.known.holding_for(live, runner) is None:
+                runner.known = ""
+                if runner.episodes.began_us >= 0:
+                    began = AnomalyBegan(runner.from_us, runner.episodes.top, runner.why)
+                    self._publish_anomaly(live, runner, began)
 
     def _publish_standing(self, live: LiveSite, runner: EpisodeRunner) -> None:
         for sink in self._shown_to:
@@ -348,6 +367,8 @@ class AnomalyService:
         while True:
             await asyncio.sleep(_TICK_S)
             self._score_silence()
+            for live in self._sites:
+                self._tell_known(live)
             try:
                 await self._scores.write_waiting()
                 await self._save_detectors(self._unsaved_detectors(_SAVES_A_TICK))

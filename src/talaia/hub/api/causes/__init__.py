@@ -1,0 +1,1 @@
+"""From an anomaly, alarm or event to its cause."""
