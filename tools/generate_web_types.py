@@ -29,6 +29,7 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
+from talaia.hub.api.hubs import hub_schemas
 from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
@@ -100,6 +101,7 @@ SHAPES = (
     note_schemas,
     tile_schemas,
     client_schemas,
+    hub_schemas,
 )
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 

@@ -44,7 +44,10 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
     parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
     parser.add_argument("site", type=Path, help="site description (YAML)")
     parser.add_argument(
-        "--hub", metavar="URL", help="wss://host:port; not needed with a key file of enrol"
+        "--hub",
+        metavar="URL",
+        help="wss://host:port; not needed with a key file of enrol; of several hubs that are one,"
+        " all addresses with commas between",
     )
     parser.add_argument(
         "--key-file", required=True, type=Path, metavar="FILE", help="made by talaia gateway enrol"
