@@ -32,7 +32,7 @@ export const entries: readonly GalleryEntry[] = [
               bus: true,
               epoch: 5,
               hubs: [HUBS[0], hub("a machine with a rather long name:8443", "gone", { silent_s: 312 })],
-              problems: ["a machine with a rather long name:8443 has not been heard for 312 s", "no other hub is there to take over"],
+              problems: ["a machine with a rather long name:8443 has not been heard for 312 s", "No other hub is there to take over"],
             }}
           ></t-hub-list>`,
       },

@@ -50,7 +50,7 @@ export class HubListView extends LitElement {
     if (list?.clustered !== true) return nothing;
     return html`<section class="sheet" aria-label="Hubs">
       <h2>Hubs</h2>
-      ${map(list.problems, (problem) => html`<t-banner kind="warn">${capitalize(problem)}.</t-banner>`)}
+      ${map(list.problems, (problem) => html`<t-banner kind="warn">${problem}.</t-banner>`)}
       ${renderRows(
         list.hubs.map((hub) => ({ ...hub, id: hub.name })),
         (hub) => renderHub(hub),
@@ -68,10 +68,6 @@ function renderHub(hub: HubShape): TemplateResult {
     </div>
     <t-status kind=${kind} word=${word}></t-status>
   </li>`;
-}
-
-function capitalize(text: string): string {
-  return text.slice(0, 1).toUpperCase() + text.slice(1);
 }
 
 declare global {

@@ -82,16 +82,16 @@ def _find_problems(hubs: list[HubShape], *, bus: bool) -> list[str]:
         problems.append("NATS is away: pages and gateways reach this hub only where it is itself")
     living = [hub for hub in hubs if hub.role != "gone"]
     problems += [
-        f"{hub.name} has not been heard for {hub.silent_s:.0f} s"
+        f"{hub.name} has not been heard for {hub.silent_s:.0f}\u202fs"
         for hub in hubs
         if hub.role == "gone" and bus
     ]
     if len(living) == 1:
-        problems.append("no other hub is there to take over")
+        problems.append("No other hub is there to take over")
     if len({hub.version for hub in living}) > 1:
-        problems.append("the hubs are of different versions; go on with the upgrade")
+        problems.append("The hubs are of different versions; go on with the upgrade")
     problems += [
-        f"the database is slow for {hub.name}: {hub.database_ms:.0f} ms"
+        f"The database is slow for {hub.name}: {hub.database_ms:.0f}\u202fms"
         for hub in living
         if hub.database_ms > _SLOW_MS
     ]

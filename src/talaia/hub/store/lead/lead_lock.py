@@ -140,7 +140,7 @@ class LeadLock:
         while True:
             began = time.monotonic()
             try:
-                self._look()
+                self._try_lock()
             except _FAILURES as error:
                 self._fail(error)
             else:
@@ -151,7 +151,7 @@ class LeadLock:
             self._close()
         self._engine.dispose()
 
-    def _look(self) -> None:
+    def _try_lock(self) -> None:
         if self._connection is None:
             self._connection = self._engine.connect()
         if self._session is not None:
