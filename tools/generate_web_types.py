@@ -30,6 +30,7 @@ from msgspec import inspect
 from pydantic import BaseModel
 
 from talaia.hub.api.driving import drive_schemas
+from talaia.hub.api.hubs import hub_schemas
 from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
@@ -104,6 +105,7 @@ SHAPES = (
     recorded_schemas,
     tile_schemas,
     client_schemas,
+    hub_schemas,
 )
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 

@@ -160,6 +160,7 @@ def test_only_the_doors_themselves_are_open() -> None:
     }
     assert {path for method, path in opened if method not in UNSAFE} <= {
         "/api/health",
+        "/api/ready",
         # What the button of the sign-in page says.
         "/api/login/oidc",
         "/{path:path}",

@@ -46,7 +46,10 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
     parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
     parser.add_argument("site", type=Path, help="site description (YAML)")
     parser.add_argument(
-        "--hub", metavar="URL", help="wss://host:port; not needed with a key file of enrol"
+        "--hub",
+        metavar="URL",
+        help="wss://host:port; not needed with a key file of enrol; of several hubs that are one,"
+        " all addresses with commas between",
     )
     parser.add_argument(
         "--key-file", required=True, type=Path, metavar="FILE", help="made by talaia gateway enrol"
@@ -88,7 +91,6 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="ways to people while the hub is away (TOML); try them with talaia gateway"
         " test-notice FILE",
     )
-<<<<<<< HEAD
     parser.add_argument(
         "--detector-provider",
         type=_read_provider,
@@ -97,9 +99,7 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         help="what detectors of objects and faces run on: cpu, cuda, tensorrt, openvino, coreml, "
         "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
     )
-=======
     _add_update_options(parser)
->>>>>>> ops21
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )

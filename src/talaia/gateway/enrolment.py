@@ -13,6 +13,7 @@ import json
 import platform
 import ssl
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import urlsplit
@@ -87,7 +88,8 @@ def _read_options(argv: Sequence[str]) -> argparse.Namespace:
         "talaia gateway enrol",
         description="Enrol this gateway with a one-time code from the hub's page.",
     )
-    parser.add_argument("hub", metavar="HUB", help="https://host:port")
+    said = "https://host:port; of several hubs that are one, all addresses with commas between"
+    parser.add_argument("hub", metavar="HUB", help=said)
     parser.add_argument("code", metavar="CODE", help="as the page shows it; good for 15 minutes")
     parser.add_argument(
         "--key-file", required=True, type=Path, metavar="FILE", help="where the key is kept"
@@ -119,12 +121,11 @@ def enrol_gateway(
     """
     # Before anybody is asked: a slip of the finger shows in its last two characters.
     code = read_code(text)
-    hub = HubAddress.from_text(
-        url if "://" in url else f"https://{url}", ca=ca, allow_plain=allow_plain
-    )
+    urls = [part if "://" in part else f"https://{part}" for part in url.split(",")]
+    hub = HubAddress.from_text(",".join(urls), ca=ca, allow_plain=allow_plain)
     # The pin is a short hash: the full one is taken from the key itself and used from then on.
     if code.pin and not hub.plain:
-        hub = HubAddress(hub.url, _key_hash(hub, code))
+        hub = replace(hub, fingerprint=_key_hash(hub, code), ca=None)
     # With the pin it accepts only a certificate of the key that was just looked at.
     context = asyncio.run(HubTrust(hub).context())
     answer = _request_key(hub, context, {"code": str(code), "name": name})
@@ -137,7 +138,7 @@ def enrol_gateway(
             key=answer.body["key"],
             site=answer.body["site"],
             gateway=answer.body["gateway"],
-            hub=hub.url,
+            hub=hub.text,
             fingerprint=hub.fingerprint if pinned else "",
             # Absolute: the gateway may be started in another folder.
             ca=str(ca.absolute()) if ca is not None and not pinned else "",

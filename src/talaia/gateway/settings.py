@@ -41,6 +41,7 @@ class HubAddress:
 
     Attributes:
         url: ``wss://host:port``, without a path.
+        others: of other hubs that are one with it; dialled in turn when it is not reached.
         fingerprint: SHA-256 of the hub's certificate or of its public key, hex without colons;
             empty to use a CA.
         ca: file of certificate authorities; none takes the system's.
@@ -50,38 +51,34 @@ class HubAddress:
     url: str
     fingerprint: str = ""
     ca: Path | None = None
+    others: tuple[str, ...] = ()
 
     @classmethod
     def from_text(
-        cls, url: str, *, fingerprint: str = "", ca: Path | None = None, allow_plain: bool = False
+        cls, text: str, *, fingerprint: str = "", ca: Path | None = None, allow_plain: bool = False
     ) -> HubAddress:
-        """Check an address as a person gave it.
+        """Check an address as a person gave it; several hubs that are one, with commas between.
 
         Raises:
             SettingsError: not a WebSocket address; plain text without being asked for or to
                 another machine; a fingerprint that is none.
 
         """
-        shown = f"hub address {url!r}"
-        parts = urlsplit(url)
-        # People copy the address of the page.
-        if parts.scheme in ("http", "https"):
-            parts = parts._replace(scheme="ws" if parts.scheme == "http" else "wss")
-        if parts.scheme not in ("ws", "wss") or not parts.hostname:
-            raise SettingsError(f"{shown}: expected wss://host:port")
-        if parts.scheme == "ws" and not allow_plain:
-            raise SettingsError(f"{shown}: plain text; use wss://, or --allow-plain on loopback")
-        # Also with `--allow-plain`: a key must never cross a network in clear text.
-        if parts.scheme == "ws" and parts.hostname not in _LOOPBACK:
-            raise SettingsError(f"{shown}: plain text is for loopback only; use wss://")
+        urls = [_check_url(url.strip(), allow_plain=allow_plain) for url in text.split(",")]
+        if len({url.partition(":")[0] for url in urls}) > 1:
+            raise SettingsError(f"hub address {text!r}: some of it is plain text; use wss://")
         # As browsers and openssl show it, with colons and capitals.
         pin = fingerprint.replace(":", "").lower()
         if pin and (len(pin) != 64 or set(pin) - set("0123456789abcdef")):
             raise SettingsError(
                 f"fingerprint {fingerprint!r}: expected 64 hexadecimal digits (SHA-256)"
             )
-        # Only the place: the paths are the protocol's own.
-        return cls(parts._replace(path="", query="", fragment="").geturl(), pin, ca)
+        return cls(urls[0], pin, ca, tuple(urls[1:]))
+
+    @property
+    def text(self) -> str:
+        """All addresses, as `from_text` reads them."""
+        return ",".join((self.url, *self.others))
 
     @property
     def plain(self) -> bool:
@@ -153,8 +150,28 @@ class GatewaySettings:
     door: LegacySettings | None = None
     accepts: AcceptedChanges = AcceptedChanges.NO
     notices: NoticeSettings | None = None
-<<<<<<< HEAD
     detector_provider: str = "cpu"
-=======
     updates: UpdateSettings | None = None
->>>>>>> ops21
+
+
+def _check_url(url: str, *, allow_plain: bool) -> str:
+    """Check one address; give it without its path.
+
+    Raises:
+        SettingsError: it is none.
+
+    """
+    shown = f"hub address {url!r}"
+    parts = urlsplit(url)
+    # People copy the address of the page.
+    if parts.scheme in ("http", "https"):
+        parts = parts._replace(scheme="ws" if parts.scheme == "http" else "wss")
+    if parts.scheme not in ("ws", "wss") or not parts.hostname:
+        raise SettingsError(f"{shown}: expected wss://host:port")
+    if parts.scheme == "ws" and not allow_plain:
+        raise SettingsError(f"{shown}: plain text; use wss://, or --allow-plain on loopback")
+    # Also with `--allow-plain`: a key must never cross a network in clear text.
+    if parts.scheme == "ws" and parts.hostname not in _LOOPBACK:
+        raise SettingsError(f"{shown}: plain text is for loopback only; use wss://")
+    # Only the place: the paths are the protocol's own.
+    return parts._replace(path="", query="", fragment="").geturl()

@@ -27,6 +27,7 @@ from talaia.hub.features.notifications import NotificationsFeature
 from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
+from talaia.hub.features.records.hubs import HubsFeature
 from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.missions import MissionsFeature
@@ -37,7 +38,7 @@ from talaia.hub.features.sightings import SightingsFeature
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.ports import History
+    from talaia.hub.ports import ClusterSeat, History
     from talaia.hub.settings import Settings
 
 __all__ = ["Hub", "build_hub"]
@@ -46,12 +47,18 @@ __all__ = ["Hub", "build_hub"]
 class Hub(AssembledHub):
     """The hub of the product."""
 
-    def __init__(self, settings: Settings, clock: Clock, history: History | None = None) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        clock: Clock,
+        history: History | None = None,
+        *,
+        seat: ClusterSeat | None = None,
+    ) -> None:
         """Build every feature from those before it; nothing is opened yet."""
-        super().__init__(settings, clock)
-        core = self.core
+        super().__init__(settings, clock, seat=seat)
         # First: features close in the reverse order, so the log is there until the end.
-        self.audit = AuditFeature(core)
+        core, self.audit = self.core, AuditFeature(self.core)
         log = self.audit.log
         # Before people: a gateway's socket is admitted by the key that the registry knows.
         self.gateways = GatewaysFeature(core, audit=log)
@@ -123,6 +130,10 @@ class Hub(AssembledHub):
             history=store,
         )
         self._add_connections()
+        self._serve_guarded()
+
+    def _serve_guarded(self) -> None:
+        """Serve what was built, behind what guards every request."""
         # The limits go last: they count by the person that one of the others finds.
         people, protocols = self.people, self.client_protocols
         guards = (people.access.guard_request, protocols.admission.guard_request)
@@ -145,6 +156,7 @@ class Hub(AssembledHub):
         )
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=self.history.store)
+        self.hubs = HubsFeature(core)
         self.boards = BoardsFeature(core, audit=log)
         self.maps = MapsFeature(core, audit=log)
         self.notes = NotesFeature(core, audit=log)
@@ -187,16 +199,34 @@ class Hub(AssembledHub):
             audit=log,
         )
 
+    @property
+    def judging(self) -> bool:
+        """Whether alarms are being judged: without that, a hub that answers is not well."""
+        return self.alarms.engine.judging
+
+    @property
+    def setup_token(self) -> str | None:
+        """What opens the set-up page, while there is nobody yet."""
+        return self.people.setup_token
+
     def cached_bytes(self) -> int:
         """Give the memory of what was read of the history and may be asked for again (bytes)."""
         return self.history.store.cached_bytes
 
 
-def build_hub(settings: Settings, clock: Clock, history: History | None = None) -> Hub:
+def build_hub(
+    settings: Settings,
+    clock: Clock,
+    history: History | None = None,
+    *,
+    seat: ClusterSeat | None = None,
+) -> Hub:
     """Put a hub together; ``history`` takes the place of the one in the settings' database.
+
+    ``seat`` is its place among several hubs on that database; none: it is alone.
 
     Raises:
         StoreError: the database's URL cannot be used.
 
     """
-    return Hub(settings, clock, history)
+    return Hub(settings, clock, history, seat=seat)

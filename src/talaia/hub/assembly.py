@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.api.guarded_routes import Guard
+    from talaia.hub.ports import ClusterSeat
     from talaia.hub.settings import Settings
 
 __all__ = ["AssembledHub"]
@@ -37,10 +38,12 @@ class AssembledHub:
     app: FastAPI
     asgi: ASGIApp
 
-    def __init__(self, settings: Settings, clock: Clock) -> None:
+    def __init__(
+        self, settings: Settings, clock: Clock, *, seat: ClusterSeat | None = None
+    ) -> None:
         """Make what belongs to no feature and is open before all of them."""
         self.settings = settings
-        self.core = Core(settings=settings, clock=clock)
+        self.core = Core(settings=settings, clock=clock, seat=seat)
 
     def serve_features(
         self, guards: Sequence[Guard], *, picture_origins: Callable[[], Sequence[str]] = tuple

@@ -11,6 +11,7 @@ import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from talaia.hub.audit_options import add_audit_options
 from talaia.hub.errors import CannotStart
@@ -162,6 +163,7 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
         help="names a command or webhook to which each new picture is handed over",
     )
     add_audit_options(parser)
+    _add_cluster(parser)
     parser.add_argument(
         "--simulated-site",
         action="append",
@@ -184,6 +186,21 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_cluster(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--cluster",
+        action="append",
+        default=[],
+        metavar="URL",
+        help="address of NATS (nats:// or tls://, with user and password if it asks), by which"
+        " several hubs on one database are one; may repeat for the servers of one NATS",
+    )
+    said = "name of this hub among several (the machine's name and the port)"
+    parser.add_argument("--cluster-name", default="", metavar="NAME", help=said)
+    said = "certificate authorities of NATS (PEM); else the system's"
+    parser.add_argument("--cluster-ca", type=Path, metavar="FILE", help=said)
+
+
 def _make_settings(options: argparse.Namespace) -> Settings:
     # On loopback it is for development, or for a proxy on this machine that ends TLS.
     if options.plain and not is_loopback(options.host):
@@ -197,6 +214,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         raise CannotStart(f"--maps: {options.maps} is no folder", "name one, or leave it out")
     if options.alerts is not None and not options.alerts.is_dir():
         raise CannotStart(f"--alerts: {options.alerts} is no folder", "name one, or leave it out")
+    database_url = Settings.url_from(os.environ)
+    cluster = _read_cluster(options.cluster, database_url)
     return Settings(
         data=options.data,
         host=options.host,
@@ -207,7 +226,10 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         hosts=tuple(options.allow_host),
         proxies=_read_networks("--proxy", options.proxy),
         notify_networks=_read_networks("--notify-network", options.notify_network),
-        database_url=Settings.url_from(os.environ),
+        cluster=cluster,
+        cluster_name=options.cluster_name[:200],
+        cluster_ca=options.cluster_ca,
+        database_url=database_url,
         history_bytes=max(0, round(options.history_gb * 1e9)),
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
         sightings_days=max(0.0, options.sightings_days),
@@ -227,6 +249,29 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         audit_hub=options.audit_hub,
         simulated_sites=tuple(options.simulated_site),
     )
+
+
+def _read_cluster(addresses: Sequence[str], database_url: str) -> tuple[str, ...]:
+    # From the environment they come as one.
+    found = tuple(part for address in addresses for part in address.split(",") if part)
+    for address in found:
+        parts = urlsplit(address)
+        if parts.scheme not in {"nats", "tls"} or not parts.hostname:
+            # Not shown: it may hold a password.
+            raise CannotStart(
+                "--cluster: an address is none of NATS", "write it like nats://10.0.0.5:4222"
+            )
+        if parts.scheme == "nats" and parts.password and not is_loopback(parts.hostname):
+            raise CannotStart(
+                "--cluster: a password would go over the network in clear text",
+                "write tls:// instead of nats://",
+            )
+    if found and not database_url.startswith(("postgres", "mysql", "mariadb")):
+        raise CannotStart(
+            "--cluster needs a database that several hubs can use",
+            "set TALAIA_DATABASE_URL to one of PostgreSQL or MariaDB",
+        )
+    return found
 
 
 def _read_networks(option: str, texts: Sequence[str]) -> tuple[Network, ...]:

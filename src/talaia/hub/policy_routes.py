@@ -352,6 +352,9 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/sites/{site}/mission-runs"): AccessNeed.VIEW,
         ("POST", "/api/sites/{site}/mission-runs/act"): AccessNeed.USE,
     },
+    "hubs": {
+        ("GET", "/api/hubs"): AccessNeed.ADMIN,
+    },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,
@@ -361,6 +364,8 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/me/units"): AccessNeed.OWN,
         ("PUT", "/api/me/units"): AccessNeed.OWN,
         ("GET", "/api/health"): AccessNeed.OPEN,
+        # The same for load balancers.
+        ("GET", "/api/ready"): AccessNeed.OPEN,
         ("GET", "/api/openapi.json"): AccessNeed.ADMIN,
         # Lists what is open to the person, and no more.
         ("GET", "/api/devices"): AccessNeed.SESSION,

@@ -1,13 +1,23 @@
-"""What the hub expects of the parts it is given."""
+"""What the hub expects of the parts it is given; long, because all of it stands in one place."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, AsyncIterator, Collection, Mapping, Sequence
+    from collections.abc import (
+        AsyncGenerator,
+        AsyncIterator,
+        Collection,
+        Iterable,
+        Mapping,
+        Sequence,
+    )
+
+    from sqlalchemy.engine.interfaces import DBAPIConnection
 
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
+    from talaia.hub.cluster.peers import HubNotice
     from talaia.hub.history.queries.channels import StoredChannel
     from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
     from talaia.hub.history.queries.outliers import Outliers
@@ -15,12 +25,14 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.storage import Storage
+    from talaia.hub.store.database import Database
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
 __all__ = [
     "AnomalyReport",
     "AnomalySink",
+    "ClusterSeat",
     "DetectorSink",
     "History",
     "SightingEvent",
@@ -188,6 +200,36 @@ class History(Protocol):
         With a ``width``, it holds what a chart of so many pixels shows, otherwise every sample.
         What is held at once does not grow with the window.
         """
+        ...
+
+
+class ClusterSeat(Protocol):
+    """This hub's place among several on one database."""
+
+    @property
+    def connected(self) -> bool:
+        """Whether the hubs can hear each other."""
+        ...
+
+    def check_connection(self, connection: DBAPIConnection, record: object) -> None:
+        """Refuse a new connection to the database unless this hub leads."""
+        ...
+
+    async def claim_lead(self, database: Database, seal_hash: str) -> None:
+        """Write down that this hub leads now; called once the tables are up to date.
+
+        Raises:
+            CannotStart: it does not fit the others.
+
+        """
+        ...
+
+    def own_notice(self) -> HubNotice:
+        """Say how this hub stands."""
+        ...
+
+    def heard_hubs(self) -> Iterable[tuple[HubNotice, int]]:
+        """Give how the others stand, and when each was heard last (monotonic ns)."""
         ...
 
 

@@ -14,7 +14,7 @@ import os
 import signal
 import socket
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import uvicorn
 import uvloop
@@ -40,6 +40,8 @@ from talaia.hub.live.gc_schedule import collect_at_rest
 from talaia.hub.lock import hub_lock
 from talaia.hub.settings import is_loopback
 from talaia.hub.store.backup import take_restored
+from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.lead.only_hub import hold_only_hub
 from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.log_setup import set_up_log
 from talaia.resource_usage import report_usage_on_signal
@@ -51,7 +53,9 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Callable, Iterator, Sequence
 
-    from talaia.hub.app import Hub
+    from starlette.types import ASGIApp
+
+    from talaia.clock import Clock
     from talaia.hub.settings import Network, Settings
     from talaia.service_manager import ServiceManager
 
@@ -60,6 +64,42 @@ __all__ = ["HubServer", "renew_certificate", "serve_hub", "server_of"]
 _LOG = logging.getLogger(__name__)
 # Between two looks at the certificate (s); it is due 30 days before its end.
 _RENEW_S = 3600.0
+
+
+class Superseded(HubError):
+    """Another hub leads now; this process is to begin anew."""
+
+
+class ServedHub(Protocol):
+    """What a process asks of a hub, whether it is alone or one of several."""
+
+    @property
+    def settings(self) -> Settings:
+        """All that was chosen for it."""
+        ...
+
+    @property
+    def asgi(self) -> ASGIApp:
+        """What is served."""
+        ...
+
+    @property
+    def judging(self) -> bool:
+        """Whether alarms are being judged, where that is this hub's to do."""
+        ...
+
+    @property
+    def setup_token(self) -> str | None:
+        """What opens the set-up page, while there is nobody yet."""
+        ...
+
+    def is_driven(self) -> bool:
+        """Tell whether somebody has control of a device."""
+        ...
+
+    def cached_bytes(self) -> int:
+        """Give the memory of what may be asked for again (bytes)."""
+        ...
 
 
 class HubServer(uvicorn.Server):
@@ -110,7 +150,7 @@ class HubServer(uvicorn.Server):
         return protocol
 
 
-def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServer:
+def server_of(hub: ServedHub, on_ready: Callable[[], None] = lambda: None) -> HubServer:
     """Make the server of a hub; run it with ``serve(sockets=[…])``."""
     settings = hub.settings
     # Made at the first start, so that the hub answers over TLS without any set-up.
@@ -164,6 +204,10 @@ def serve_hub(settings: Settings, log_level: str = "info", log_format: str = "au
     try:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(_serve_hub(settings))
+    except Superseded:
+        # All of it anew: what is in memory is of the past, and threads of it may be stuck.
+        words = [sys.executable, "-m", "talaia", *sys.argv[1:]]
+        os.execv(sys.executable, words)  # noqa: S606 - ourselves
     except HubError as error:
         # A sentence with what to do, and no traceback: it is nothing that went wrong in the hub.
         sys.stderr.write(f"talaia hub: {error}\n")
@@ -179,16 +223,51 @@ async def _serve_hub(settings: Settings) -> None:
             f"the data folder {settings.data} cannot be written", "choose another with --data"
         )
     # Two hubs on one folder would both write the history.
-    with hub_lock(settings.data):
-        await _serve_alone(settings)
-
-
-async def _serve_alone(settings: Settings) -> None:
     clock = SystemClock()
-    # Before the look for damage: what is looked at must be what the hub then opens.
-    take_restored(settings.data, clock)
-    set_aside_if_damaged(settings.url, clock)
-    hub = build_hub(settings, clock)
+    if settings.cluster:
+        await _serve_among_others(settings, clock)
+        return
+    with hub_lock(settings.data):
+        # Before the look for damage: what is looked at must be what the hub then opens.
+        take_restored(settings.data, clock)
+        set_aside_if_damaged(settings.url, clock)
+        await _serve_alone(settings, clock)
+
+
+async def _serve_among_others(settings: Settings, clock: Clock) -> None:
+    """Serve as one of several hubs; which of them leads, the database says."""
+    # Only here: a hub that is alone imports nothing of it.
+    from talaia.hub.cluster_run import ClusterHub
+
+    hub = ClusterHub(settings, clock)
+    await _serve_until_told(hub, hub.ended)
+    if hub.failure is not None:
+        raise hub.failure
+    if hub.ended.is_set():
+        raise Superseded("another hub leads now")
+
+
+async def _serve_alone(settings: Settings, clock: Clock) -> None:
+    """Serve as the only hub of a database; a file is kept by the data folder's lock already."""
+    if not parse_database_url(settings.url).dialect.is_server:
+        await _serve_until_told(build_hub(settings, clock))
+        return
+    hub, lost = build_hub(settings, clock), asyncio.Event()
+    loop = asyncio.get_running_loop()
+
+    def tell_lost() -> None:
+        loop.call_soon_threadsafe(lost.set)
+
+    async with hold_only_hub(settings.url, tell_lost):
+        await _serve_until_told(hub, lost)
+    if lost.is_set():
+        raise CannotStart(
+            "another hub uses this database", "start both with --cluster to make them one"
+        )
+
+
+async def _serve_until_told(hub: ServedHub, ended: asyncio.Event | None = None) -> None:
+    settings = hub.settings
     # A port that is taken is told now, before the database is opened and migrated.
     with _listen_socket(settings) as listener:
         port = listener.getsockname()[1]
@@ -205,6 +284,8 @@ async def _serve_alone(settings: Settings) -> None:
             asyncio.create_task(collect_at_rest(hub.is_driven)),
             asyncio.create_task(keep_service_manager(hub, manager)),
         ]
+        if ended is not None:
+            beside.append(asyncio.create_task(_stop_when(ended, server)))
         try:
             await server.serve(sockets=[listener])
         finally:
@@ -216,13 +297,18 @@ async def _serve_alone(settings: Settings) -> None:
             raise CannotStart("the hub did not start", "its log above says why")
 
 
-async def keep_service_manager(hub: Hub, manager: ServiceManager) -> None:
+async def _stop_when(ended: asyncio.Event, server: HubServer) -> None:
+    await ended.wait()
+    server.should_exit = True
+
+
+async def keep_service_manager(hub: ServedHub, manager: ServiceManager) -> None:
     """Feed the service manager's watchdog for as long as alarms are being judged."""
     # Several times in each period, so that one late turn of the loop ends nothing.
     while manager.watchdog_s:
         await asyncio.sleep(min(1.0, manager.watchdog_s / 4))
         # A loop that turns while alarms stand still is not well: then it is started anew.
-        if hub.alarms.engine.judging:
+        if hub.judging:
             manager.feed_watchdog()
 
 
@@ -280,7 +366,7 @@ def _listen_socket(settings: Settings) -> socket.socket:
     return listener
 
 
-def _announce_hub(hub: Hub, port: int, manager: ServiceManager) -> None:
+def _announce_hub(hub: ServedHub, port: int, manager: ServiceManager) -> None:
     settings = hub.settings
     host = "localhost" if is_loopback(settings.host) else settings.host
     address = f"{'http' if settings.plain else 'https'}://{host}:{port}"
@@ -288,10 +374,10 @@ def _announce_hub(hub: Hub, port: int, manager: ServiceManager) -> None:
     if not settings.plain:
         cert = own_certificate(settings, _utc_now()).cert
         lines.append(f"certificate: {certificate_fingerprint(cert)} (SHA-256)")
-    if hub.people.setup_token:
+    if hub.setup_token:
         lines.append(
             # After the #, which browsers do not send: so the token is in no proxy's log.
-            f"set up the first admin within a day: {address}/setup#{hub.people.setup_token}"
+            f"set up the first admin within a day: {address}/setup#{hub.setup_token}"
         )
     sys.stdout.write("\n".join(lines) + "\n")
     # Whoever reads this through a pipe waits for these lines.

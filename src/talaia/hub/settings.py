@@ -30,6 +30,9 @@ class Settings:
         cert: certificate chain (PEM); none makes one in ``data``.
         hosts: names besides localhost and ``host`` under which the hub is reached.
         proxies: reverse proxies that end TLS before this hub; their headers are believed.
+        cluster: addresses of NATS, by which several hubs are one; none: this hub is alone.
+        cluster_name: of this hub among them; empty: the machine's name and the port.
+        cluster_ca: authorities of NATS's certificate (PEM); none takes the system's.
         database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
         notify_networks: messages about alarms may go to these besides public addresses.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
@@ -74,6 +77,9 @@ class Settings:
     key: Path | None = None  # of ``cert``; both are given, or neither
     hosts: tuple[str, ...] = ()
     proxies: tuple[Network, ...] = ()
+    cluster: tuple[str, ...] = ()
+    cluster_name: str = ""
+    cluster_ca: Path | None = None
     database_url: str = ""
     notify_networks: tuple[Network, ...] = ()
     history_bytes: int = 0
@@ -121,6 +127,11 @@ class Settings:
     def url(self) -> str:
         """Give the database's URL; accounts and history are both there."""
         return self.database_url or f"sqlite:///{self.data.absolute() / 'talaia.db'}"
+
+    @property
+    def hub_name(self) -> str:
+        """The name of this hub among several."""
+        return self.cluster_name or f"{socket.gethostname()}:{self.port}"
 
     @property
     def host_names(self) -> frozenset[str]:

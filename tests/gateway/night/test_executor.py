@@ -95,9 +95,7 @@ def test_what_is_held_to_a_limit_waits_while_nobody_knows_and_says_so() -> None:
     world.until(lambda: "m31" in world.frames)
 
 
-def test_a_seeing_that_is_too_bad_in_the_centred_field_ends_the_try_before_a_frame() -> (
-    None
-):
+def test_a_seeing_that_is_too_bad_in_the_centred_field_ends_the_try_before_a_frame() -> None:
     world = PureObservatory(parts=BlockParts(solves=True))
     world.ask(request("m31", constraints=Constraints(max_seeing=2.0)))
     world.choice = lambda _question: "m31" if world.seeing is None else ""

@@ -29,6 +29,7 @@ from talaia.gateway.uplink.catchup import as_old
 from talaia.gateway.uplink.dialling import OutageLog
 from talaia.gateway.uplink.heartbeat import HeartbeatMonitor, reply_to
 from talaia.gateway.uplink.send_lanes import SendLanes
+from talaia.gateway.uplink.tls import HubTrust
 from talaia.wire.frames import LINK_FROM_GATEWAY, ControlTick, Event, SampleBatch, StopState
 
 if TYPE_CHECKING:
@@ -322,3 +323,30 @@ async def test_hub_that_stops_answering_is_left_after_three_beats(
         async with running(hub.url, tmp_path, QUIET):
             await hub.until(lambda: len(hub.hellos) >= 2, "a second link")
     assert "has not answered for 3 s" in caplog.text
+
+
+def test_addresses_of_hubs_that_are_one_are_read_and_written() -> None:
+    hub = HubAddress.from_text("https://east:1/x, wss://west:2")
+    assert (hub.url, hub.others) == ("wss://east:1", ("wss://west:2",))
+    assert HubAddress.from_text(hub.text) == hub
+
+
+def test_addresses_of_which_some_are_in_clear_text_are_refused() -> None:
+    with pytest.raises(SettingsError, match="some of it is plain text"):
+        HubAddress.from_text("wss://hub:1,ws://127.0.0.1:1", allow_plain=True)
+
+
+def test_the_next_hub_is_dialled_once_for_each_loss_however_many_connections_see_it() -> None:
+    trust = HubTrust(HubAddress.from_text("wss://east:1,wss://west:2"))
+    # The link and the connection for pictures are lost with the hub that both had.
+    for _ in ("link", "pictures"):
+        trust.turn_away("wss://east:1")
+    assert trust.url == "wss://west:2"
+    trust.turn_away("wss://west:2")
+    assert trust.url == "wss://east:1"
+
+
+def test_one_hub_alone_is_dialled_again_and_again() -> None:
+    trust = HubTrust(HubAddress.from_text("wss://east:1"))
+    trust.turn_away("wss://east:1")
+    assert trust.url == "wss://east:1"

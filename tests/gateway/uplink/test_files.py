@@ -32,7 +32,7 @@ async def hand_over(
     prover = KeyProver(
         key=settings.key, site="test", path=settings.data / "place.json", on_disk=run
     )
-    await send_files(settings, HubTrust(settings.hub), prover, lanes=lanes, sending=sending)
+    await send_files(HubTrust(settings.hub), prover, lanes=lanes, sending=sending)
 
 
 async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_before(

@@ -140,7 +140,6 @@ async def test_a_gateway_that_waits_acts_on_stop_alone_and_is_linked_when_its_tu
             hub=HubAddress.from_text(hub.url, allow_plain=True), key=hub.key, data=tmp_path
         )
         link = HubLink(
-            settings=settings,
             trust=HubTrust(settings.hub),
             prover=prover_of(tmp_path, hub.key),
             clock=SystemClock(),

@@ -617,6 +617,8 @@ def _nobody(_actor: str, _about: str) -> bool:
 
 RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
+    ("GET", "/api/ready"): Recipe(plain()),
+    ("GET", "/api/hubs"): Recipe(plain()),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
     # There are people: the link is used up for everyone, and that is no matter of rights.
     ("POST", "/api/setup"): Recipe(

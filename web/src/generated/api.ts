@@ -2736,6 +2736,30 @@ export interface ClientProtocolShape {
   readonly brokers: readonly BrokerShape[];
 }
 
+/** All hubs that are one. ``problems`` say in words what is wrong; empty: all is well. */
+export interface HubList {
+  readonly clustered: boolean;
+  readonly bus: boolean;
+  readonly epoch: number;
+  readonly hubs: readonly HubShape[];
+  readonly problems: readonly string[];
+}
+
+/** One hub. Times in µs (UTC). */
+export interface HubShape {
+  readonly name: string;
+  readonly version: string;
+  readonly role: string;
+  readonly own: boolean;
+  readonly since_us: number;
+  readonly cpu: number;
+  readonly memory_bytes: number;
+  readonly database_ms: number;
+  readonly gateways: number;
+  readonly sockets: number;
+  readonly silent_s: number;
+}
+
 /** See `EnclosureCapabilities`; nothing is left open here. */
 export interface Capabilities {
   readonly has_shutter: boolean;

@@ -1,6 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, NewDisplay, NewWitnessedHub, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape, WitnessedHubList, WitnessedHubShape } from "../generated/api.js";
+import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, HubList, NewDisplay, NewWitnessedHub, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape, WitnessedHubList, WitnessedHubShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -127,6 +127,11 @@ export class AdminApi {
   /** @param search the filter, as in the address; see `pages/audit/query.ts` */
   audit(search: string, signal?: AbortSignal): Promise<AuditList> {
     return this.hub.request("GET", `/api/audit?${search}`, undefined, { signal });
+  }
+
+  /** The hubs that are one with this one; of one that is alone, that it is. */
+  hubs(): Promise<HubList> {
+    return this.hub.request("GET", "/api/hubs");
   }
 
   storage(): Promise<StorageShape> {

@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
 
     from talaia.clock import Clock
-    from talaia.gateway.settings import GatewaySettings
     from talaia.gateway.uplink.key_prover import KeyProver
     from talaia.gateway.uplink.pictures import PictureUplink
     from talaia.gateway.uplink.send_lanes import SendLanes
@@ -78,9 +77,7 @@ class HubMessageHandler(Protocol):
 
 
 @asynccontextmanager
-async def dial(
-    settings: GatewaySettings, trust: HubTrust, prover: KeyProver, path: str
-) -> AsyncIterator[ClientConnection]:
+async def dial(trust: HubTrust, prover: KeyProver, path: str) -> AsyncIterator[ClientConnection]:
     """Open a WebSocket to the hub; a loss inside the block becomes `LinkLost`.
 
     Raises:
@@ -88,23 +85,30 @@ async def dial(
         KeyRefused: it does not know our key.
 
     """
-    url = settings.hub.url + path
+    hub = trust.url
+    url = hub + path
     socket: ClientConnection | None = None
     try:
         # Twice the handshake: name lookup, TCP and TLS come before the WebSocket's own.
         async with asyncio.timeout(2 * HANDSHAKE_S):
             socket = await _connect(url, await trust.context(), prover, path)
         yield socket
+    except LinkLost:
+        # It ends, or is not well: of several hubs another one goes on.
+        trust.turn_away(hub)
+        raise
     except InvalidStatus as error:
         # The key itself is refused; dialling soon again cannot help.
         if error.response.status_code in (401, 403):
-            raise KeyRefused(error.response.status_code, settings.hub.url) from error
+            raise KeyRefused(error.response.status_code, hub) from error
+        trust.turn_away(hub)
         # 429 and 503: there is a hub, and it has no room now.
         if error.response.status_code in (429, 503):
             after_s = _seconds(error.response.headers.get("Retry-After", ""))
             raise RetryLater(f"{url} answers HTTP {error.response.status_code}", after_s) from error
         raise LinkLost(f"{url} answers HTTP {error.response.status_code}") from error
     except ConnectionClosed as error:
+        trust.turn_away(hub)
         reason = error.rcvd.reason if error.rcvd is not None and error.rcvd.reason else str(error)
         raise LinkLost(f"the hub closed the link: {reason}") from error
     except PeerError as error:
@@ -114,6 +118,7 @@ async def dial(
     except (OSError, TimeoutError, WebSocketException) as error:
         # The certificate may have been renewed: look at it again before the next dial.
         trust.forget()
+        trust.turn_away(hub)
         raise LinkLost(f"{url} cannot be reached: {str(error) or type(error).__name__}") from error
     finally:
         if socket is not None:
@@ -198,7 +203,6 @@ class HubLink:
     def __init__(
         self,
         *,
-        settings: GatewaySettings,
         trust: HubTrust,
         prover: KeyProver,
         clock: Clock,
@@ -207,8 +211,7 @@ class HubLink:
         handler: HubMessageHandler,
     ) -> None:
         """Take what to send and who acts on what comes."""
-        self._settings = settings  # The hub's address and our key.
-        self._trust = trust  # How the hub proves itself.
+        self._trust = trust  # Where the hub is, and how it proves itself.
         self._prover = prover  # How we do.
         self._clock = clock  # Monotonic, for beats and freezes.
         self._lanes = lanes  # Everything that goes out.
@@ -229,7 +232,7 @@ class HubLink:
         try:
             # The hub may have been updated since the last link.
             self._prover.forget_hub()
-            async with dial(self._settings, self._trust, self._prover, "/gateway/link") as socket:
+            async with dial(self._trust, self._prover, "/gateway/link") as socket:
                 beats = HeartbeatMonitor(self._clock.monotonic_ns())
                 await socket.send(LINK_FROM_GATEWAY.encode(hello))
                 welcome = await self._answer(socket, beats)
@@ -242,7 +245,7 @@ class HubLink:
                 # Lanes before the handler, for it sends at once how things stand.
                 self._lanes.link_up()
                 self._handler.link_up(welcome)
-                log.info("linked to %s", self._settings.hub.url)
+                log.info("linked to %s", self._trust.url)
                 tasks = [
                     asyncio.ensure_future(self._read(socket, beats)),
                     asyncio.ensure_future(self._write(socket)),
@@ -362,7 +365,6 @@ class HubLink:
 
 async def run_media(
     *,
-    settings: GatewaySettings,
     trust: HubTrust,
     prover: KeyProver,
     clock: Clock,
@@ -375,7 +377,7 @@ async def run_media(
         LinkLost: always, with the reason.
 
     """
-    async with dial(settings, trust, prover, "/gateway/media") as socket:
+    async with dial(trust, prover, "/gateway/media") as socket:
         beats = HeartbeatMonitor(clock.monotonic_ns())
         pictures.link_up()
         up()

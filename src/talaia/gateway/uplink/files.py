@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.client import ClientConnection
 
-    from talaia.gateway.settings import GatewaySettings
     from talaia.gateway.uplink.key_prover import KeyProver
     from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import ArchiveOffer, FileOffer, FilmOffer
@@ -93,7 +92,6 @@ class _Unknown(Exception):
 
 
 async def send_files(
-    settings: GatewaySettings,
     trust: HubTrust,
     prover: KeyProver,
     *,
@@ -103,8 +101,7 @@ async def send_files(
     """Hand over all that waits; returns when nothing does.
 
     Args:
-        settings: where the hub is, and who we are.
-        trust: how the hub proves itself.
+        trust: where the hub is, and how it proves itself.
         prover: how we do.
         lanes: what waits; what stands first goes first, and in the middle of the others.
         sending: see there.
@@ -116,7 +113,7 @@ async def send_files(
     # Nothing waits: no connection is opened only to be closed.
     if await _next(lanes) is None:
         return
-    async with dial(settings, trust, prover, "/gateway/files") as socket:
+    async with dial(trust, prover, "/gateway/files") as socket:
         sending.up()
         left = list(lanes)
         while (found := await _next(left)) is not None:

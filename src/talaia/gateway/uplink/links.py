@@ -109,7 +109,6 @@ async def keep_link(
     """
     settings, clock = hub.settings, hub.clock
     link = HubLink(
-        settings=settings,
         trust=hub.trust,
         prover=hub.prover,
         clock=clock,
@@ -192,7 +191,6 @@ async def keep_media(hub: HubConnection, pictures: PictureUplink) -> None:
 
     async def once() -> None:
         await run_media(
-            settings=hub.settings,
             trust=hub.trust,
             prover=hub.prover,
             clock=hub.clock,
@@ -240,7 +238,7 @@ async def keep_files(
     sending = TransferCallbacks(lambda: lanes.busy, up, refused)
 
     async def once() -> None:
-        await send_files(hub.settings, hub.trust, hub.prover, lanes=files, sending=sending)
+        await send_files(hub.trust, hub.prover, lanes=files, sending=sending)
 
     def waiting() -> bool:
         return any(file.source.offers() for file in files)

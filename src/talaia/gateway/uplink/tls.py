@@ -29,7 +29,20 @@ class HubTrust:
     def __init__(self, hub: HubAddress) -> None:
         """Take the address and how it is to be trusted."""
         self._hub = hub  # Address, and fingerprint or CA if there is one.
+        self._urls = (hub.url, *hub.others)  # Of hubs that are one.
+        self._at = 0  # Which of them is dialled.
         self._context: ssl.SSLContext | None = None  # Made at the first dial, kept until `forget`.
+
+    @property
+    def url(self) -> str:
+        """The address to dial: of the hub that was reached last, or the next in turn."""
+        return self._urls[self._at]
+
+    def turn_away(self, url: str) -> None:
+        """Dial another hub next time, if there is one; unless somebody has seen to it already."""
+        if url == self.url:
+            self._at = (self._at + 1) % len(self._urls)
+            self.forget()
 
     async def context(self) -> ssl.SSLContext | None:
         """Give the context; none for plain text.
@@ -58,7 +71,7 @@ class HubTrust:
         found = hashlib.sha256(shown).hexdigest()
         if not has_fingerprint(shown, self._hub.fingerprint):
             raise LinkLost(
-                f"{self._hub.url} shows the certificate {found}, which is not the one that this "
+                f"{self.url} shows the certificate {found}, which is not the one that this "
                 f"gateway knows ({self._hub.fingerprint}); if the hub was set up anew, enrol this "
                 "gateway again with a code from its page, else somebody stands between"
             )
@@ -71,7 +84,8 @@ class HubTrust:
             LinkLost: the hub is not there, or speaks no TLS.
 
         """
-        parts = urlsplit(self._hub.url)
+        url = self.url
+        parts = urlsplit(url)
         # Nothing is verified here and nothing is sent: the certificate is only looked at.
         looking = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         looking.check_hostname = False
@@ -83,7 +97,7 @@ class HubTrust:
                 )
         except (OSError, TimeoutError) as error:
             reason = str(error) or "no answer"
-            raise LinkLost(f"{self._hub.url} cannot be reached: {reason}") from error
+            raise LinkLost(f"{url} cannot be reached: {reason}") from error
         try:
             peer: ssl.SSLObject = writer.get_extra_info("ssl_object")
             return peer.getpeercert(binary_form=True) or b""

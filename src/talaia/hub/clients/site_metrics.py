@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from talaia.hub.auth.permissions import Grants
+    from talaia.hub.cluster.peers import HubNotice
     from talaia.hub.live.alarms.alarm_state import LiveAlarm
     from talaia.hub.live.sites import LiveSite
     from talaia.model.site import Channel, Signal
@@ -40,12 +41,14 @@ class HubFigures(NamedTuple):
         version: of Talaia.
         pages: that are connected now.
         clients: of other tools that are connected now, by protocol.
+        hubs: those that are one with this one, and itself; empty: it is alone.
 
     """
 
     version: str
     pages: int
     clients: dict[str, int]
+    hubs: Sequence[HubNotice] = ()
 
 
 class ScrapeRequest(NamedTuple):
@@ -103,6 +106,33 @@ def _hub_metrics(hub: HubFigures) -> Iterator[Metric]:
     for protocol, count in hub.clients.items():
         clients.add_metric([protocol], count)
     yield clients
+    if hub.hubs:
+        yield from _cluster_metrics(hub.hubs)
+
+
+def _cluster_metrics(hubs: Sequence[HubNotice]) -> Iterator[Metric]:
+    leads = GaugeMetricFamily(
+        "talaia_hub_leads", "1 for the hub that leads, 0 for one that waits", labels=["hub"]
+    )
+    gateways = GaugeMetricFamily(
+        "talaia_hub_gateways", "Links of gateways that came in at a hub", labels=["hub"]
+    )
+    sockets = GaugeMetricFamily(
+        "talaia_hub_sockets", "Other sockets that came in at a hub", labels=["hub"]
+    )
+    cores = GaugeMetricFamily("talaia_hub_cpu_cores", "Cores that a hub takes", labels=["hub"])
+    memory = GaugeMetricFamily("talaia_hub_memory_bytes", "Memory of a hub", labels=["hub"])
+    database = GaugeMetricFamily(
+        "talaia_hub_database_seconds", "How long the database takes to answer", labels=["hub"]
+    )
+    for notice in hubs:
+        leads.add_metric([notice.name], notice.leads)
+        gateways.add_metric([notice.name], notice.gateways)
+        sockets.add_metric([notice.name], notice.sockets)
+        cores.add_metric([notice.name], notice.cpu)
+        memory.add_metric([notice.name], notice.memory_bytes)
+        database.add_metric([notice.name], notice.database_ms / 1000)
+    yield from (leads, gateways, sockets, cores, memory, database)
 
 
 def _gateway_metrics(sites: Sequence[LiveSite]) -> Iterator[Metric]:

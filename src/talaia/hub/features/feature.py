@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
     from talaia.hub.policy import AccessNeed
+    from talaia.hub.ports import ClusterSeat
     from talaia.hub.settings import Settings
 
 __all__ = ["BackgroundTask", "Core", "Feature"]
@@ -34,6 +35,8 @@ class Core:
     Attributes:
         settings: of this hub.
         clock: the time.
+        seat: this hub's place among several; none: it is alone.
+        on_connect: looks at each new connection to the database; none: nobody need.
         database: for all that is kept, but the history.
         sites: the sites as they are now.
         browsers: the pages that are connected now.
@@ -44,8 +47,10 @@ class Core:
 
     """
 
-    def __init__(self, *, settings: Settings, clock: Clock) -> None:
-        """Build it; nothing is opened yet.
+    def __init__(
+        self, *, settings: Settings, clock: Clock, seat: ClusterSeat | None = None
+    ) -> None:
+        """Build it; nothing is opened yet. ``seat``: of this hub, where several are one.
 
         Raises:
             StoreError: the database's URL cannot be used.
@@ -54,7 +59,9 @@ class Core:
         self.settings = settings
         self.clock = clock
         # Checks the URL and connects to nothing yet.
-        self.database = Database(settings.url)
+        self.seat = seat
+        self.on_connect = None if seat is None else seat.check_connection
+        self.database = Database(settings.url, on_connect=self.on_connect)
         self.sites = Sites()
         self.browsers = Browsers()
         self.fanout = Fanout(self.sites, clock)
@@ -87,6 +94,9 @@ class Core:
         # Before the database: a key that cannot be read is told before anything is migrated.
         self.secret_box()
         await self.database.migrate()
+        if self.seat is not None:
+            purpose = "which hubs belong together"
+            await self.seat.claim_lead(self.database, self.secret_box().derive_key(purpose).hex())
 
     async def close(self) -> None:
         """Close the database."""

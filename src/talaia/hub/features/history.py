@@ -32,7 +32,9 @@ class HistoryFeature(Feature):
         """Keep samples in ``store``; none: in the database of the settings."""
         limits = HistoryLimits(bytes=core.settings.history_bytes)
         # With connections of its own: a long read must not hold up sessions or the log.
-        self.store = store or HistoryStore(core.settings.url, core.clock, limits)
+        self.store = store or HistoryStore(
+            core.settings.url, core.clock, limits, on_connect=core.on_connect
+        )
         # Sites of before, which are shown while their gateways are away.
         self._known_sites = OfflineSites(
             sites=core.sites, registry=registry, history=self.store, clock=core.clock

@@ -5,7 +5,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from sqlalchemy import create_engine
+from sqlalchemy import create_engine, event
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.hub.errors import StoreError
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Engine
 
-    from talaia.hub.store.database_url import Reach
+    from talaia.hub.store.database_url import OnConnect, Reach
 
 __all__ = ["READERS", "Checkpoints", "address_of", "open_engine"]
 
@@ -28,8 +28,8 @@ READERS = 4
 _CHECKPOINT_BYTES = 4 * 1024 * 1024
 
 
-def open_engine(url: str, *, writes: bool) -> Engine:
-    """Prepare connections; the database is not touched yet.
+def open_engine(url: str, *, writes: bool, on_connect: OnConnect | None = None) -> Engine:
+    """Prepare connections; the database is not touched yet. ``on_connect`` may refuse one.
 
     Raises:
         HistoryError: the URL cannot be read, or its driver is not installed.
@@ -49,6 +49,8 @@ def open_engine(url: str, *, writes: bool) -> Engine:
     except ImportError as error:
         missing = found.missing_driver(error)
         raise HistoryError(missing.problem, missing.remedy) from error
+    if on_connect is not None:
+        event.listen(engine, "connect", on_connect)
     found.dialect.prepare_history(engine, writes=writes)
     return engine
 

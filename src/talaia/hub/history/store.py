@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.storage import Storage
+    from talaia.hub.store.database_url import OnConnect
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
@@ -67,18 +68,24 @@ class HistoryStore:
     epoch (UTC).
     """
 
-    def __init__(self, url: str, clock: Clock, limits: HistoryLimits | None = None) -> None:
-        """Prepare for a SQLAlchemy URL with a synchronous driver; nothing is opened yet.
+    def __init__(
+        self,
+        url: str,
+        clock: Clock,
+        limits: HistoryLimits | None = None,
+        *,
+        on_connect: OnConnect | None = None,
+    ) -> None:
+        """Prepare for a SQLAlchemy URL with a synchronous driver; ``on_connect`` may refuse one.
 
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
 
         """
-        limits = limits or HistoryLimits()
-        address = address_of(url)
+        limits, address = limits or HistoryLimits(), address_of(url)
         # One connection that writes, and a few that read at the same time.
-        self._writing = open_engine(url, writes=True)
-        self._reading = open_engine(url, writes=False)
+        self._writing = open_engine(url, writes=True, on_connect=on_connect)
+        self._reading = open_engine(url, writes=False, on_connect=on_connect)
         self._limits = limits
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)

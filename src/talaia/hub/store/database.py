@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from sqlalchemy import Connection, inspect, text
+from sqlalchemy import Connection, event, inspect, text
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.ext.asyncio import create_async_engine
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sqlalchemy import Select
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
-    from talaia.hub.store.database_url import Reach
+    from talaia.hub.store.database_url import OnConnect, Reach
 
 __all__ = ["Database"]
 
@@ -36,8 +36,8 @@ _POOL_S = 5
 class Database:
     """Transactions that read, and transactions that write."""
 
-    def __init__(self, url: str) -> None:
-        """Prepare for ``url``; nothing is opened yet.
+    def __init__(self, url: str, *, on_connect: OnConnect | None = None) -> None:
+        """Prepare for ``url``; nothing is opened yet. ``on_connect`` may refuse a connection.
 
         Raises:
             StoreError: the URL cannot be read, or its driver is not installed.
@@ -47,6 +47,8 @@ class Database:
         self._reach = parse_database_url(url)
         # Connections that only read, as far as it knows.
         self._engine = _make_engine(self._reach)
+        if on_connect is not None:
+            event.listen(self._engine.sync_engine, "connect", on_connect)
         # The same connections; their transactions begin by waiting for the turn to write.
         self._writer = self._engine.execution_options(**{WRITES: True})
         # The same connections; for one query each, with no transaction around it.

@@ -16,11 +16,17 @@ from talaia.hub.errors import StoreError
 from talaia.hub.store.dialects.choice import MARIADB, find_dialect
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from sqlalchemy import URL
+    from sqlalchemy.engine.interfaces import DBAPIConnection
 
     from talaia.hub.store.dialects.dialect import Dialect
 
-__all__ = ["Reach", "parse_database_url"]
+    # Is given each new connection, before anything else uses it; raises to refuse it.
+    OnConnect = Callable[[DBAPIConnection, object], None]
+
+__all__ = ["OnConnect", "Reach", "parse_database_url"]
 
 _EXAMPLE = (
     "write it like postgresql://talaia@db.example/talaia, mariadb://talaia@db.example/talaia"

@@ -20,6 +20,7 @@ from talaia.hub.store import (
 )
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
+from talaia.hub.store.lead import lead_table as _lead_table
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ _ = (
     _alert_notice_tables,
     _board_tables,
     _history_tables,
+    _lead_table,
     _map_tables,
     _note_tables,
     _mission_tables,

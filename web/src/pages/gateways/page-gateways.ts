@@ -15,7 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import type { DeviceSummary, GatewayList, GatewayShape, OpenCodeShape } from "../../generated/api.js";
+import type { DeviceSummary, GatewayList, GatewayShape, HubList, OpenCodeShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
@@ -24,12 +24,14 @@ import "../../elements/feedback/empty.js";
 import "../admin-tabs.js";
 import "./enrol-form.js";
 import "./gateway-section.js";
+import "./hub-list.js";
 
 /** A gateway that comes or goes is seen this soon (s). */
 const AGAIN_S = 3;
 
 interface LoadedGateways extends GatewayList {
   readonly devices: readonly DeviceSummary[];
+  readonly hubs: HubList;
 }
 
 @customElement("t-page-gateways")
@@ -50,8 +52,9 @@ export class PageGateways extends LitElement {
   override willUpdate(): void {
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
     this.known.load(String(turn), async () => {
-      const [list, devices] = await Promise.all([new AdminApi(this.api).gateways(), this.api.devices()]);
-      return { ...list, devices };
+      const admin = new AdminApi(this.api);
+      const [list, devices, hubs] = await Promise.all([admin.gateways(), this.api.devices(), admin.hubs()]);
+      return { ...list, devices, hubs };
     });
   }
 
@@ -79,7 +82,8 @@ export class PageGateways extends LitElement {
   private renderContent(known: LoadedGateways): TemplateResult {
     const living = known.gateways.filter((row) => row.revoked_us === 0);
     const gone = known.gateways.filter((row) => row.revoked_us > 0);
-    return html`${this.renderCodes(known.codes)}
+    return html`<t-hub-list ?hidden=${!known.hubs.clustered} .list=${known.hubs}></t-hub-list>
+      ${this.renderCodes(known.codes)}
       ${living.length === 0
         ? html`<t-empty heading="No gateway yet" icon="unlinked">
             <p>Enrol one: you get a command to run beside the robot, with a code that works once.</p>

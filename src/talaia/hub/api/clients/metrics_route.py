@@ -9,24 +9,28 @@ from prometheus_client import CollectorRegistry, ProcessCollector
 from prometheus_client.exposition import choose_encoder
 
 from talaia import __version__
+from talaia.clock import SECOND
 from talaia.hub.api.access import who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
 from talaia.hub.clients.site_metrics import HubFigures, ScrapeRequest, collect_metrics
+from talaia.hub.cluster.peers import SILENT_S
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from prometheus_client.core import Metric
 
     from talaia.clock import Clock
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.clients.open_protocols import OpenProtocols
+    from talaia.hub.cluster.peers import HubNotice
     from talaia.hub.live.alarms.alarm_state import LiveAlarm
     from talaia.hub.live.pages.page_connections import Browsers
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.ports import ClusterSeat
 
 __all__ = ["MetricsRoute", "check_metrics_right"]
 
@@ -68,8 +72,10 @@ class MetricsRoute:
         browsers: Browsers,
         alarms_of: Callable[[str], Iterable[LiveAlarm]],
         clock: Clock,
+        seat: ClusterSeat | None = None,
     ) -> None:
         """All of it is where figures come from."""
+        self._seat = seat
         self._protocols = protocols
         self._sites = sites
         self._browsers = browsers
@@ -105,6 +111,7 @@ class MetricsRoute:
                 __version__,
                 sum(1 for _ in self._browsers),
                 {name: self._protocols.count_connected(name) for name in CLIENT_PROTOCOLS},
+                self._list_hubs(),
             ),
             self._sites,
             grants=who.grants,
@@ -115,3 +122,15 @@ class MetricsRoute:
         registry.register(_Figures(list(figures)))
         encoder, content_type = choose_encoder(request.headers.get("accept", ""))
         return Response(encoder(registry), media_type=content_type)
+
+    def _list_hubs(self) -> Sequence[HubNotice]:
+        """List the hubs that are there now; of one that is gone nothing is shown."""
+        seat, now_ns = self._seat, self._clock.monotonic_ns()
+        if seat is None:
+            return ()
+        heard = [
+            notice
+            for notice, heard_ns in seat.heard_hubs()
+            if now_ns - heard_ns <= SILENT_S * SECOND
+        ]
+        return [seat.own_notice(), *heard]

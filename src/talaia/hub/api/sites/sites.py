@@ -69,6 +69,7 @@ class SitePages:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/health")(self.health)
+        router.get("/api/ready")(self.ready)
         router.get("/api/sites")(self.overview)
         router.get("/api/devices")(self.devices)
         router.get("/api/commands")(self.commands)
@@ -78,6 +79,11 @@ class SitePages:
 
     async def health(self) -> Health:
         """Say that the hub answers; no more, since nobody has to be signed in."""
+        return Health(ok=True)
+
+    async def ready(self) -> Health:
+        """Say that requests may be sent here: for load balancers."""
+        # Of a hub that is one of several, `ClusterHub` answers before this.
         return Health(ok=True)
 
     async def overview(self, request: Request) -> list[SiteSummary]:

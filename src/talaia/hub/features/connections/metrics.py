@@ -32,6 +32,7 @@ class MetricsFeature(Feature):
             browsers=core.browsers,
             alarms_of=alarms.alarms_of,
             clock=core.clock,
+            seat=core.seat,
         )
         past = RemoteReadRoute(sites=core.sites, history=history)
         self.routers = [route.router(), past.router()]

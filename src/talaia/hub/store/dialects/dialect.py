@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from sqlalchemy import URL, Connection, Engine, Select, Table
     from sqlalchemy.sql.selectable import CompoundSelect
 
+    from talaia.hub.store.dialects.lead_words import LeadWords
+
     # A column's values, in the order of the rows.
     Values = Sequence[Any] | NDArray[Any]
     Query = Select[Any] | CompoundSelect[Any]
@@ -36,6 +38,7 @@ class Dialect(Protocol):
         is_server: it is reached over a network, and its disk is not ours.
         has_checkpoints: somebody has to keep its journal short.
         remedy: what to do when it cannot be opened.
+        lead: how it says which of several hubs leads; none: only one hub can use it.
 
     """
 
@@ -45,6 +48,7 @@ class Dialect(Protocol):
     is_server: bool
     has_checkpoints: bool
     remedy: str
+    lead: LeadWords | None
 
     # ── connections ──
 

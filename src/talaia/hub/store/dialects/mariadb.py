@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import case, event, func, or_, select, text
 
 from talaia.hub.errors import StoreDown
+from talaia.hub.store.dialects.lead_words import MARIADB_LEAD
 from talaia.hub.store.dialects.statement_words import (
     insert_head,
     parse_columns,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
+    from talaia.hub.store.dialects.lead_words import LeadWords
 
 __all__ = ["MariadbDialect"]
 
@@ -49,6 +51,7 @@ class MariadbDialect:
     is_server = True
     has_checkpoints = False
     remedy = "check that the server runs, and that the database and its user are there"
+    lead: LeadWords | None = MARIADB_LEAD
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
         """Bound the time it takes to be let in."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import String, Text, cast, event, func, select, text
 
+from talaia.hub.store.dialects.lead_words import POSTGRESQL_LEAD
 from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, parse_columns
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
+    from talaia.hub.store.dialects.lead_words import LeadWords
 
 __all__ = ["PostgresqlDialect"]
 
@@ -38,6 +40,7 @@ class PostgresqlDialect:
     is_server = True
     has_checkpoints = False
     remedy = "check that the server runs, and that the database and its user are there"
+    lead: LeadWords | None = POSTGRESQL_LEAD
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
         """Bound the time it takes to be let in, where the driver can."""

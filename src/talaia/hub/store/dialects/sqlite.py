@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from sqlalchemy.pool import ConnectionPoolEntry
 
     from talaia.hub.store.dialects.dialect import Query, Row, Values
+    from talaia.hub.store.dialects.lead_words import LeadWords
 
 __all__ = ["SqliteDialect", "copy_file"]
 
@@ -52,6 +53,7 @@ class SqliteDialect:
     is_server = False
     has_checkpoints = True
     remedy = "check that its folder exists and is writable"
+    lead: LeadWords | None = None
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
         """Let requests that were cut off give their locks back."""

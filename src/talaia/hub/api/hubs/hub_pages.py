@@ -1,0 +1,98 @@
+"""Which hubs there are, and how each is: for admins."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter
+
+from talaia.hub.api.guarded_routes import GuardedRoute
+from talaia.hub.api.hubs.hub_schemas import HubList, HubShape
+from talaia.hub.cluster.peers import SILENT_S, HubNotice
+
+if TYPE_CHECKING:
+    from talaia.clock import Clock
+    from talaia.hub.ports import ClusterSeat
+
+__all__ = ["HubPages"]
+
+# A database that takes longer slows everything (ms).
+_SLOW_MS = 250.0
+
+
+class HubPages:
+    """The route of hubs."""
+
+    def __init__(self, seat: ClusterSeat | None, clock: Clock) -> None:
+        """Answer by what ``seat`` hears of the others; none: this hub is alone."""
+        self._seat = seat
+        self._clock = clock
+
+    def make_router(self) -> APIRouter:
+        """Give the route."""
+        router = APIRouter(route_class=GuardedRoute)
+        router.get("/api/hubs")(self.hubs)
+        return router
+
+    async def hubs(self) -> HubList:
+        """List the hubs that are one, how each stands, and what is wrong with them."""
+        seat = self._seat
+        if seat is None:
+            return HubList(clustered=False, bus=False, epoch=0, hubs=[], problems=[])
+        own, now_ns = seat.own_notice(), self._clock.monotonic_ns()
+        hubs = [_shape(own, own=True, silent_s=0.0)]
+        for notice, heard_ns in seat.heard_hubs():
+            silent_s = max(0.0, (now_ns - heard_ns) / 1e9)
+            hubs.append(_shape(notice, own=False, silent_s=round(silent_s, 1)))
+        hubs.sort(key=lambda hub: hub.name)
+        return HubList(
+            clustered=True,
+            bus=seat.connected,
+            epoch=own.epoch,
+            hubs=hubs,
+            problems=_find_problems(hubs, bus=seat.connected),
+        )
+
+
+def _shape(notice: HubNotice, *, own: bool, silent_s: float) -> HubShape:
+    role = "leads" if notice.leads else "waits"
+    if notice.leaving:
+        role = "leaves"
+    if silent_s > SILENT_S:
+        role = "gone"
+    return HubShape(
+        name=notice.name,
+        version=notice.version,
+        role=role,
+        own=own,
+        since_us=notice.since_us,
+        cpu=notice.cpu,
+        memory_bytes=notice.memory_bytes,
+        database_ms=notice.database_ms,
+        gateways=notice.gateways,
+        sockets=notice.sockets,
+        # Of the bus that is away: nobody was heard.
+        silent_s=min(silent_s, 1e6),
+    )
+
+
+def _find_problems(hubs: list[HubShape], *, bus: bool) -> list[str]:
+    problems = []
+    if not bus:
+        problems.append("NATS is away: pages and gateways reach this hub only where it is itself")
+    living = [hub for hub in hubs if hub.role != "gone"]
+    problems += [
+        f"{hub.name} has not been heard for {hub.silent_s:.0f}\u202fs"
+        for hub in hubs
+        if hub.role == "gone" and bus
+    ]
+    if len(living) == 1:
+        problems.append("No other hub is there to take over")
+    if len({hub.version for hub in living}) > 1:
+        problems.append("The hubs are of different versions; go on with the upgrade")
+    problems += [
+        f"The database is slow for {hub.name}: {hub.database_ms:.0f}\u202fms"
+        for hub in living
+        if hub.database_ms > _SLOW_MS
+    ]
+    return problems

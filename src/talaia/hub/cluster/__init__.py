@@ -1,0 +1,1 @@
+"""Several hubs as one: who leads, and how requests reach it through the others."""

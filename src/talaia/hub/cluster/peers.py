@@ -1,0 +1,103 @@
+"""Which hubs are there, by what they said last. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+__all__ = ["BEAT_S", "SILENT_S", "HubNotice", "KnownHub", "Peers"]
+
+# A hub says so often that it is there (s), and counts as gone after this silence: no later than a
+# page takes a lost link for lost.
+BEAT_S = 0.5
+SILENT_S = 2.0
+# One that has gone is shown so long (s).
+_SHOWN_S = 86_400.0
+_MOST_KNOWN = 200
+
+
+class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
+    """What a hub says of itself.
+
+    Attributes:
+        hub: this run of it; another run has another name.
+        name: for people, as its start named it.
+        leads: it decides, and keeps everything; of two, the one with the higher ``epoch`` does.
+        epoch: how often the lead has changed, by the database, when it became the lead.
+        leaving: it ends; nothing new is to go there.
+        since_us: when it started (UTC, by its own clock).
+        cpu: share of a core that it takes.
+        memory_bytes: of its process.
+        database_ms: how long the database took to answer; 0: not known.
+        gateways: links of gateways that came in here.
+        sockets: all other sockets that came in here.
+
+    """
+
+    hub: str
+    name: str
+    version: str
+    leads: bool = False
+    epoch: int = 0
+    leaving: bool = False
+    since_us: int = 0
+    cpu: float = 0.0
+    memory_bytes: int = 0
+    database_ms: float = 0.0
+    gateways: int = 0
+    sockets: int = 0
+
+
+class KnownHub(NamedTuple):
+    """A hub, as it was heard last."""
+
+    notice: HubNotice
+    heard_ns: int
+
+
+class Peers:
+    """The other hubs."""
+
+    def __init__(self) -> None:
+        """Know none."""
+        self._known: dict[str, KnownHub] = {}
+
+    def __iter__(self) -> Iterator[KnownHub]:
+        """Go through all that were heard of, by name."""
+        return iter(sorted(self._known.values(), key=lambda known: known.notice.name))
+
+    def hear_notice(self, notice: HubNotice, now_ns: int) -> None:
+        """Take what a hub says (monotonic)."""
+        for hub, known in list(self._known.items()):
+            # The same place, started anew; or one of long ago.
+            replaced = known.notice.name == notice.name and hub != notice.hub
+            forgotten = now_ns - known.heard_ns > _SHOWN_S * 1e9
+            if forgotten or (replaced and now_ns - known.heard_ns > SILENT_S * 1e9):
+                del self._known[hub]
+        if notice.hub in self._known or len(self._known) < _MOST_KNOWN:
+            self._known[notice.hub] = KnownHub(notice, now_ns)
+
+    def silence_all(self) -> None:
+        """Take all as gone: the bus is, so nobody can be heard."""
+        self._known = {hub: KnownHub(known.notice, -(10**18)) for hub, known in self._known.items()}
+
+    def is_living(self, hub: str, now_ns: int) -> bool:
+        """Tell whether a hub was heard a moment ago."""
+        known = self._known.get(hub)
+        return known is not None and now_ns - known.heard_ns <= SILENT_S * 1e9
+
+    def find_lead(self, now_ns: int) -> HubNotice | None:
+        """Give the hub that leads; None: none is heard that does."""
+        leading = [
+            known.notice
+            for known in self._known.values()
+            if known.notice.leads
+            and not known.notice.leaving
+            and now_ns - known.heard_ns <= SILENT_S * 1e9
+        ]
+        # After a split two say so for a moment: the database knows only the newer one.
+        return max(leading, key=lambda notice: notice.epoch, default=None)

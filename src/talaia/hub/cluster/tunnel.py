@@ -1,0 +1,205 @@
+"""One request that is asked at one hub and answered by another: its messages, both ways.
+
+A request is what ASGI calls one: an HTTP request, or a WebSocket for as long as it stands. Its
+messages go as they are. A message that is lost leaves a hole in the numbers, and then the whole
+tunnel ends, at both ends: whoever is at it connects again and is told anew how things stand.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import msgspec
+
+from talaia.hub.cluster.frames import FrameKind, SequenceCheck, TunnelFrame, cut_pieces
+from talaia.hub.cluster.window import CreditWindow, TakenCount
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from talaia.hub.cluster.bus import BusLane
+
+    # As ASGI has it.
+    AsgiMessage = dict[str, Any]
+
+__all__ = ["TunnelBroken", "TunnelEnd", "TunnelName", "window_of"]
+
+# Bytes under way. Of a page's socket few: what does not go out yet is to be thinned, not to wait.
+_SOCKET_WINDOW = 64 * 1024
+_HTTP_WINDOW = 512 * 1024
+# A message whose pieces are put together here is no longer than this (bytes).
+_LONGEST = 64 * 1024 * 1024
+_NUMBER = msgspec.msgpack.Decoder(int)
+_MESSAGE = msgspec.msgpack.Decoder(dict[str, Any])
+
+
+class TunnelBroken(ConnectionError):
+    """The other end is gone, or something was lost on the way."""
+
+
+class TunnelName(NamedTuple):
+    """Which tunnel: by the other hub, and the number that the opening hub gave it."""
+
+    hub: str
+    number: int
+
+
+def window_of(kind: str) -> int:
+    """Give how many bytes may be under way of a request of this ASGI type."""
+    return _SOCKET_WINDOW if kind == "websocket" else _HTTP_WINDOW
+
+
+class TunnelEnd:
+    """One end of a tunnel; the other one is just like it.
+
+    Attributes:
+        name: which it is.
+        lane: by which its frames go.
+        kind: the request's ASGI type.
+
+    """
+
+    def __init__(
+        self,
+        name: TunnelName,
+        lane: BusLane,
+        kind: str,
+        *,
+        post: Callable[[TunnelName, BusLane, TunnelFrame], Awaitable[None]],
+    ) -> None:
+        """Send frames by ``post``."""
+        self.name, self.lane, self.kind = name, lane, kind
+        self._post = post
+        self._sent = 0
+        self._check = SequenceCheck()
+        self._window = CreditWindow(window_of(kind))
+        self._taken = TakenCount(window_of(kind))
+        # Set when there is room to send, or the end.
+        self._room = asyncio.Event()
+        self._room.set()
+        # Pieces of one message follow each other.
+        self._turn = asyncio.Lock()
+        # What has come and was not read, with its size; and the pieces of what is not whole yet.
+        self._come: deque[tuple[AsgiMessage, int]] = deque()
+        self._pieces: list[bytes] = []
+        self._news = asyncio.Event()
+        # Why nothing more comes; empty: a good end. None: it goes on.
+        self._over: str | None = None
+        self._ended = False
+
+    @property
+    def over(self) -> str | None:
+        """Why nothing more comes; empty after a good end, None while it goes on."""
+        return self._over
+
+    async def send_open(self, about: AsgiMessage) -> None:
+        """Begin: say what the request is about.
+
+        Raises:
+            TunnelBroken: it cannot be sent.
+
+        """
+        await self._send_frame(FrameKind.OPEN, msgspec.msgpack.encode(about))
+
+    async def send_message(self, message: AsgiMessage) -> None:
+        """Send one message; returns when there is room for another.
+
+        Raises:
+            TunnelBroken: the other end is gone.
+
+        """
+        data = msgspec.msgpack.encode(message)
+        async with self._turn:
+            # Before, not after: what is sent now is the newest there is.
+            while not self._window.has_room and self._over is None:
+                self._room.clear()
+                await self._room.wait()
+            for kind, piece in cut_pieces(data):
+                self._window.spend_bytes(len(piece))
+                await self._send_frame(kind, piece)
+
+    async def receive_message(self) -> AsgiMessage | None:
+        """Give the next message; None at the end."""
+        while not self._come:
+            if self._over is not None:
+                return None
+            self._news.clear()
+            await self._news.wait()
+        message, size = self._come.popleft()
+        told = self._taken.add_taken(size)
+        if told and self._over is None:
+            await self._send_frame(FrameKind.CREDIT, msgspec.msgpack.encode(told))
+        return message
+
+    async def end_tunnel(self, reason: str = "") -> None:
+        """Say that nothing more comes; whatever fails here, the other end finds out."""
+        if self._ended:
+            return
+        self._ended = True
+        try:
+            await self._send_frame(FrameKind.END, reason.encode())
+        except TunnelBroken:
+            pass
+        finally:
+            self._finish(reason)
+
+    def receive_frame(self, frame: TunnelFrame) -> None:
+        """Take a frame from the other end."""
+        if self._over is not None:
+            return
+        if not self._check.accept_number(frame.sequence):
+            self.break_off("something was lost between two hubs")
+            return
+        match frame.kind:
+            case FrameKind.PIECE | FrameKind.LAST:
+                self._add_piece(frame)
+            case FrameKind.CREDIT:
+                try:
+                    self._window.earn_bytes(_NUMBER.decode(frame.payload))
+                except msgspec.DecodeError:
+                    self.break_off("another hub sent nonsense")
+                self._room.set()
+            case FrameKind.END:
+                self._finish(frame.payload.decode(errors="replace"))
+            # One was opened already, and a notice has no tunnel.
+            case FrameKind.OPEN | FrameKind.NOTICE:
+                pass
+
+    def break_off(self, reason: str) -> None:
+        """End it here: nothing that is under way counts any more."""
+        self._come.clear()
+        self._finish(reason or "broken off")
+
+    def _add_piece(self, frame: TunnelFrame) -> None:
+        self._pieces.append(frame.payload)
+        size = sum(map(len, self._pieces)) if len(self._pieces) > 1 else len(frame.payload)
+        if size > _LONGEST:
+            self.break_off("a message of another hub is too long")
+        if frame.kind is not FrameKind.LAST or self._over is not None:
+            return
+        data = self._pieces[0] if len(self._pieces) == 1 else b"".join(self._pieces)
+        self._pieces.clear()
+        try:
+            self._come.append((_MESSAGE.decode(data), len(data)))
+        except msgspec.DecodeError:
+            self.break_off("another hub sent nonsense")
+        self._news.set()
+
+    def _finish(self, reason: str) -> None:
+        if self._over is None:
+            self._over = reason
+        self._news.set()
+        self._room.set()
+
+    async def _send_frame(self, kind: FrameKind, payload: bytes) -> None:
+        if self._over is not None:
+            raise TunnelBroken(self._over or "the other end has ended it")
+        frame = TunnelFrame(kind, self.name.number, self._sent, payload)
+        self._sent += 1
+        try:
+            await self._post(self.name, self.lane, frame)
+        except OSError as error:
+            self.break_off(str(error))
+            raise TunnelBroken(str(error)) from error

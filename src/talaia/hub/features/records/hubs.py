@@ -1,0 +1,23 @@
+"""The hubs that are one: what an admin sees of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.hubs.hub_pages import HubPages
+from talaia.hub.features.feature import Feature
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+
+__all__ = ["HubsFeature"]
+
+
+class HubsFeature(Feature):
+    """Which hubs there are; of one that is alone, that it is."""
+
+    name = "hubs"
+
+    def __init__(self, core: Core) -> None:
+        """Answer by the seat of this hub among the others, if there are any."""
+        self.routers = [HubPages(core.seat, core.clock).make_router()]

@@ -1,0 +1,1 @@
+"""Which of several hubs on one database leads."""

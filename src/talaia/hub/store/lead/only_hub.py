@@ -1,0 +1,45 @@
+"""One hub alone on a server's database: a second one is refused, unless both say ``--cluster``."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from talaia.hub.errors import CannotStart
+from talaia.hub.store.lead.lead_lock import LeadLock
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+__all__ = ["hold_only_hub"]
+
+# The server may not have seen yet that the hub before this one has ended (s).
+_WAIT_S = 5.0
+# Nobody waits for the lock of a hub that is alone (s).
+_LOOK_S = 1.0
+
+
+@asynccontextmanager
+async def hold_only_hub(url: str, lost: Callable[[], None]) -> AsyncIterator[None]:
+    """Have a server's database alone; ``lost`` is called, in a thread, when another one has it.
+
+    Raises:
+        CannotStart: another hub uses it.
+
+    """
+    taken = threading.Event()
+    lock = LeadLock(url, taken=taken.set, lost=lost, look_s=_LOOK_S)
+    lock.start_looking()
+    try:
+        await asyncio.to_thread(taken.wait, _WAIT_S)
+        # A database that does not answer is told of by whoever opens it.
+        if not taken.is_set() and lock.answered_ms:
+            raise CannotStart(
+                "another hub uses this database",
+                "end it, or start both with --cluster to make them one",
+            )
+        yield
+    finally:
+        await asyncio.to_thread(lock.stop_looking)

@@ -1,0 +1,51 @@
+"""Which hubs are there: by what they said last, and how long ago."""
+
+from hypothesis import given, strategies as st
+
+from talaia.hub.cluster.peers import SILENT_S, HubNotice, Peers
+
+S = 1_000_000_000
+SILENT_NS = round(SILENT_S * S)
+
+
+def notice(hub, **more) -> HubNotice:
+    return HubNotice(hub=hub, name=more.pop("name", hub), version="1", **more)
+
+
+def test_a_hub_that_leads_is_found_until_it_is_silent() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("a", leads=True, epoch=3), 0)
+    assert peers.find_lead(SILENT_NS).hub == "a"
+    assert peers.find_lead(SILENT_NS + 1) is None
+
+
+def test_a_hub_that_leaves_is_handed_nothing_more() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("a", leads=True, epoch=3), 0)
+    peers.hear_notice(notice("a", leads=True, epoch=3, leaving=True), 1)
+    assert peers.find_lead(2) is None
+
+
+@given(st.lists(st.tuples(st.sampled_from("abc"), st.integers(1, 9), st.booleans()), max_size=20))
+def test_of_two_that_lead_the_newer_one_does(said) -> None:
+    peers, newest = Peers(), {}
+    for at, (hub, epoch, leads) in enumerate(said):
+        peers.hear_notice(notice(hub, leads=leads, epoch=epoch), at)
+        newest[hub] = epoch if leads else 0
+    lead = peers.find_lead(len(said))
+    assert (lead.epoch if lead else 0) == max(newest.values(), default=0)
+
+
+def test_nobody_is_there_when_the_bus_is_gone() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("a", leads=True, epoch=3), 0)
+    peers.silence_all()
+    assert peers.find_lead(1) is None
+    assert not peers.is_living("a", 1)
+
+
+def test_a_hub_that_was_started_anew_stands_once_in_the_list() -> None:
+    peers = Peers()
+    peers.hear_notice(notice("run one", name="east"), 0)
+    peers.hear_notice(notice("run two", name="east"), SILENT_NS + 1)
+    assert [known.notice.hub for known in peers] == ["run two"]

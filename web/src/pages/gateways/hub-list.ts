@@ -1,0 +1,77 @@
+/** The hubs that are one: which leads, how each is, and what is wrong. */
+
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { base, quietText } from "../../elements/base/base-style.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { renderRows } from "../../elements/layout/rows.js";
+import type { HubList, HubShape } from "../../generated/api.js";
+import type { StatusKind } from "../../elements/feedback/status.js";
+import { hubFacts } from "./hub-facts.js";
+import "../../elements/feedback/banner.js";
+import "../../elements/feedback/status.js";
+
+const ROLES: Readonly<Record<string, readonly [StatusKind, string]>> = {
+  leads: ["online", "leads"],
+  waits: ["ok", "waits"],
+  leaves: ["busy", "leaves"],
+  gone: ["offline", "gone"],
+};
+
+@customElement("t-hub-list")
+export class HubListView extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    css`
+      :host([hidden]) {
+        display: none;
+      }
+      .name {
+        font-weight: var(--t-weight-strong);
+        overflow-wrap: anywhere;
+      }
+      .facts {
+        display: flex;
+        flex-wrap: wrap;
+        gap: 0 var(--t-space-4);
+        ${quietText}
+        font-variant-numeric: tabular-nums;
+      }
+    `,
+  ];
+
+  @property({ attribute: false }) list: HubList | null = null;
+
+  override render(): TemplateResult | typeof nothing {
+    const { list } = this;
+    // One that is alone has nothing to say here.
+    if (list?.clustered !== true) return nothing;
+    return html`<section class="sheet" aria-label="Hubs">
+      <h2>Hubs</h2>
+      ${map(list.problems, (problem) => html`<t-banner kind="warn">${problem}.</t-banner>`)}
+      ${renderRows(
+        list.hubs.map((hub) => ({ ...hub, id: hub.name })),
+        (hub) => renderHub(hub),
+      )}
+    </section>`;
+  }
+}
+
+function renderHub(hub: HubShape): TemplateResult {
+  const [kind, word] = ROLES[hub.role] ?? ["unknown", hub.role];
+  return html`<li>
+    <div>
+      <span class="name">${hub.name}</span>
+      <div class="facts">${map(hubFacts(hub, Date.now() * 1000), (fact) => html`<span>${fact}</span>`)}</div>
+    </div>
+    <t-status kind=${kind} word=${word}></t-status>
+  </li>`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-hub-list": HubListView;
+  }
+}
