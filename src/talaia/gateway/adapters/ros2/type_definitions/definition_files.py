@@ -60,8 +60,17 @@ def ros_prefixes() -> list[Path]:
 class FolderDefinitions:
     """``.msg``, ``.srv`` and ``.action`` files below folders."""
 
-    def __init__(self, files: Callable[[str, str, str], Iterator[Path]], source: str) -> None:
-        """Take what finds the file of a package, its kind (``msg``) and its name with ending."""
+    def __init__(
+        self,
+        files: Callable[[str, str, str], Iterator[Path]],
+        source: str,
+        installed: Callable[[str], TypeDefinition | None] | None = None,
+    ) -> None:
+        """Take what finds the file of a package, its kind (``msg``) and its name with ending.
+
+        ``installed`` gives types that have no file there, but are parts of one that has.
+        """
+        self._installed = installed
         self._files = files
         self._source = source
 
@@ -78,8 +87,10 @@ class FolderDefinitions:
         return cls(files, "an installed file")
 
     @classmethod
-    def of_folder(cls, folder: Path) -> FolderDefinitions:
-        """Look for ``package/msg/Name.msg`` anywhere below a folder.
+    def of_folder(
+        cls, folder: Path, installed: Callable[[str], TypeDefinition | None] | None = None
+    ) -> FolderDefinitions:
+        """Look for ``package/msg/Name.msg`` anywhere below a folder; for ``installed`` see there.
 
         Raises:
             BadDefinition: it cannot be read, or holds far too many files.
@@ -105,7 +116,7 @@ class FolderDefinitions:
             if path is not None:
                 yield path
 
-        return cls(files, f"the folder {folder}")
+        return cls(files, f"the folder {folder}", installed)
 
     def find(self, type_name: str) -> Iterable[TypeDefinition]:
         """See `DefinitionSource.find`."""
@@ -117,6 +128,11 @@ class FolderDefinitions:
                 continue
             read = self._read_parts(name)
             # One part without a text: the whole is described beside it, if it is installed.
+            # Of a workspace's own packages people name the folder; what those are made of is
+            # installed.
+            if read is None and name != type_name and self._installed is not None:
+                there = self._installed(name)
+                read = None if there is None else there.parts
             if read is None:
                 described = self._read_json(type_name)
                 return [] if described is None else [described]

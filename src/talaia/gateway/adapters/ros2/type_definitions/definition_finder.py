@@ -193,5 +193,5 @@ def _read(
 
 def _named_source(path: Path) -> DefinitionSource:
     if path.suffix not in (".mcap", ".db3") and not (path / "metadata.yaml").is_file():
-        return FolderDefinitions.of_folder(path)
+        return FolderDefinitions.of_folder(path, installed_definition)
     return RecordedDefinitions(path)
