@@ -60,7 +60,7 @@ def running_demo(*options: str) -> Iterator[tuple[str, dict[str, str], Path]]:
         [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", folder, *options],
         stdout=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
-    alarm = threading.Timer(60, process.kill)
+    alarm = threading.Timer(240, process.kill)
     alarm.start()
     said = ""
     for line in process.stdout or ():

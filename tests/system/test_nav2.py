@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import Iterator
 from importlib.util import find_spec
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from patience import ASK_S, PATIENCE_S, blocks_for
+from patience import PATIENCE_S, until_answered
 from shared_trust import usual_trust
 
 from talaia.client import Client
@@ -106,23 +107,28 @@ def start_mission(boss: httpx.Client, *goals: tuple[float, float]) -> None:
     steps = [{**step, "args": {"x": x, "y": y}} for x, y in goals]
     mission = {"name": "Round", "note": "", "steps": steps, "schedule": None}
     made = boss.post(MISSIONS, json={"mission": mission}).raise_for_status().json()["id"]
-    end = time.monotonic() + PATIENCE_S
-    # It begins once the robot was heard.
-    while (answer := boss.post(f"{MISSIONS}/{made}/start", json={})).status_code != 200:
-        assert time.monotonic() < end, answer.text
-        blocks_for(ASK_S)
+
+    async def begun() -> bool:
+        # It begins once the robot was heard.
+        answer = await asyncio.to_thread(boss.post, f"{MISSIONS}/{made}/start", json={})
+        return answer.status_code == 200
+
+    finish(until_answered(begun))
 
 
 def run_in(boss: httpx.Client, *states: str) -> dict:
     """Wait for the newest run to be in one of these states."""
-    end = time.monotonic() + PATIENCE_S
-    while True:
-        runs = boss.get(f"/api/sites/{SITE}/mission-runs").raise_for_status().json()["runs"]
-        if runs and runs[0]["state"] in states:
-            return runs[0]
-        assert time.monotonic() < end, str(runs[:1])
-        assert not runs or runs[0]["state"] in {"running", *states}, str(runs[0])
-        blocks_for(ASK_S)
+    found: dict = {}
+
+    async def ended() -> bool:
+        answer = await asyncio.to_thread(boss.get, f"/api/sites/{SITE}/mission-runs")
+        runs = answer.raise_for_status().json()["runs"]
+        found.update(runs[0] if runs else {})
+        assert found.get("state", "running") in {"running", *states}, str(found)
+        return found.get("state") in states
+
+    finish(until_answered(ended))
+    return found
 
 
 def test_a_mission_of_nav2_goals_ends_as_the_navigator_says(navigated, boss) -> None:
@@ -147,6 +153,19 @@ def script_of(boss: httpx.Client, navigated: Navigated) -> Client:
     }
     token = boss.post("/api/me/tokens", json=asked).raise_for_status().json()["token"]
     return Client(navigated.address, token)
+
+
+def test_a_goal_tells_how_much_of_the_way_is_behind_it(navigated, boss) -> None:
+    shares: list[float] = []
+    with script_of(boss, navigated) as client:
+        ended = client.call_command(
+            f"{SITE}/base/goto",
+            {"x": 2.0, "y": 0.0},
+            report=lambda told: shares.append(told.progress),
+        )
+    assert ended.phase == "succeeded"
+    assert shares == sorted(shares)
+    assert any(0.1 < share < 1 for share in shares)
 
 
 def test_stop_cancels_the_goal_at_the_navigator_and_ends_the_mission(navigated, boss) -> None:
