@@ -60,7 +60,7 @@ def running_demo(*options: str) -> Iterator[tuple[str, dict[str, str], Path]]:
         [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", folder, *options],
         stdout=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
-    alarm = threading.Timer(60, process.kill)
+    alarm = threading.Timer(240, process.kill)
     alarm.start()
     said = ""
     for line in process.stdout or ():
@@ -313,6 +313,37 @@ def drive(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(1500)
 
 
+def fleet(page: Page, address: str, _password: str) -> None:
+    """Choose a robot and a command, and show who would do it."""
+    page.goto(f"{address}/fleet")
+    page.get_by_role("checkbox", name="House vehicle").check()
+    command = page.get_by_role("region", name="Command", exact=True).get_by_role("combobox")
+    command.select_option(label="Vehicle base: Wander about (1 of 1)")
+    page.get_by_role("list", name="Who will do it").wait_for()
+    page.wait_for_timeout(500)
+
+
+def missions(page: Page, address: str, _password: str) -> None:
+    """Show a mission after its run, written once through the form's own way to the hub."""
+    page.goto(f"{address}/sites/agv/missions")
+    page.get_by_role("heading", name="Missions", exact=True).first.wait_for()
+    row = page.get_by_role("button", name="Start Morning round")
+    page.wait_for_timeout(1500)
+    if not row.is_visible():
+        answer = page.request.post(
+            f"{address}/api/sites/agv/missions",
+            data={"mission": ROUND},
+            headers={"Origin": address},
+        )
+        if not answer.ok:
+            raise SystemExit(answer.text())
+        page.reload()
+        row.click()
+        page.locator("summary").first.wait_for(timeout=120_000)
+    page.locator("summary").first.click()
+    page.wait_for_timeout(500)
+
+
 def night(page: Page, address: str, _password: str) -> None:
     """Show an observatory's night on one screen."""
     page.goto(f"{address}/sites/observatory/night")
@@ -540,10 +571,26 @@ def diagnostics(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(1500)
 
 
+# Off and on: it ends by itself.
+STEP = {
+    "kind": "command", "device": "base", "command": "wander", "units": {}, "condition": "",
+    "seconds": 60, "goes_on": False,
+}  # fmt: skip
+WAIT = {**STEP, "kind": "pause", "name": "", "device": "", "command": "", "args": {}, "seconds": 2}
+ROUND = {
+    "name": "Morning round",
+    "note": "A look at every room before the house wakes.",
+    "steps": [
+        {**STEP, "name": "Set off", "args": {"active": True}},
+        WAIT,
+        {**STEP, "name": "Stand still", "args": {"active": False}},
+    ],
+    "schedule": {"at": "06:30", "days": ["mon", "wed", "fri"], "date": ""},
+}
 PAGES = {
     "login": login, "home": home, "board": board, "live": live, "history": history, "drive": drive,
     "gallery": gallery, "devices": devices, "device": device, "objects": objects,
-    "sightings": sightings, "films": films, "night": night,
+    "sightings": sightings, "films": films, "night": night, "fleet": fleet, "missions": missions,
 }  # fmt: skip
 OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "power": power}
 ADMIN_PAGES = {

@@ -203,7 +203,7 @@ class Command(Shape, frozen=True, kw_only=True):
         role: what it does, by which pages find it: ``dome.open``, ``telescope.goto``; ``auto``
             takes what Talaia proposes, ``none`` has no role.
         progress: for an action: the path of a number in its feedback, or empty.
-        progress_end: the value of ``progress`` that means done.
+        progress_end: the value of ``progress`` that means done; 0 for one that counts down.
         fixed: request fields with values that the asker does not choose, by path.
         arguments: by argument name.
         ttl: not accepted within this time, it is refused (s).

@@ -271,7 +271,7 @@ def _check_stream(where: str, stream: Stream) -> Iterator[Finding]:
 
 def _check_command(where: str, command: Command) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", command.name)
-    yield from check_above(f"{where}.progress_end", command.progress_end, 0)
+    yield from at_least(f"{where}.progress_end", command.progress_end, 0)
     if command.progress:
         yield from field_fits(f"{where}.progress", command.progress)
         if command.kind is not CommandKind.ACTION:

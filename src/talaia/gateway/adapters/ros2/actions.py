@@ -8,7 +8,6 @@ one of rclpy's executors, and `WaitThread` is none.
 from __future__ import annotations
 
 import contextlib
-import math
 import uuid
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,6 +21,7 @@ from talaia.gateway.adapters.ros2.nodes.service_calls import ServiceCalls
 from talaia.gateway.adapters.ros2.requests import fill, outcome_of
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import CommandOutcome
+from talaia.gateway.samples.action_progress import ActionProgress
 from talaia.gateway.samples.field_paths import compile_getter
 from talaia.wire.frames import CommandPhase
 
@@ -43,12 +43,13 @@ MAX_GOALS = 1000
 class ActionGoal:
     """One goal of ours."""
 
-    def __init__(self, done: Callable[[CommandOutcome], None]) -> None:
+    def __init__(self, done: Callable[[CommandOutcome], None], progress_end: float = 1.0) -> None:
         """Give it a name that nobody else has."""
         self.id = uuid.uuid4()
         self.done = done
         self.accepted = False
         self.unwanted = False
+        self.progress = ActionProgress(progress_end)
 
 
 class ActionForm(NamedTuple):
@@ -78,7 +79,12 @@ def installed_form(command: Command, kind: Any, node: Any, thread: WaitThread) -
 
 
 class Ros2Action:
-    """One command that is an action."""
+    """One command that is an action.
+
+    Attributes:
+        progress_end: see `ActionProgress`.
+
+    """
 
     def __init__(self, command: Command, form: ActionForm, node: Any, thread: WaitThread) -> None:  # noqa: ANN401
         """Make its other client; feedback is heard from `hear_feedback` on."""
@@ -88,6 +94,7 @@ class Ros2Action:
         self._cancel = ServiceCalls(
             node, CancelGoal, f"{command.target}/_action/cancel_goal", thread
         )
+        self.progress_end = command.progress_end
         self._progress = compile_getter(command.progress) if command.progress else None
         # None until it is heard, and for good where it cannot be.
         self._subscription: Any = None
@@ -202,15 +209,14 @@ class Ros2Action:
         goal = self._goals.get(bytes(message.goal_id.uuid))
         if goal is None:
             return
-        scope = 0.0
+        share = 0.0
         if self._progress is not None:
             try:
                 value: Any = self._progress(message.feedback)
-                scope = float(value) / self._command.progress_end
+                share = goal.progress.share_of(float(value))
             except (FieldError, TypeError, ValueError):
-                scope = 0.0
-        scope = min(max(scope, 0.0), 1.0) if math.isfinite(scope) else 0.0
-        goal.done(CommandOutcome(CommandPhase.RUNNING, progress=scope))
+                share = 0.0
+        goal.done(CommandOutcome(CommandPhase.RUNNING, progress=share))
 
     def _ended(self, goal: ActionGoal, answer: Any) -> None:  # noqa: ANN401
         if self._goals.pop(goal.id.bytes, None) is None:

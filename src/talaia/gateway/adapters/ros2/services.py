@@ -250,7 +250,7 @@ class Ros2Commands:
     ) -> Callable[[], None] | None:
         """Begin from any thread; see `CommandTarget.act`. Jobs go to ``on_thread``."""
         action = self._actions.get(address)
-        goal = None if action is None else ActionGoal(done)
+        goal = None if action is None else ActionGoal(done, action.progress_end)
         on_thread(lambda: self._act(address, fields, done, goal))
         if action is None or goal is None:
             return None

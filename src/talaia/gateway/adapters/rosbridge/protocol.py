@@ -197,7 +197,8 @@ def outcome_of(said: ServerMessage) -> CommandOutcome:
 def progress_of(said: ServerMessage, command: Command) -> CommandOutcome:
     """Read the feedback of an action."""
     progress = 0.0
-    if command.progress:
+    # What counts down is told by its first value, which is not kept here.
+    if command.progress and command.progress_end:
         try:
             value = number_of(compile_getter(command.progress)(said.body), command.progress)
             progress = value / command.progress_end

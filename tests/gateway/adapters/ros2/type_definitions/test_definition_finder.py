@@ -62,6 +62,17 @@ def test_a_folder_and_a_recording_that_are_named_define_an_own_type(tmp_path: Pa
         assert type_hash(DefinitionFinder(named).find("own_msgs/msg/Joint", "", "/joint"))
 
 
+def test_a_folder_need_not_hold_the_installed_types_that_its_own_are_made_of(
+    tmp_path: Path,
+) -> None:
+    where = tmp_path / "nav2_msgs" / "action"
+    where.mkdir(parents=True)
+    text = "geometry_msgs/PoseStamped pose\n---\nuint16 code\n---\nfloat32 distance_remaining\n"
+    (where / "NavigateToPose.action").write_text(text)
+    found = DefinitionFinder(tmp_path).find_action("nav2_msgs/action/NavigateToPose", "/go")
+    assert "geometry_msgs/msg/PoseStamped" in found.send_goal.request.parts
+
+
 def test_what_the_robot_says_comes_before_files(tmp_path: Path) -> None:
     finder = DefinitionFinder(folder_with(tmp_path, TEXT))
     assert finder.find(ARM, type_hash(arm()), "/arm", arm()).source == "a robot"

@@ -182,11 +182,17 @@ class CommandRunner:
             self._report_outcome(call, "refused", f"the robot does not offer {asked['name']} now")
             return
 
+        farthest = [0.0]
+
         def on_feedback(feedback: Any) -> None:
             progress = 0.0
             if asked["progress"]:
                 try:
-                    progress = number_at(feedback, asked["progress"]) / asked["progress_end"]
+                    value, end = number_at(feedback, asked["progress"]), asked["progress_end"]
+                    # With 0 for its end it counts down from the greatest that it said.
+                    farthest[0] = max(farthest[0], value)
+                    away = farthest[0] or 1.0
+                    progress = value / end if end else (farthest[0] - value) / away
                 except (AttributeError, IndexError, TypeError, ValueError):
                     # Feedback without the field is a sign of life all the same.
                     progress = 0.0
