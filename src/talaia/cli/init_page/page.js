@@ -20,6 +20,7 @@ function spoken(text) {
 const answers = { name: "", unwanted: new Set(), names: {}, units: {}, stop_topic: "", confirmed: new Set() };
 const values = new Map();
 let asked = null;
+let reading = 0;
 
 function tick(path, label, changed) {
   const box = make("input", { type: "checkbox", checked: true, ariaLabel: `Take ${label}` });
@@ -179,6 +180,8 @@ async function send(event) {
   event.preventDefault();
   const button = document.querySelector("button.main");
   button.disabled = true;
+  // The program ends with the answer: a reading under way would be cut off.
+  clearInterval(reading);
   const body = JSON.stringify({
     name: answers.name,
     unwanted: [...answers.unwanted],
@@ -192,7 +195,6 @@ async function send(event) {
   try {
     const answer = await fetch("/answers", { method: "POST", headers: { "content-type": "application/json" }, body });
     if (answer.ok) {
-      clearInterval(reading);
       byId("form").hidden = true;
       byId("lead").hidden = true;
       byId("done-text").textContent = `${asked.output} is there. Next, in the terminal: talaia up ${asked.output}`;
@@ -206,6 +208,7 @@ async function send(event) {
     at.append(make("p", {}, "talaia init has ended; start it again in the terminal."));
   }
   button.disabled = false;
+  reading = setInterval(readValues, 1000);
 }
 
 asked = await (await fetch("/questions")).json();
@@ -226,4 +229,4 @@ if (asked.left_out.length > 0) {
 byId("form").addEventListener("submit", send);
 showCount();
 await readValues();
-const reading = setInterval(readValues, 1000);
+reading = setInterval(readValues, 1000);

@@ -156,6 +156,20 @@ def test_a_velocity_that_has_waited_in_the_pipe_is_not_published_and_a_zero_alwa
     assert outlet.published == [b"fast", b"zero"]
 
 
+def test_a_zero_leaves_the_wheels_as_they_were_told_last_and_not_as_of_the_past() -> None:
+    outlet = Outlet()
+    # Two letters of speed, one of the angle.
+    publisher = VelocityPublisher(outlet, b"00-", (2, 3))
+    now = time.monotonic_ns()
+    publisher.publish(b"99L", now)
+    publisher.publish(b"99R", now - STALE_NS - 1)
+    publisher.end_silence(0.0)
+    assert outlet.published == [b"99L", b"00L"]
+    publisher.publish(b"00L", now - 10 * STALE_NS)
+    publisher.end_silence(60.0)
+    assert outlet.published[2:3] == [b"00L"]
+
+
 def test_zeros_follow_a_velocity_that_nobody_renews_and_nothing_else() -> None:
     outlet = Outlet()
     publisher = VelocityPublisher(outlet, b"zero")

@@ -285,6 +285,8 @@ class Ros2Adapter:
     def _leave(self, context: Any) -> None:  # noqa: ANN401
         thread, self._thread = self._thread, None
         # First nobody publishes any more, then the thread ends, then the node goes.
+        if self._motion is not None:
+            self._motion.close()
         self._motion = self._commands = self._nodes = self._presence = None
         if thread is not None:
             thread.end()

@@ -53,6 +53,11 @@ class Ros2Motion:
         self._broken = False
         self.redescribe(scope)
 
+    def close(self) -> None:
+        """Look for no listeners any more; the node and its publishers end together."""
+        for bare in self._packageless.values():
+            bare.close()
+
     def redescribe(self, scope: ConnectionScope) -> None:
         """Make the publishers of devices whose driving is described anew; the others stay.
 

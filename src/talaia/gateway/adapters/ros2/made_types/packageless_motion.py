@@ -64,11 +64,15 @@ class PackagelessMotion:
         self._refused = ""
         self._finding = False
         self._closed = False
+        # Looks again in a while.
+        self._again: threading.Timer | None = None
         thread.run_soon(self._look)
 
     def close(self) -> None:
-        """End it."""
+        """End it; also before the node goes."""
         self._closed = True
+        if self._again is not None:
+            self._again.cancel()
         self._end_publisher()
 
     def publish(self, demand: VelocityDemand) -> None:
@@ -94,9 +98,13 @@ class PackagelessMotion:
         if not self._finding and self._node.context.ok():
             self._find()
         # Not by the wait set: it has no timers of its own.
-        again = threading.Timer(_LOOK_S, lambda: self._thread.run_soon(self._look))
-        again.daemon = True
-        again.start()
+        self._again = threading.Timer(_LOOK_S, self._look_soon)
+        self._again.daemon = True
+        self._again.start()
+
+    def _look_soon(self) -> None:
+        if not self._closed:
+            self._thread.run_soon(self._look)
 
     def _find(self) -> None:
         topic, type_name = self._rule.topic, self._rule.message.value

@@ -47,17 +47,18 @@ class VelocityPublisher:
         """Publish a velocity, unless it is of the past; zeros always."""
         with self._turn:
             now_ns = time.monotonic_ns()
-            # Of the message that is published now, also if it is of the past.
             begin, end = self._kept
-            self._zero = self._zero[:begin] + message[begin:end] + self._zero[end:]
+            zero = self._zero[:begin] + message[begin:end] + self._zero[end:]
             # The gateway says its own zeros: then there is nothing to end.
-            if message == self._zero:
+            if message == zero:
                 self._moving = False
             elif now_ns - made_ns > STALE_NS:
                 return
             else:
                 self._moving, self._zeros_until_s = True, 0.0
                 self._told_s = now_ns / 1e9
+            # As it stands from here on: what was of the past was never published.
+            self._zero = zero
             self._publisher.publish(message)
 
     def end_silence(self, silence_s: float = SILENCE_S) -> None:
