@@ -261,8 +261,9 @@ class NightService:
 
     @property
     def is_armed(self) -> bool:
-        """Whether the night may begin, or runs, by itself."""
-        return bool(self._executor.arming.armed_by)
+        """Whether the night may begin by itself, or has not brought roof and telescope to rest."""
+        arming = self._executor.arming
+        return bool(arming.armed_by) or arming.opened
 
     def look_once(self) -> None:
         """Let the executor go on by how things stand now."""
