@@ -29,6 +29,7 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
+from talaia.hub.api.causes import cause_schemas
 from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
@@ -97,6 +98,7 @@ SHAPES = (
     sighting_schemas,
     tap_schemas,
     map_schemas,
+    cause_schemas,
     note_schemas,
     tile_schemas,
     client_schemas,

@@ -78,7 +78,7 @@ export class AlarmBudget extends LitElement {
     this.loaded.load(`${String(due)} ${String(this.asked)}`, () => hub.showBudget());
   }
 
-  override render(): TemplateResult {
+  override render(): unknown {
     return renderLoaded(this.loaded, "how often they may cry", (budget) => this.renderBudget(budget));
   }
 
@@ -161,7 +161,8 @@ export function reasonOf({ a_week, basis, seen_s, needed_s, reading, others }: B
 }
 
 function daysOf(seconds: number): string {
-  if (seconds < 2 * DAY_S) return `${String(Math.floor(seconds / 360) / 10)} hours`;
+  const hours = Math.floor(seconds / 360) / 10;
+  if (seconds < 2 * DAY_S) return hours === 1 ? "one hour" : `${String(hours)} hours`;
   return `${String(Math.floor(seconds / DAY_S))} days`;
 }
 
