@@ -66,7 +66,7 @@ def test_a_week_to_come_has_as_many_false_alarms_as_asked_for(kind, count, weeks
         thresholds = site_thresholds(tails_of(seed, weeks, count, tail=kind), 1.0)
         coming = tails_of(1000 + seed, 1.0, count, tail=kind)
         found += alarms_of(coming, thresholds)
-    # Weeks in which 24 are due.
+    # Weeks in which 24 are due. After one week it is estimated, after three they are counted.
     assert 12 <= found <= 48
 
 

@@ -118,7 +118,9 @@ def site_thresholds(tails: Mapping[tuple[str, str], ScoreTail], a_week: float) -
 
 
 def _fit_tail(peaks: Sequence[Peak], blocks: int) -> _TailFit:
-    values = sorted((peak.greatest for peak in peaks if peak.greatest > 0.0), reverse=True)
+    # A long fault is one peak, however many hours it had.
+    there = [(peak.first, peak.last, peak.greatest) for peak in peaks if peak.greatest > 0.0]
+    values = _pool(there)
     if not values:
         # Nothing came near: whatever does is rarer than what was seen.
         return _TailFit(math.ulp(0.0), _HEAVY, 1, blocks)
@@ -143,10 +145,14 @@ def _rate_peaks(peaks: Sequence[Peak], blocks: int) -> list[tuple[int, int, floa
 
     By its own tail the greatest peak is never as rare as the next one of its kind will be.
     """
-    rated = []
-    parts = [peaks[at::2] for at in range(2)] if len(peaks) >= 2 * _FEWEST_PEAKS else [peaks, peaks]
-    for mine, others in (parts, parts[::-1]):
-        fit = _fit_tail(others, blocks // 2 if others is not peaks else blocks)
+    rated: list[tuple[int, int, float]] = []
+    # Every other day: what lasts for hours is on one side.
+    sides: tuple[list[Peak], list[Peak]] = ([], [])
+    for peak in peaks:
+        sides[peak.first // FEWEST_BLOCKS % 2].append(peak)
+    halved = min(len(side) for side in sides) >= _FEWEST_PEAKS
+    for mine, others in (sides, sides[::-1]):
+        fit = _fit_tail(others, max(1, blocks // 2)) if halved else _fit_tail(peaks, blocks)
         rated += [
             (peak.first, peak.last, fit.rareness(peak.greatest))
             for peak in mine
