@@ -142,7 +142,7 @@ export class PageCause extends LitElement {
         ${cause.unusual.length === 0
           ? html`<p class="quiet">No detector that you may see said anything unusual in that minute.</p>`
           : html`<ul class="rows">
-              ${map(cause.unusual, (one) => this.renderUnusual(one))}
+              ${map(cause.unusual, (row) => this.renderUnusual(row))}
             </ul>`}
         ${cause.may_use && cause.unusual.length > 0 ? this.renderKnow(cause) : nothing}
       </section>
@@ -196,7 +196,7 @@ export class PageCause extends LitElement {
       <t-field label="Known"><select @change=${this.onSubject}>${renderOptions(subjects, chosen)}</select></t-field>
       ${map(
         cause.states,
-        (one) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subject, one)}>Ignore while ${one.title} is ${one.name}</t-button>`,
+        (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subject, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,
       )}
       <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "confirmed", "")}>It was real</t-button>
       <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "forgiven", "")}>Not an anomaly</t-button>
@@ -209,13 +209,13 @@ export class PageCause extends LitElement {
       <ul class="rows">
         ${map(
           cause.known,
-          (one) =>
+          (row) =>
             html`<li>
               <div>
-                <div>${one.title} (${one.detector}) ${knownText(one)}</div>
-                <div class="quiet">${one.who}, ${formatClock(one.since_us, this.zone)}${one.comment === "" ? "" : `: ${one.comment}`}</div>
+                <div>${row.title} (${row.detector}) ${knownText(row)}</div>
+                <div class="quiet">${row.who}, ${formatClock(row.since_us, this.zone)}${row.comment === "" ? "" : `: ${row.comment}`}</div>
               </div>
-              ${cause.may_use ? html`<t-button ?disabled=${this.action.busy} label=${`Tell again: ${one.title}`} @click=${this.teller(one)}>Tell again</t-button>` : nothing}
+              ${cause.may_use ? html`<t-button ?disabled=${this.action.busy} label=${`Tell again: ${row.title}`} @click=${this.teller(row)}>Tell again</t-button>` : nothing}
             </li>`,
         )}
       </ul>
