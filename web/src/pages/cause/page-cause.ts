@@ -193,7 +193,7 @@ export class PageCause extends LitElement {
     const subject = cause.unusual.find(({ address, detector }) => `${address}~${detector}` === chosen);
     if (subject === undefined) return nothing;
     return html`<div class="known">
-      <t-field label="Known"><select @change=${this.onSubject}>${renderOptions(subjects, chosen)}</select></t-field>
+      <t-field label="Say of"><select @change=${this.onSubject}>${renderOptions(subjects, chosen)}</select></t-field>
       ${map(
         cause.states,
         (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subject, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,

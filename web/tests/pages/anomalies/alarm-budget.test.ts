@@ -20,6 +20,11 @@ describe("how often detectors may cry", () => {
     expect(reasonOf(BUDGET)).toBe("By 30 days of this site's past, and set anew as time passes.");
   });
 
+  it("says where it holds for no detector, and where nothing was seen", () => {
+    expect(reasonOf({ ...BUDGET, kept: 0, others: 2 })).toContain("No detector at work here can be kept to it");
+    expect(reasonOf({ ...BUDGET, basis: "learning", seen_s: 5 })).toContain("It has seen nothing yet.");
+  });
+
   it("says what is still being read, and what goes by its own bar", () => {
     expect(reasonOf({ ...BUDGET, reading: 1 })).toContain("The stored history of 1 detector is still being looked at.");
     expect(reasonOf({ ...BUDGET, others: 2 })).toContain("2 detectors go by bars of their own, and their anomalies come on top.");
