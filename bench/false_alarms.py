@@ -2,8 +2,8 @@
 
     PYTHONPATH=src:bench python bench/false_alarms.py [--seeds 1-5] [--a-week 1] [--weeks 1]
 
-The signals are made (see `made_sites`), a row every five seconds. A site learns for seven days; its
-thresholds are set from these by the same code as at the hub, and again after each day that follows.
+The signals are made (see `made_sites`), a row every ten seconds. A site learns for seven days; its
+thresholds are set from these by the same code as at the hub, and again after each hour.
 Every signal has `together`, every device a group of all its signals, as the switch makes them. A
 false alarm is an anomaly of a healthy site after the seven days; anomalies that overlap, or begin
 within a minute of each other, are one alarm.
@@ -167,7 +167,7 @@ def _try_fault(site: _Site, fault: Fault, first: int, seed: int) -> str:
     healthy = site.made.values[first : first + rows]
     rng = np.random.default_rng([seed, FAULTS.index(fault)])
     faulty = fault.plant(healthy.copy(), site.made.names, rng)
-    noise = _noise(site.made.values[first - 720 : first])
+    noise = _noise(site.made.values[first - 3600 // STEP_S : first])
     large = np.flatnonzero((np.abs(faulty - healthy) > 3 * noise).any(axis=1))
     if not len(large):
         return "no effect"
@@ -185,8 +185,11 @@ def _try_fault(site: _Site, fault: Fault, first: int, seed: int) -> str:
 
 def _place_of(made: MadeSite, fault: Fault, begin: int) -> int:
     """Find where the machine runs in the fault's way and goes on so for a while."""
-    stays = np.convolve(made.mode[begin:] == fault.mode, np.ones(150), "valid") >= 149
-    return begin + int(np.flatnonzero(stays)[0]) + 20
+    stays = (
+        np.convolve(made.mode[begin:] == fault.mode, np.ones(750 // STEP_S), "valid")
+        >= 750 // STEP_S - 1
+    )
+    return begin + int(np.flatnonzero(stays)[0]) + 100 // STEP_S
 
 
 def _run(kind: str, seed: int, a_week: float, weeks: int) -> tuple[int, list[tuple[str, str]]]:
@@ -196,20 +199,22 @@ def _run(kind: str, seed: int, a_week: float, weeks: int) -> tuple[int, list[tup
     site = _new_site(made)
     _live(site, 0, _LEARNED_DAYS * day)
     turns = []
-    for at in range(_LEARNED_DAYS, days):
+    hour = day // 24
+    for at in range(_LEARNED_DAYS * 24, days * 24):
         _adjust(site, a_week)
-        turns += _live(site, at * day, (at + 1) * day)
+        turns += _live(site, at * hour, (at + 1) * hour)
     alarms = _alarms(turns)
     for time_us, who in alarms:
         at = (time_us // 1_000_000 - int(made.time_s[0])) / DAY_S
-        print(f"    {kind} {seed}: false alarm on day {at:.2f}: {', '.join(sorted(set(who)))}")
+        print(f"    {kind} {seed}: day {at:.2f}: {', '.join(sorted(set(who)))}", flush=True)
     _adjust(site, a_week)
     results: list[tuple[str, str]] = []
     done = days * day
     faults = [fault for fault in FAULTS if fault.site == kind]
     # At noon or later of the day after, so that a night is there as well.
     places = sorted(
-        (_place_of(made, one, done + day // 3 + 37 * at), at) for at, one in enumerate(faults)
+        (_place_of(made, one, done + day // 3 + at * 180 // STEP_S), at)
+        for at, one in enumerate(faults)
     )
     for first, at in places:
         if first > done:

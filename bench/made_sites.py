@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 __all__ = ["DAY_S", "FAULTS", "STEP_S", "Fault", "MadeSite", "make_site"]
 
-STEP_S = 5
+STEP_S = 10
 DAY_S = 86_400
+# Rows of a minute, and of a slew.
+_MINUTE, _SLEW = 60 // STEP_S, 30 // STEP_S
 _BEGAN_S = 1_790_000_000 // DAY_S * DAY_S
 
 
@@ -87,7 +89,7 @@ def _shifts(rng: np.random.Generator, time_s: NDArray[np.int64]) -> NDArray[np.i
     at = 0
     while at < len(time_s):
         if not 6.0 <= hour[at] < 22.0:
-            length, what = 240, 0
+            length, what = 1200 // STEP_S, 0
         else:
             what = int(rng.choice([0, 1, 2], p=[0.12, 0.28, 0.6]))
             length = int(rng.uniform(*((600, 2400), (120, 900), (600, 3600))[what])) // STEP_S
@@ -103,7 +105,7 @@ def _vehicle(
     mode = _shifts(rng, time_s)
     driving = mode == 2
     # Speeds that are asked for, a new one every minute or so.
-    asked = np.repeat(rng.choice([0.3, 0.6, 0.9, 1.2], count // 12 + 1), 12)[:count]
+    asked = np.repeat(rng.choice([0.3, 0.6, 0.9, 1.2], count // _MINUTE + 1), _MINUTE)[:count]
     speed = _follow(np.where(driving, asked, 0.0), 8.0)
     turn = np.where(driving, _ar(rng, count, 20.0, 0.08), 0.0)
     wobble = np.where(driving, 1.0, 0.0)
@@ -156,7 +158,7 @@ def _observatory(
     dome = 1.5 + _follow(outside, 3000.0)
     mirror = 1.0 + _follow(outside, 7000.0)
     # Frames and slews at night: the telescope moves every few minutes, and the dome after it.
-    slewing = night & (np.repeat(rng.random(count // 6 + 1) < 0.08, 6)[:count])
+    slewing = night & (np.repeat(rng.random(count // _SLEW + 1) < 0.08, _SLEW)[:count])
     mode = np.where(night, 1, 0)
     cooler = 42 + 1.6 * (outside - 9) + 14 * (night - 0.5)
     seeing = np.exp(_ar(rng, count, 2000.0, 0.15) + rng.normal(0, 0.12, count))
@@ -257,7 +259,7 @@ def _slow_dome(values: Floats, names: tuple[str, ...], rng: np.random.Generator)
     motor = _at(names, "dome/motor")[0]
     # It turns for twice as long, and harder.
     turning = values[:, motor] > 1.0
-    longer = np.convolve(turning, np.ones(7))[: len(values)] > 0
+    longer = np.convolve(turning, np.ones(35 // STEP_S + 1))[: len(values)] > 0
     values[:, motor] = np.where(longer, 6.5, values[:, motor]) + rng.normal(0, 0.1, len(values))
     return values
 

@@ -31,6 +31,7 @@ from pydantic import BaseModel
 
 from talaia.hub.api.driving import drive_schemas
 from talaia.hub.api.hubs import hub_schemas
+from talaia.hub.api.causes import cause_schemas
 from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
@@ -101,6 +102,7 @@ SHAPES = (
     tap_schemas,
     drive_schemas,
     map_schemas,
+    cause_schemas,
     note_schemas,
     recorded_schemas,
     tile_schemas,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from hypothesis import given, settings, strategies as st
 
 from talaia.hub.anomaly.causes import (
@@ -36,7 +38,7 @@ def test_every_beginning_is_in_one_episode_and_episodes_lie_apart(rows):
     episodes = gather_episodes(beginnings)
     for one in beginnings:
         assert sum(other.began_us <= one.time_us <= other.last_us for other in episodes) == 1
-    for one, after in zip(episodes, episodes[1:], strict=False):
+    for one, after in itertools.pairwise(episodes):
         assert after.began_us - one.last_us > ONE_CAUSE_US
 
 

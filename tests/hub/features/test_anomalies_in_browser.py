@@ -346,3 +346,28 @@ async def test_a_group_learns_from_a_run_on_its_page_and_names_what_made_an_anom
     await expect(tile_of(page, "Voltage")).to_contain_text("of it by this signal")
     assert page.errors == []
     await gateway.close()
+
+
+async def test_false_alarms_are_bounded_and_an_anomaly_opens_its_cause(hub, chromium):
+    async with driving(hub) as robot:
+        page = await sign_in(chromium, hub, "operator")
+        await page.goto(f"{hub.origin}/sites/agv/anomalies")
+        budget = page.locator("t-alarm-budget")
+        await expect(budget).to_contain_text("Each detector goes by its own bar")
+        await budget.get_by_label("False alarms a week").fill("2")
+        await budget.get_by_role("button", name="Keep to it", exact=True).click()
+        await expect(budget).to_contain_text("About 2 false alarms a week for this site.")
+        # Limits and quartiles go by bars of their own, and it says so.
+        await expect(budget).to_contain_text("No detector at work here can be kept to it")
+        robot.speed = 2.5
+        speed = page.locator("t-page-anomalies li").filter(has_text="limits")
+        await expect(speed).to_contain_text("is above the most of 2 m/s")
+        # Scores are stored once a second.
+        await robot.sends(60)
+        await speed.get_by_role("link", name="Cause", exact=True).click()
+        await expect(page.get_by_role("heading", name="Cause", exact=True)).to_be_visible()
+        unusual = page.locator("section").filter(has_text="Unusual, the most first")
+        await expect(unusual.get_by_role("listitem").first).to_contain_text("Speed")
+        await unusual.get_by_role("button", name="It was real", exact=True).click()
+        await expect(page.locator("t-page-cause")).to_contain_text("was real.")
+        assert page.errors == []

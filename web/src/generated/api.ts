@@ -2469,6 +2469,69 @@ export interface SiteMapShape {
   readonly grid: string;
 }
 
+/** What was unusual within a minute of a moment, ranked; and when it was like that before. */
+export interface CauseShape {
+  readonly at_us: number;
+  readonly from_us: number;
+  readonly to_us: number;
+  readonly unusual: readonly UnusualShape[];
+  readonly similar: SimilarShape | null;
+  readonly states: readonly StateShape[];
+  readonly known: readonly KnownShape[];
+  readonly may_use: boolean;
+}
+
+/** Say that a detector's anomalies are known while the machine is in a state. */
+export interface KnownAsk {
+  readonly address: string;
+  readonly detector: string;
+  readonly state?: string;
+  readonly value?: number;
+  readonly comment?: string;
+}
+
+/** What people know and are not told of. */
+export interface KnownShape {
+  readonly key: string;
+  readonly address: string;
+  readonly detector: string;
+  readonly title: string;
+  readonly state: string;
+  readonly state_name: string;
+  readonly who: string;
+  readonly comment: string;
+  readonly since_us: number;
+  readonly holds: boolean;
+}
+
+/** The last episode like this one, and what a person said of it. */
+export interface SimilarShape {
+  readonly began_us: number;
+  readonly names: readonly string[];
+  readonly likeness: number;
+  readonly verdict: string;
+  readonly comment: string;
+  readonly who: string;
+}
+
+/** A state that the machine was in. */
+export interface StateShape {
+  readonly address: string;
+  readonly title: string;
+  readonly value: number;
+  readonly name: string;
+}
+
+/** What one detector said within the minute. */
+export interface UnusualShape {
+  readonly address: string;
+  readonly detector: string;
+  readonly title: string;
+  readonly score: number;
+  readonly bar: number;
+  readonly at_us: number;
+}
+
 /** Write a note at a moment (``from_us`` and ``to_us`` are the same), or over a span. */
 export interface NoteAsk {
   readonly device?: string;

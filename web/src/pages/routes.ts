@@ -50,6 +50,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
   notes: { tag: "t-page-notes", title: "Notes", load: () => import("./notes/page-notes.js") },
   anomalies: { tag: "t-page-anomalies", title: "Anomalies", load: () => import("./anomalies/page-anomalies.js") },
+  cause: { tag: "t-page-cause", title: "Cause", load: () => import("./cause/page-cause.js") },
   sightings: { tag: "t-page-sightings", title: "Sightings", load: () => import("./sightings/page-sightings.js") },
   review: { tag: "t-page-review", title: "Review", load: () => import("./review/page-review.js") },
   zones: { tag: "t-page-zones", title: "Zones and lines", load: () => import("./zones/page-zones.js") },
@@ -75,7 +76,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "cause" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
   return true;
 }
 

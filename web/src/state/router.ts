@@ -19,6 +19,7 @@ export type PageName =
   | "live"
   | "topics"
   | "anomalies"
+  | "cause"
   | "scene"
   | "history"
   | "recordings"
@@ -60,7 +61,7 @@ export interface Route {
 /** What is planned for a night; these pages belong to `night`. */
 const PLANNING_PAGES = ["forecast", "requests", "proposals", "alertrules"] as const satisfies readonly PageName[];
 const SITE_PAGES = [
-  "live", "topics", "anomalies", "scene", "history", "recordings", "missions", "drive", "archive", "cameras",
+  "live", "topics", "anomalies", "cause", "scene", "history", "recordings", "missions", "drive", "archive", "cameras",
   "logbook", "notes", "sightings", "zones", "review", "night", ...PLANNING_PAGES,
 ] as const satisfies readonly PageName[];
 

@@ -7,7 +7,7 @@ import type { AnomalyShape } from "../../src/generated/api.js";
 function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
   return {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.3, scores: "power/voltage~together",
-    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0,
+    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, confirmed: false, learns: true, learning: 0, late: 0,
     title: "", signals: [], step_s: 0, mode: "", shares: [], ...change,
   };
 }
@@ -15,7 +15,7 @@ function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
 function news(change: Partial<AnomalyUpdate> = {}): AnomalyUpdate {
   return {
     t: "anomaly", site: "agv", device: "power", address: "power/voltage", detector: "together",
-    on: false, from_us: 0, to_us: 0, score: 0, why: "", forgiven: false, learning: 0, mode: "", shares: [], ...change,
+    on: false, from_us: 0, to_us: 0, score: 0, why: "", forgiven: false, confirmed: false, learning: 0, mode: "", shares: [], ...change,
   };
 }
 

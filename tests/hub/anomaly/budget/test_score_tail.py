@@ -46,7 +46,7 @@ def test_it_is_bounded_and_holds_the_greatest_that_came(samples):
         assert max(one.greatest for one in tail.peaks[0]) == max(size for _, size in samples)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 400))
 def test_many_samples_at_once_leave_the_same_as_one_by_one(seed, length):
     rng = np.random.default_rng(seed)
@@ -83,3 +83,8 @@ def test_the_past_is_put_before_what_was_seen_live_and_not_counted_twice():
     assert [one.greatest for one in live.peaks[0]] == [1.0, 6.0, 2.0, 4.0]
     assert live.blocks == 4
     assert live.filled
+
+
+def test_a_detector_that_always_says_something_has_a_peak_for_each_hour():
+    tail = tail_of(*((block, 1.0 + block % 6) for block in range(24)))
+    assert [one.greatest for one in tail.peaks[0]] == [6.0, 6.0, 6.0, 6.0]

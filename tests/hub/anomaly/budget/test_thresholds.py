@@ -58,19 +58,19 @@ def alarms_of(tails, thresholds) -> int:
 
 
 @pytest.mark.parametrize("kind", ["normal", "exponential", "heavy"])
-@pytest.mark.parametrize("count", [1, 12])
+@pytest.mark.parametrize("count", [1, 8])
 @pytest.mark.parametrize("weeks", [1, 3])
 def test_a_week_to_come_has_as_many_false_alarms_as_asked_for(kind, count, weeks):
     found = 0
-    for seed in range(30):
+    for seed in range(24):
         thresholds = site_thresholds(tails_of(seed, weeks, count, tail=kind), 1.0)
         coming = tails_of(1000 + seed, 1.0, count, tail=kind)
         found += alarms_of(coming, thresholds)
-    # Thirty weeks, in which 30 are due.
-    assert 15 <= found <= 60
+    # Weeks in which 24 are due. After one week it is estimated, after three they are counted.
+    assert 12 <= found <= 48
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 10_000), st.floats(0.1, 10.0), st.floats(1.1, 5.0))
 def test_who_bears_fewer_gets_higher_thresholds(seed, a_week, times):
     tails = tails_of(seed, 2.0, 3)
@@ -79,7 +79,7 @@ def test_who_bears_fewer_gets_higher_thresholds(seed, a_week, times):
         assert all(one >= other for one, other in zip(needs, many.of[key], strict=True))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 10_000), st.floats(1e-6, 1e6))
 def test_the_unit_of_a_signal_does_not_matter(seed, unit):
     tails, scaled = tails_of(seed, 1.0, 2), tails_of(seed, 1.0, 2)
@@ -91,7 +91,7 @@ def test_the_unit_of_a_signal_does_not_matter(seed, unit):
         assert other.of[key] == pytest.approx(tuple(need * unit for need in needs), rel=1e-6)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.integers(0, 10_000))
 def test_each_detector_gets_a_fair_share(seed):
     tails = tails_of(seed, 8.0, 4)
@@ -134,3 +134,13 @@ def test_a_site_without_a_single_peak_has_finite_thresholds():
     tail.record_magnitudes(BEGAN + WEEK_BLOCKS * BLOCK_US, [0.0])
     (needs,) = site_thresholds({("a/b", "change"): tail}, 1.0).of.values()
     assert all(math.isfinite(need) for need in needs)
+
+
+def test_one_long_fault_is_one_alarm_and_not_one_for_each_hour():
+    tails = tails_of(3, 4.0, 3)
+    key = "device/signal0", "change"
+    before = site_thresholds(tails, 1.0)
+    for block in range(60):
+        tails[key].record_magnitudes(BEGAN + (5 * WEEK_BLOCKS + block) * BLOCK_US, [1e9])
+    after = site_thresholds(tails, 1.0)
+    assert after.of[key][0] < 3 * before.of[key][0]

@@ -26,6 +26,7 @@ import { historyAt, alarmStatus } from "../../elements/feedback/alarm-labels.js"
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
+import { causeQuery } from "../cause/cause-words.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/status.js";
@@ -224,6 +225,7 @@ export class PageAlarms extends LitElement {
             ? html`<span>shelved by ${alarm.shelved_by} until <t-time .us=${alarm.shelved_until_us} .zone=${zone}></t-time>${alarm.shelved_why === "" ? "" : `: ${alarm.shelved_why}`}</span>`
             : nothing}
           ${alarm.raised_us === 0 || alarm.signals.length === 0 ? nothing : html`<a href=${historyAt(alarm)}>Chart</a>`}
+          ${alarm.raised_us === 0 ? nothing : html`<a href=${`${sitePath(alarm.site, "cause")}?${causeQuery(alarm.raised_us)}`}>Cause</a>`}
           ${alarm.raised_us === 0 ? nothing : html`<a href=${boardAtPath(alarm.site, alarm.raised_us)} title="See the board at that moment">Board then</a>`}
         </div>
       </div>

@@ -78,7 +78,7 @@ export class AlarmBudget extends LitElement {
     this.loaded.load(`${String(due)} ${String(this.asked)}`, () => hub.showBudget());
   }
 
-  override render(): TemplateResult {
+  override render(): unknown {
     return renderLoaded(this.loaded, "how often they may cry", (budget) => this.renderBudget(budget));
   }
 
@@ -131,8 +131,9 @@ export class AlarmBudget extends LitElement {
   }
 }
 
-function standsOf({ a_week, basis }: BudgetShape): readonly [StatusKind, string] {
+function standsOf({ a_week, basis, kept }: BudgetShape): readonly [StatusKind, string] {
   if (a_week === 0) return ["unknown", "no limit"];
+  if (kept === 0) return ["warn", "holds for none"];
   if (basis === "learning") return ["busy", "learning"];
   return basis === "short" ? ["warn", "estimated"] : ["ok", "counted"];
 }
@@ -146,7 +147,8 @@ export function sentenceOf({ a_week, by_person, described }: BudgetShape): strin
 }
 
 /** What the thresholds stand on, in words. */
-export function reasonOf({ a_week, basis, seen_s, needed_s, reading, others }: BudgetShape): string {
+export function reasonOf({ a_week, basis, seen_s, needed_s, reading, kept, others }: BudgetShape): string {
+  if (a_week > 0 && kept === 0) return "No detector at work here can be kept to it: limits, silence and the like go by bars of their own.";
   if (a_week === 0) return "Say how many false alarms you bear: thresholds are then set from what the detectors said of this site's own past.";
   const seen = daysOf(seen_s);
   const needed = daysOf(needed_s);
@@ -161,7 +163,9 @@ export function reasonOf({ a_week, basis, seen_s, needed_s, reading, others }: B
 }
 
 function daysOf(seconds: number): string {
-  if (seconds < 2 * DAY_S) return `${String(Math.floor(seconds / 360) / 10)} hours`;
+  const hours = Math.floor(seconds / 360) / 10;
+  if (hours === 0) return "nothing yet";
+  if (seconds < 2 * DAY_S) return hours === 1 ? "one hour" : `${String(hours)} hours`;
   return `${String(Math.floor(seconds / DAY_S))} days`;
 }
 

@@ -23,6 +23,7 @@ import { signalLabels } from "../../state/signal-labels.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import type { SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { causeQuery } from "../cause/cause-words.js";
 import { AlarmBudgetApi } from "./alarm-budget-api.js";
 import { BackTestsApi } from "./back-tests-api.js";
 import "../../elements/feedback/empty.js";
@@ -148,6 +149,7 @@ export class PageAnomalies extends LitElement {
           .width=${CHART_PX}
           .zone=${detail.zone}
         ></t-anomalies>
+        ${renderCauses(this.site, detail, groups)}
       </section>
       ${mayForgive ? this.renderLearning(detail, groups) : nothing}`;
   }
@@ -189,8 +191,21 @@ function renderSingle(site: string, detail: SiteShape, { address, name, on, lear
   return html`<li ?data-on=${on}>
     <a href=${path}>${label}, ${name}</a>
     <t-status kind=${kind} word=${word}></t-status>
-    ${anomaly === null ? nothing : html`<span class="why">${on ? "Since" : "Last at"} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why}</span>`}
+    ${anomaly === null ? nothing : html`<span class="why">${on ? "Since" : "Last at"} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why} <a href=${`${sitePath(site, "cause")}?${causeQuery(anomaly.fromUs)}`}>Cause</a></span>`}
   </li>`;
+}
+
+/** Where to look for the cause of each group's newest anomaly. */
+function renderCauses(site: string, detail: SiteShape, groups: readonly Detector[]): TemplateResult | typeof nothing {
+  const told = groups.flatMap(({ title, anomaly }) => (anomaly === null ? [] : [{ title, fromUs: anomaly.fromUs }]));
+  if (told.length === 0) return nothing;
+  return html`<ul class="rows">
+    ${repeat(
+      told,
+      ({ title }) => title,
+      ({ title, fromUs }) => html`<li><a href=${`${sitePath(site, "cause")}?${causeQuery(fromUs)}`}>Cause of ${title}, ${formatClock(fromUs, detail.zone)}</a></li>`,
+    )}
+  </ul>`;
 }
 
 const numbers = new WeakMap<SiteShape, ReadonlyMap<string, string>>();

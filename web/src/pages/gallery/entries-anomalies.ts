@@ -30,7 +30,8 @@ const TIMES = Array.from({ length: 600 }, (_, i) => SPAN.fromUs + i * 1e6);
 function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
   const plain: AnomalyShape = {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
-    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0,
+    began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false,
+    confirmed: false, learns: true, learning: 0, late: 0,
     title: "", signals: [], step_s: 0, mode: "", shares: [],
   };
   return { ...plain, ...change };

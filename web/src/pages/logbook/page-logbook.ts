@@ -31,6 +31,7 @@ import { renderNoteQuestion, renderNoteRow } from "../notes/note-row.js";
 import { noteStyle } from "../notes/note-style.js";
 import { isNoteEvent, NoteWriter } from "../notes/note-writer.js";
 import { draftAt, draftOf } from "../notes/notes-query.js";
+import { causeQuery } from "../cause/cause-words.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import {
   FILTER_KEYS,
@@ -208,6 +209,7 @@ export class PageLogbook extends LitElement {
         ${recording === undefined ? nothing : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.time_us)}`}>Recording</a>`}
         ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>Sightings</a>` : nothing}
         ${added === null || this.session.store?.person?.admin !== true ? nothing : html`<a href=${newSensorPath(added)}>Add it</a>`}
+        ${row.kind.startsWith("anomaly") || row.kind.startsWith("alarm") ? html`<a href=${`${sitePath(this.site, "cause")}?${causeQuery(row.time_us)}`}>Cause</a>` : nothing}
         ${row.kind.startsWith("alarm") ? html`<a href="/alarms">Alarms</a>` : nothing}
         ${device?.rights.includes("use") === true || (row.device === "" && this.mayWrite)
           ? html`<t-button kind="quiet" label=${`Note on ${row.kind.replaceAll("_", " ")}`} @click=${this.writer.draft.opener(draftAt(row.time_us, undefined, row.device))}>Note</t-button>`

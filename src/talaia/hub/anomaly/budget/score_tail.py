@@ -23,6 +23,9 @@ _DAY_BLOCKS = 86_400_000_000 // BLOCK_US
 # So much of the past counts: a machine of last year is another one.
 _DAYS = 56
 MOST_PEAKS = 48
+# A stretch has at most so many blocks: of a detector that always says something, hours are told
+# apart.
+_LONGEST = 6
 
 
 def block_of(time_us: int) -> int:
@@ -31,7 +34,7 @@ def block_of(time_us: int) -> int:
 
 
 class Peak(msgspec.Struct, array_like=True):
-    """One stretch of blocks without a pause, and the greatest magnitude in it."""
+    """Up to an hour of blocks without a pause, and the greatest magnitude in it."""
 
     first: int
     last: int
@@ -78,7 +81,8 @@ class ScoreTail(msgspec.Struct, kw_only=True):
         block = time_us // BLOCK_US
         for peaks, magnitude in zip(self.peaks, magnitudes, strict=True):
             newest = peaks[-1] if peaks else None
-            if newest is not None and newest.first <= block <= newest.last + 1:
+            near = newest is not None and newest.first <= block <= newest.last + 1
+            if newest is not None and near and block - newest.first < _LONGEST:
                 # Next to each other: one stretch.
                 newest.last = max(newest.last, block)
                 newest.greatest = max(newest.greatest, magnitude)

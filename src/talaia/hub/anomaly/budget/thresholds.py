@@ -16,6 +16,7 @@ two greatest have no part in it: a true fault that nobody confirmed must not mak
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -35,7 +36,9 @@ FEWEST_COUNTED = 3
 # The greatest two may be faults.
 _DOUBTED = 2
 # The level that a detector's tail is fitted above: so many peaks from the top.
-_ANCHOR, _FITTED, _POOLED = 12, 40, 20
+_ANCHOR, _FITTED, _POOLED = 14, 40, 30
+# More false alarms are not asked for: 50 a week for eight weeks.
+_MOST_POOLED = 400
 # A tail of fewer peaks is taken for a heavy one.
 _FEWEST_PEAKS = 5
 _HEAVY, _LIGHTEST, _HEAVIEST = 0.5, 0.01, 1.5
@@ -52,22 +55,22 @@ class Basis(StrEnum):
 
 
 class _TailFit(NamedTuple):
-    """How rare the magnitudes of a detector are: ``rate = count · (x / level)^(-1/index)``."""
+    """How rare the magnitudes of a detector are: ``rate = above · (x / level)^(-1/slope)``."""
 
     level: float
-    index: float
-    count: int
+    slope: float
+    above: int
     blocks: int
 
     def rareness(self, magnitude: float) -> float:
         """Give the logarithm of the blocks in which one so great is expected once."""
         if magnitude <= 0.0 or self.level <= 0.0:
             return -math.inf if magnitude <= self.level else math.inf
-        return math.log(self.blocks / self.count) + math.log(magnitude / self.level) / self.index
+        return math.log(self.blocks / self.above) + math.log(magnitude / self.level) / self.slope
 
     def magnitude(self, rareness: float) -> float:
         """Give the magnitude that is so rare."""
-        beyond = (rareness - math.log(self.blocks / self.count)) * self.index
+        beyond = (rareness - math.log(self.blocks / self.above)) * self.slope
         return self.level * math.exp(min(beyond, 300.0))
 
 
@@ -115,7 +118,9 @@ def site_thresholds(tails: Mapping[tuple[str, str], ScoreTail], a_week: float) -
 
 
 def _fit_tail(peaks: Sequence[Peak], blocks: int) -> _TailFit:
-    values = sorted((peak.greatest for peak in peaks if peak.greatest > 0.0), reverse=True)
+    # A long fault is one peak, however many hours it had.
+    there = [(peak.first, peak.last, peak.greatest) for peak in peaks if peak.greatest > 0.0]
+    values = _pool(there)
     if not values:
         # Nothing came near: whatever does is rarer than what was seen.
         return _TailFit(math.ulp(0.0), _HEAVY, 1, blocks)
@@ -140,10 +145,14 @@ def _rate_peaks(peaks: Sequence[Peak], blocks: int) -> list[tuple[int, int, floa
 
     By its own tail the greatest peak is never as rare as the next one of its kind will be.
     """
-    rated = []
-    parts = [peaks[at::2] for at in range(2)] if len(peaks) >= 2 * _FEWEST_PEAKS else [peaks, peaks]
-    for mine, others in (parts, parts[::-1]):
-        fit = _fit_tail(others, blocks // 2 if others is not peaks else blocks)
+    rated: list[tuple[int, int, float]] = []
+    # Every other day: what lasts for hours is on one side.
+    sides: tuple[list[Peak], list[Peak]] = ([], [])
+    for peak in peaks:
+        sides[peak.first // FEWEST_BLOCKS % 2].append(peak)
+    halved = min(len(side) for side in sides) >= _FEWEST_PEAKS
+    for mine, others in (sides, sides[::-1]):
+        fit = _fit_tail(others, max(1, blocks // 2)) if halved else _fit_tail(peaks, blocks)
         rated += [
             (peak.first, peak.last, fit.rareness(peak.greatest))
             for peak in mine
@@ -153,16 +162,23 @@ def _rate_peaks(peaks: Sequence[Peak], blocks: int) -> list[tuple[int, int, floa
 
 
 def _pool(rated: Sequence[tuple[int, int, float]]) -> list[float]:
-    """Give how rare the site's peaks were, the rarest first; what touches in time is one."""
+    """Give the rareness above which there was one stretch of time, two, three, and so on.
+
+    What touches in time is one stretch, as long as all of it is above.
+    """
+    # Begins and ends of the stretches that are above, in order; they lie apart.
+    begins: list[int] = []
+    ends: list[int] = []
     pooled: list[float] = []
-    end = -10
-    for first, last, rareness in sorted(rated):
-        if first <= end + 1:
-            pooled[-1] = max(pooled[-1], rareness)
-        else:
+    for first, last, rareness in sorted(rated, key=lambda one: -one[2]):
+        low, high = bisect_left(ends, first - 1), bisect_right(begins, last + 1)
+        begin, end = min([first, *begins[low:high]]), max([last, *ends[low:high]])
+        begins[low:high], ends[low:high] = [begin], [end]
+        if len(begins) > len(pooled):
             pooled.append(rareness)
-        end = max(end, last)
-    return sorted(pooled, reverse=True)
+        if len(pooled) >= _MOST_POOLED:
+            break
+    return pooled
 
 
 def _rareness_for(pooled: Sequence[float], due: float, blocks: int) -> float:

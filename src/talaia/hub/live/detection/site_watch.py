@@ -106,10 +106,10 @@ class SiteWatch:
             for runner in self.groups
         ]
         self.take_groups(groups)
-        for runner in self.all_runners():
-            tail = kept.get((runner.address, tail_word(runner.word)))
+        for one in self.all_runners():
+            tail = kept.get((one.address, tail_word(one.word)))
             if tail is not None:
-                runner.restore_tail(tail)
+                one.restore_tail(tail)
 
 
 def watch_site(live: LiveSite, before: SiteWatch | None) -> tuple[SiteWatch, list[EpisodeRunner]]:

@@ -1,0 +1,52 @@
+/** What the page of a cause says of what it was told. Pure. */
+
+import type { CauseShape, EventShape, KnownShape, SimilarShape } from "../../generated/api.js";
+
+export type Verdict = "confirmed" | "forgiven";
+
+/** The moment that an address of this page is about (µs); NaN where it says none. */
+export function momentOf(search: string): number {
+  const at = new URLSearchParams(search).get("at") ?? "";
+  return /^\d{1,16}$/.test(at) ? Number(at) : Number.NaN;
+}
+
+/** Where the cause of something at a moment is looked for. */
+export function causeQuery(atUs: number): string {
+  return new URLSearchParams({ at: String(Math.round(atUs)) }).toString();
+}
+
+/** Commands and driving apart from all else that happened; the anomalies themselves are ranked above. */
+export function sortEvents(events: readonly EventShape[]): { readonly commands: readonly EventShape[]; readonly others: readonly EventShape[] } {
+  const asked = (kind: string): boolean => ["command", "lease", "stop", "drive", "mission", "override"].some((begin) => kind.startsWith(begin));
+  const rows = events.filter(({ kind }) => !kind.startsWith("anomaly"));
+  return { commands: rows.filter(({ kind }) => asked(kind)), others: rows.filter(({ kind }) => !asked(kind)) };
+}
+
+/** What people said of the last episode like this one, in words. */
+export function verdictText({ verdict, comment, who }: SimilarShape): string {
+  if (verdict === "") return "Nobody said what it was.";
+  const said = { confirmed: "that it was real", forgiven: "that it was none", known: "that it is known" }[verdict] ?? verdict;
+  return `${who} said ${said}${comment === "" ? "" : `: ${comment}`}.`;
+}
+
+/** What can be said again at one press: of known ones it holds already. */
+export function repeatable(similar: SimilarShape | null): Verdict | null {
+  return similar?.verdict === "confirmed" || similar?.verdict === "forgiven" ? similar.verdict : null;
+}
+
+/** The word of a person that was said of the last one, for this one. */
+export function repeatedComment({ comment }: SimilarShape, when: string): string {
+  const said = `same as ${when}`;
+  return comment === "" ? said : `${said}: ${comment.replace(/^same as [^:]*(:\d\d)*: /, "")}`.slice(0, 500);
+}
+
+/** While what it holds, and whether it does now. */
+export function knownText({ state_name, holds }: KnownShape): string {
+  if (state_name === "") return "at all times";
+  return `while ${state_name}${holds ? " (now)" : ""}`;
+}
+
+/** By how much a score is over its bar, as a share of what is possible; below the bar 0. */
+export function excessOf({ score, bar }: CauseShape["unusual"][number]): number {
+  return Math.max(0, Math.min(1, (score - bar) / Math.max(1e-9, 1 - bar)));
+}

@@ -1,0 +1,312 @@
+/** From an anomaly, alarm or event to its cause: all that was unusual, asked for, seen and said in that minute. */
+
+import { consume } from "@lit/context";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { LoadController } from "../../controllers/load.js";
+import { base, quietText } from "../../elements/base/base-style.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { formatNumber } from "../../format/number.js";
+import { formatClock } from "../../format/time.js";
+import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
+import { sitePath } from "../../state/router.js";
+import type { CauseShape, EventShape, KnownShape, SeenShape, SimilarShape, SiteShape } from "../../generated/api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { sightingPicturePath } from "../../wire/sightings-api.js";
+import { momentQuery } from "../logbook/logbook-query.js";
+import { CauseApi } from "./cause-api.js";
+import { causeQuery, excessOf, knownText, momentOf, repeatable, repeatedComment, sortEvents, verdictText, type Verdict } from "./cause-words.js";
+import "../../elements/analysis/sighting-card.js";
+import "../../elements/feedback/empty.js";
+import "../../elements/feedback/status.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/field.js";
+
+type Unusual = CauseShape["unusual"][number];
+
+/** All that one page shows. */
+interface Minute {
+  readonly cause: CauseShape;
+  readonly events: readonly EventShape[];
+  readonly sightings: readonly SeenShape[];
+}
+
+@customElement("t-page-cause")
+export class PageCause extends LitElement {
+  static override styles = [
+    base,
+    sheets,
+    forms,
+    css`
+      .quiet {
+        ${quietText}
+        max-inline-size: 60rem;
+      }
+      .rows li {
+        grid-template-columns: minmax(0, 1fr) auto;
+      }
+      .excess {
+        inline-size: 8rem;
+        block-size: 0.6rem;
+        border-radius: var(--t-radius-s);
+        background: var(--t-line);
+      }
+      .excess rect {
+        fill: var(--t-warn);
+      }
+      .score {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: var(--t-space-2) var(--t-space-3);
+        font-variant-numeric: tabular-nums;
+      }
+      .known {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: end;
+        gap: var(--t-space-2) var(--t-space-3);
+      }
+      .known t-field {
+        flex: 0 1 16rem;
+      }
+    `,
+  ];
+
+  @property() site = "";
+
+  @state() private chosen = "";
+  @consume({ context: apiContext, subscribe: true }) private readonly api: HubApi | undefined;
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly detail = new LoadController<SiteShape>(this);
+  private readonly minute = new LoadController<Minute>(this);
+  private readonly action = new ActionController(this);
+  private asked = 0;
+
+  protected override willUpdate(): void {
+    const sites = this.sites.store;
+    const { api, atUs } = this;
+    if (api === undefined || sites === undefined || this.site === "") return;
+    this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
+    if (!Number.isNaN(atUs)) this.minute.load(`${this.site} ${String(atUs)} ${String(this.asked)}`, () => this.loadMinute(new CauseApi(api, this.site), atUs));
+  }
+
+  override render(): TemplateResult {
+    const { atUs, zone } = this;
+    if (Number.isNaN(atUs)) {
+      return html`${renderPageHead("Cause", "What else was unusual at a moment.")}
+        <t-empty heading="No moment is chosen" icon="live"
+          ><p>Open it from an <a href=${sitePath(this.site, "anomalies")}>anomaly</a>, an <a href="/alarms">alarm</a> or a line of the <a href=${sitePath(this.site, "logbook")}>logbook</a>.</p></t-empty
+        >`;
+    }
+    const site = this.sites.store?.siteRow(this.site)?.name ?? this.site;
+    return html`${renderPageHead(
+        "Cause",
+        `What else was unusual at ${site} within a minute of ${formatClock(atUs, zone)}.`,
+        html`<div class="actions">
+          <a href=${`${sitePath(this.site, "history")}?${momentQuery(atUs)}`}>History</a> <a href=${sitePath(this.site, "logbook")}>Logbook</a>
+          <a href=${sitePath(this.site, "anomalies")}>Anomalies</a>
+        </div>`,
+      )}
+      ${renderLoaded(this.minute, "that minute", (minute) => this.renderMinute(minute))}`;
+  }
+
+  private get atUs(): number {
+    return momentOf(this.router.store?.search ?? "");
+  }
+
+  private get zone(): string {
+    return this.detail.value?.zone ?? "UTC";
+  }
+
+  private async loadMinute(api: CauseApi, atUs: number): Promise<Minute> {
+    const cause = await api.showCause(atUs);
+    const [events, sightings] = await Promise.all([api.listEvents(cause.from_us, cause.to_us), api.listSightings(cause.from_us, cause.to_us)]);
+    return { cause, events: events.events, sightings: sightings.sightings };
+  }
+
+  private renderMinute({ cause, events, sightings }: Minute): TemplateResult {
+    const { commands, others } = sortEvents(events);
+    return html`${this.action.problem === null ? nothing : renderAdvice(this.action.problem)}
+      <p class="quiet" role="status">${this.action.doneText}</p>
+      <section class="sheet" aria-labelledby="unusual">
+        <h2 id="unusual">Unusual, the most first</h2>
+        ${cause.unusual.length === 0
+          ? html`<p class="quiet">No detector that you may see said anything unusual in that minute.</p>`
+          : html`<ul class="rows">
+              ${map(cause.unusual, (row) => this.renderUnusual(row))}
+            </ul>`}
+        ${cause.may_use && cause.unusual.length > 0 ? this.renderKnow(cause) : nothing}
+      </section>
+      <section class="sheet" aria-labelledby="similar">
+        <h2 id="similar">The last time it was like this</h2>
+        ${cause.similar === null ? html`<p class="quiet">There was no episode like it in the last thousand anomalies.</p>` : this.renderSimilar(cause, cause.similar)}
+      </section>
+      ${this.renderEvents("commanded", "Commanded", commands, "Nothing was commanded in that minute.")}
+      ${this.renderSightings(sightings)}
+      ${this.renderEvents("said", "Logbook", others, "Nothing else was written down in that minute.")}
+      ${cause.known.length === 0 ? nothing : this.renderKnown(cause)}`;
+  }
+
+  private renderUnusual(one: Unusual): TemplateResult {
+    const path = one.address.startsWith("/") ? sitePath(this.site, "anomalies") : `${sitePath(this.site, "history")}?${momentQuery(one.at_us, [one.address])}`;
+    const over = one.score >= one.bar;
+    return html`<li>
+      <div>
+        <a href=${path}>${one.title}</a>
+        <div class="score">
+          <t-status kind=${over ? "warn" : "ok"} word=${over ? "anomaly" : "near it"}></t-status>
+          <span>${formatNumber(one.score, 2)}, told from ${formatNumber(one.bar, 2)} (${one.detector})</span>
+        </div>
+      </div>
+      <svg class="excess" viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width=${100 * excessOf(one)} height="6"></rect></svg>
+    </li>`;
+  }
+
+  private renderSimilar(cause: CauseShape, similar: SimilarShape): TemplateResult {
+    const verdict = repeatable(similar);
+    const when = formatClock(similar.began_us, this.zone);
+    const worst = cause.unusual.find(({ score, bar }) => score >= bar);
+    return html`<p>
+        <a href=${`${sitePath(this.site, "cause")}?${causeQuery(similar.began_us)}`}>${when}</a>: ${similar.names.join(", ")}
+        (${formatNumber(100 * similar.likeness, 0)} % in common)
+      </p>
+      <p class="quiet">${verdictText(similar)}</p>
+      ${verdict === null || worst === undefined || !cause.may_use
+        ? nothing
+        : html`<div class="actions">
+            <t-button kind="primary" ?disabled=${this.action.busy} @click=${this.judger(worst, verdict, repeatedComment(similar, when))}>Same as last time</t-button>
+          </div>`}`;
+  }
+
+  private renderKnow(cause: CauseShape): TemplateResult | typeof nothing {
+    const subjects = cause.unusual.map(({ address, detector, title }) => [`${address}~${detector}`, `${title} (${detector})`] as const);
+    const chosen = this.chosen === "" ? (subjects[0]?.[0] ?? "") : this.chosen;
+    const subject = cause.unusual.find(({ address, detector }) => `${address}~${detector}` === chosen);
+    if (subject === undefined) return nothing;
+    return html`<div class="known">
+      <t-field label="Say of"><select @change=${this.onSubject}>${renderOptions(subjects, chosen)}</select></t-field>
+      ${map(
+        cause.states,
+        (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subject, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,
+      )}
+      <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "confirmed", "")}>It was real</t-button>
+      <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "forgiven", "")}>Not an anomaly</t-button>
+    </div>`;
+  }
+
+  private renderKnown(cause: CauseShape): TemplateResult {
+    return html`<section class="sheet" aria-labelledby="known">
+      <h2 id="known">Known, and not told</h2>
+      <ul class="rows">
+        ${map(
+          cause.known,
+          (row) =>
+            html`<li>
+              <div>
+                <div>${row.title} (${row.detector}) ${knownText(row)}</div>
+                <div class="quiet">${row.who}, ${formatClock(row.since_us, this.zone)}${row.comment === "" ? "" : `: ${row.comment}`}</div>
+              </div>
+              ${cause.may_use ? html`<t-button ?disabled=${this.action.busy} label=${`Tell again: ${row.title}`} @click=${this.teller(row)}>Tell again</t-button>` : nothing}
+            </li>`,
+        )}
+      </ul>
+    </section>`;
+  }
+
+  private renderEvents(id: string, heading: string, events: readonly EventShape[], none: string): TemplateResult {
+    return html`<section class="sheet" aria-labelledby=${id}>
+      <h2 id=${id}>${heading}</h2>
+      ${events.length === 0
+        ? html`<p class="quiet">${none}</p>`
+        : html`<ul class="rows">
+            ${map(
+              events,
+              (event) =>
+                html`<li>
+                  <div>
+                    <div class="facts"><span>${formatClock(event.time_us, this.zone)}</span>${event.who === "" ? nothing : html`<span>${event.who}</span>`}</div>
+                    <div>${event.good ? nothing : html`<t-status kind="bad" word="look"></t-status> `}${event.kind.replaceAll("_", " ")}</div>
+                    ${event.message === "" ? nothing : html`<div class="quiet">${event.message}</div>`}
+                  </div>
+                </li>`,
+            )}
+          </ul>`}
+    </section>`;
+  }
+
+  private renderSightings(sightings: readonly SeenShape[]): TemplateResult | typeof nothing {
+    const streams = (this.detail.value?.devices ?? []).flatMap((device) => device.streams);
+    if (streams.length === 0 && sightings.length === 0) return nothing;
+    return html`<section class="sheet" aria-labelledby="seen">
+      <h2 id="seen">Seen by cameras</h2>
+      ${sightings.length === 0
+        ? html`<p class="quiet">No camera told of anything in that minute.</p>`
+        : html`<ul class="rows">
+            ${map(
+              sightings,
+              (row) =>
+                html`<li>
+                  <t-sighting
+                    .sighting=${row}
+                    .camera=${streams.find(({ address }) => address === row.camera)?.name ?? row.camera}
+                    .picture=${row.picture ? sightingPicturePath(this.site, row.id) : ""}
+                    .zone=${this.zone}
+                    ><div class="ways"><a href=${`${sitePath(this.site, "review")}?sighting=${row.id}&all=true`}>Clip</a></div></t-sighting
+                  >
+                </li>`,
+            )}
+          </ul>`}
+    </section>`;
+  }
+
+  private readonly onSubject = (event: Event): void => {
+    this.chosen = (event.target as HTMLSelectElement).value;
+  };
+
+  private judger({ address, detector, title }: Unusual, verdict: Verdict, comment: string): () => void {
+    const said = verdict === "confirmed" ? "was real" : "was none";
+    return () => {
+      this.act("say what it was", (api) => api.judgeNewest(verdict, { address, detector, comment }), `Said: the newest anomaly of ${title} ${said}.`);
+    };
+  }
+
+  private knower({ address, detector, title }: Unusual, { address: stateOf, title: stateTitle, value, name }: CauseShape["states"][number]): () => void {
+    return () => {
+      this.act("keep that it is known", (api) => api.addKnown({ address, detector, state: stateOf, value, comment: "" }), `Known: nobody is told of ${title} while ${stateTitle} is ${name}.`);
+    };
+  }
+
+  private teller({ key, title }: KnownShape): () => void {
+    return () => {
+      this.act("tell of it again", (api) => api.endKnown(key), `${title} is told again.`);
+    };
+  }
+
+  private act(asked: string, say: (api: CauseApi) => Promise<unknown>, done: string): void {
+    const { api } = this;
+    if (api === undefined) return;
+    void this.action.run(
+      asked,
+      async () => {
+        await say(new CauseApi(api, this.site));
+        this.asked += 1;
+      },
+      done,
+    );
+  }
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-page-cause": PageCause;
+  }
+}
