@@ -72,6 +72,7 @@ class OneHub:
         self.folder, self.name = folder, name
         self.port = free_port()
         self.origin = f"http://127.0.0.1:{self.port}"
+        self.link = f"ws://127.0.0.1:{self.port}"
         self._url = url
         self._words = ["--plain", "--port", str(self.port), "--data", str(folder)]
         self._words += ["--cluster", nats.url, "--cluster-name", name, *more]

@@ -10,6 +10,7 @@ import pytest
 import websockets
 from async_program import start_program
 from patience import PATIENCE_S, until_answered
+from ports import free_port
 
 from talaia.wire import frames
 from talaia.wire.browser import LeaseUpdate, PageDrive, PageLease, PageStop, Subscribe, Values
@@ -20,6 +21,18 @@ from .several_hubs import Hubs, Nats, two_hubs
 
 ROW_US = 1_700_000_000_000_000
 STEP = 50
+SITE = """
+talaia: 1
+site: agv
+name: Shed
+connections: {shell: {kind: process, poll: 1, timeout: 2}}
+devices:
+  base:
+    name: Base
+    connection: shell
+    signals:
+      speed: {name: Speed, unit: m/s, source: {run: echo 1, pattern: '([0-9.]+)'}}
+"""
 
 
 @pytest.fixture(params=["postgresql", "mariadb"])
@@ -44,6 +57,16 @@ async def send_rows(gateway, first: int, end: int) -> None:
 
 def acknowledged(gateway) -> int:
     return max((x.below for x in gateway.heard if isinstance(x, Ack)), default=0)
+
+
+async def is_online(hubs, hub) -> bool:
+    return (await hubs.get(hub, "/api/sites/agv")).json().get("online") is True
+
+
+async def came_in_at(hubs, hub, name: str) -> bool:
+    """Ask whether a gateway came in at the hub of this name."""
+    told = (await hubs.get(hub, "/api/hubs")).json()["hubs"]
+    return any(one["name"] == name and one["gateways"] == 1 for one in told)
 
 
 async def has_roles(hubs, hub, roles: dict[str, str]) -> bool:
@@ -199,6 +222,33 @@ async def test_a_hub_that_is_asked_to_end_hands_over_and_a_session_ended_there_e
             assert answer.status_code < 300, answer.text
         assert await page.closed() == 4401
         assert (await hubs.get(third, "/api/me")).status_code == 401
+
+
+@pytest.mark.timeout(400)
+async def test_a_gateway_that_knows_several_hubs_finds_one_that_is_there(
+    tmp_path, postgresql_url
+) -> None:
+    async with two_hubs(postgresql_url, tmp_path) as (hubs, lead, other):
+        (tmp_path / "agv.yaml").write_text(SITE)
+        (tmp_path / "gateway-key").write_text(hubs.gateway_key)
+        # At the first nobody listens; the second hands through to the one that leads.
+        addresses = f"ws://127.0.0.1:{free_port()},{other.link},{lead.link}"
+        gateway = await start_program(
+            *("-m", "talaia", "gateway", str(tmp_path / "agv.yaml"), "--hub", addresses),
+            *("--key-file", str(tmp_path / "gateway-key"), "--allow-plain"),
+            *("--data", str(tmp_path / "gateway")),
+        )
+        try:
+            await until_answered(lambda: is_online(hubs, lead))
+            told = (await hubs.get(lead, "/api/hubs")).json()["hubs"]
+            assert {hub["name"]: hub["gateways"] for hub in told} == {"east": 0, "west": 1}
+            # The hub that it came to dies: it goes to the next one by itself.
+            other.signal(signal.SIGKILL)
+            await until_answered(lambda: came_in_at(hubs, lead, "east"))
+            assert await is_online(hubs, lead)
+        finally:
+            gateway.terminate()
+            await gateway.wait()
 
 
 @pytest.mark.timeout(400)

@@ -263,6 +263,7 @@ class ClusterHub:
     async def _lead(self) -> None:
         """Wait for the lock, then be the hub until the end."""
         await self._taken.wait()
+        _LOG.info("this hub has the lock; it opens")
         try:
             with self._data_lock():
                 async with self._hub.running():

@@ -37,7 +37,7 @@ from talaia.hub.certificate import (
 )
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.live.gc_schedule import collect_at_rest
-from talaia.hub.lock import hub_lock
+from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.settings import is_loopback
 from talaia.hub.store.backup import take_restored
 from talaia.hub.store.database_url import parse_database_url
@@ -239,6 +239,9 @@ async def _serve_among_others(settings: Settings, clock: Clock) -> None:
     # Only here: a hub that is alone imports nothing of it.
     from talaia.hub.cluster_run import ClusterHub
 
+    # Of a folder that a running hub has, too, nothing is moved.
+    with contextlib.suppress(HubRuns), hub_lock(settings.data):
+        take_restored(settings.data, clock)
     hub = ClusterHub(settings, clock)
     await _serve_until_told(hub, hub.ended)
     if hub.failure is not None:

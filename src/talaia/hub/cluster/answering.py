@@ -85,9 +85,12 @@ class Answering:
         # Numbers rise: one that was there before comes from somebody who has recorded it. Two
         # lanes may overtake each other, so each has a count of its own.
         key = f"{name.hub} {lane}"
-        if name.number <= self._last.get(key, 0) or len(self._last) > _MOST_HUBS:
+        if name.number <= self._last.get(key, 0):
             return
         self._last[key] = name.number
+        if len(self._last) > _MOST_HUBS:
+            # The run that was heard of first is over long since.
+            del self._last[next(iter(self._last))]
         try:
             scope = unpack_scope(_ABOUT.decode(frame.payload))
         except (msgspec.DecodeError, KeyError, TypeError, ValueError) as error:

@@ -143,7 +143,6 @@ class _Answer:
         """End what cannot be ended well: nobody may take a part of an answer for all of it."""
         if self._done:
             return
+        # An HTTP answer that stays without its end is cut off by the server.
         if self._kind == "websocket":
             await self._send({"type": "websocket.close", "code": _RESTARTS})
-        else:
-            raise ConnectionError("the answer was cut off between two hubs")

@@ -104,18 +104,18 @@ class ClusterMember:
     async def run(self) -> None:
         """Say that this hub is there, and end what goes by hubs that are not, for ever."""
         while True:
-            await self._say_notice()
-            now_ns = self._clock.monotonic_ns()
-            for hub in self.answering.list_hubs():
-                if not self.peers.is_living(hub, now_ns):
-                    self.answering.break_off("the hub between is gone", hub=hub)
-            lead = self.find_lead()
-            self.entrance.break_off("the hub that led is gone", but=lead.hub if lead else None)
+            try:
+                await self._say_notice()
+                self._end_broken()
+            except Exception:  # noqa: BLE001 - logged; a hub that fell silent would be taken for gone
+                _LOG.exception("a beat between the hubs failed; the next one comes")
             await asyncio.sleep(BEAT_S)
 
     async def begin_leading(self, app: ASGIApp, epoch: int) -> None:
         """Answer for the others with ``app`` from now on."""
         self._epoch = epoch
+        # Whoever came through here to the lead of before comes again, and is answered here.
+        self.entrance.break_off("this hub leads now")
         self.answering.begin_answering(app)
         # At once: who waits for a lead need not wait for the next beat.
         await self._say_notice()
@@ -164,6 +164,14 @@ class ClusterMember:
         lead = self.find_lead()
         return lead.hub if lead else None
 
+    def _end_broken(self) -> None:
+        """End what goes by hubs that are gone."""
+        now_ns = self._clock.monotonic_ns()
+        for hub in self.answering.list_hubs():
+            if not self.peers.is_living(hub, now_ns):
+                self.answering.break_off("the hub between is gone", hub=hub)
+        self.entrance.break_off("the hub that led is gone", but=self._find_lead_hub())
+
     async def _say_notice(self) -> None:
         payload = msgspec.msgpack.encode(self.own_notice())
         frame = TunnelFrame(FrameKind.NOTICE, 0, 0, payload)
@@ -197,6 +205,9 @@ class ClusterMember:
         self.peers.hear_notice(notice, self._clock.monotonic_ns())
         if notice.leads and notice.epoch > self._epoch > 0:
             self._superseded()
+        elif notice.leads and not self._epoch:
+            # Of a new lead at once: who still asks the one of before waits for nothing.
+            self.entrance.break_off("another hub leads now", but=self._find_lead_hub())
 
     def _hear_tunnel(self, lane: BusLane, hub: str, frame: TunnelFrame) -> None:
         name = TunnelName(hub, frame.tunnel)

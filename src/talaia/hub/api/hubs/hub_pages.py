@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter
 
 from talaia.hub.api.guarded_routes import GuardedRoute
+from talaia.hub.api.hubs.hub_problems import find_problems
 from talaia.hub.api.hubs.hub_schemas import HubList, HubShape
 from talaia.hub.cluster.peers import SILENT_S, HubNotice
 
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
     from talaia.hub.ports import ClusterSeat
 
 __all__ = ["HubPages"]
-
-# A database that takes longer slows everything (ms).
-_SLOW_MS = 250.0
 
 
 class HubPages:
@@ -50,7 +48,7 @@ class HubPages:
             bus=seat.connected,
             epoch=own.epoch,
             hubs=hubs,
-            problems=_find_problems(hubs, bus=seat.connected),
+            problems=find_problems(hubs, bus=seat.connected),
         )
 
 
@@ -74,25 +72,3 @@ def _shape(notice: HubNotice, *, own: bool, silent_s: float) -> HubShape:
         # Of the bus that is away: nobody was heard.
         silent_s=min(silent_s, 1e6),
     )
-
-
-def _find_problems(hubs: list[HubShape], *, bus: bool) -> list[str]:
-    problems = []
-    if not bus:
-        problems.append("NATS is away: pages and gateways reach this hub only where it is itself")
-    living = [hub for hub in hubs if hub.role != "gone"]
-    problems += [
-        f"{hub.name} has not been heard for {hub.silent_s:.0f}\u202fs"
-        for hub in hubs
-        if hub.role == "gone" and bus
-    ]
-    if len(living) == 1:
-        problems.append("No other hub is there to take over")
-    if len({hub.version for hub in living}) > 1:
-        problems.append("The hubs are of different versions; go on with the upgrade")
-    problems += [
-        f"The database is slow for {hub.name}: {hub.database_ms:.0f}\u202fms"
-        for hub in living
-        if hub.database_ms > _SLOW_MS
-    ]
-    return problems

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 __all__ = ["MARIADB_LEAD", "POSTGRESQL_LEAD", "LeadWords"]
 
@@ -18,6 +21,7 @@ class LeadWords(NamedTuple):
         end: ends a session.
         others: other sessions of hubs that lead or have led, on this database.
         mark: says of this session that it is such a one.
+        bounds: the driver's arguments by which a server that is gone is not waited for (s).
 
     """
 
@@ -28,8 +32,11 @@ class LeadWords(NamedTuple):
     end: str
     others: str
     mark: str
+    bounds: Mapping[str, int]
 
 
+# A statement about the lock takes no time; after so long the way to the server is gone (s).
+_BOUND_S = 5
 # "tala" and "lead": the two halves of our lock's number; the other lock is of one number.
 _TALA, _LEAD = 0x74616C61, 0x6C656164
 POSTGRESQL_LEAD = LeadWords(
@@ -51,6 +58,7 @@ POSTGRESQL_LEAD = LeadWords(
         " AND pid <> pg_backend_pid()"
     ),
     mark="SET application_name = 'talaia hub'",
+    bounds={"timeout": _BOUND_S},
 )
 # A lock's name is the whole server's, and no longer than 64 characters.
 _NAME = "CONCAT('talaia lead ', MD5(DATABASE()))"
@@ -66,4 +74,5 @@ MARIADB_LEAD = LeadWords(
         " AND user = SUBSTRING_INDEX(USER(), '@', 1) AND id <> CONNECTION_ID()"
     ),
     mark="DO 0",
+    bounds={"read_timeout": _BOUND_S, "write_timeout": _BOUND_S},
 )

@@ -46,6 +46,7 @@ class LeadLock:
 
     Attributes:
         answered_ms: how long the database took to answer last; 0 while it does not.
+        tried: set once the lock was tried for, whatever came of it.
 
     """
 
@@ -77,7 +78,7 @@ class LeadLock:
         try:
             self._engine = create_engine(
                 reach.url,
-                connect_args=reach.arguments,
+                connect_args={**reach.arguments, **words.bounds},
                 isolation_level="AUTOCOMMIT",
                 pool_size=1,
                 max_overflow=0,
@@ -93,6 +94,8 @@ class LeadLock:
         self._epoch = 0
         self._connection: Connection | None = None
         self._stopping = threading.Event()
+        # Set once it was tried, whatever came of it.
+        self.tried = threading.Event()
         # Another hub had it when this one looked first: it is a take-over.
         self._waited = False
         self._thread = threading.Thread(target=self._run, name="lead-lock", daemon=True)
@@ -145,6 +148,7 @@ class LeadLock:
                 self._fail(error)
             else:
                 self.answered_ms = round((time.monotonic() - began) * 1000, 2)
+            self.tried.set()
             if self._stopping.wait(self._look_s):
                 break
         with contextlib.suppress(*_FAILURES):

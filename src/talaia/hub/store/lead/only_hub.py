@@ -33,9 +33,11 @@ async def hold_only_hub(url: str, lost: Callable[[], None]) -> AsyncIterator[Non
     lock = LeadLock(url, taken=taken.set, lost=lost, look_s=_LOOK_S)
     lock.start_looking()
     try:
-        await asyncio.to_thread(taken.wait, _WAIT_S)
+        await asyncio.to_thread(lock.tried.wait)
         # A database that does not answer is told of by whoever opens it.
-        if not taken.is_set() and lock.answered_ms:
+        if lock.answered_ms:
+            await asyncio.to_thread(taken.wait, _WAIT_S)
+        if lock.answered_ms and not taken.is_set():
             raise CannotStart(
                 "another hub uses this database",
                 "end it, or start both with --cluster to make them one",
