@@ -10,6 +10,8 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape
+from talaia.model.derivation.source import DerivedSource
+from talaia.model.detection import DetectionSource
 from talaia.model.interlocks.enclosure import Sighting  # noqa: TC001 - msgspec reads it
 from talaia.model.interlocks.interlock import Step  # noqa: TC001 - msgspec reads it
 from talaia.model.night_frames import (  # noqa: TC001 - msgspec reads them
@@ -265,11 +267,16 @@ class NightSection(Shape, frozen=True, kw_only=True):
     def angles(self, devices: Mapping[str, Device]) -> tuple[str, str]:
         """Name the signals that say at which altitude and azimuth the telescope points.
 
-        By their roles, at the device that is unparked; empty where none has the role.
+        By their roles, at the device that is unparked; empty where none has the role. What is
+        worked out or seen by a camera is left out: it is no sensor's word, and not at hand.
         """
         name = self.unpark.command.partition("/")[0]
         signals = devices[name].signals.items() if name in devices else ()
-        by_role = {one.role: f"{name}/{key}" for key, one in signals}
+        by_role = {
+            one.role: f"{name}/{key}"
+            for key, one in signals
+            if not isinstance(one.source, DerivedSource | DetectionSource)
+        }
         wanted = (SignalRole.TELESCOPE_ALTITUDE, SignalRole.TELESCOPE_AZIMUTH)
         altitude, azimuth = (by_role.get(role, "") for role in wanted)
         return altitude, azimuth

@@ -10,6 +10,7 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.model.checks.site_checks import check_site
+from talaia.model.derivation.source import DerivedSource
 from talaia.model.interlocks.enclosure import Sighting
 from talaia.model.interlocks.interlock import Step
 from talaia.model.night_frames import (
@@ -75,6 +76,22 @@ def test_where_a_telescope_points_is_read_by_roles_and_stays_at_hand() -> None:
     }
     devices = {**site.devices, "telescope": replace(telescope, signals=plain)}
     assert site.night.angles(devices) == ("", "")
+
+
+def test_an_altitude_that_is_worked_out_is_not_read_and_no_mistake() -> None:
+    site = night()
+    assert site.night is not None
+    telescope = site.devices["telescope"]
+    worked_out = replace(
+        telescope.signals["altitude"],
+        source=DerivedSource(expression="{telescope/dec} + {telescope/sun_altitude}"),
+    )
+    signals = {**telescope.signals, "altitude": worked_out}
+    devices = {**site.devices, "telescope": replace(telescope, signals=signals)}
+    assert site.night.angles(devices) == ("", "telescope/azimuth")
+    before = {str(finding) for finding in check_site(site)}
+    found = {str(finding) for finding in check_site(replace(site, devices=devices))}
+    assert not any("altitude" in finding for finding in found - before), found - before
 
 
 @pytest.mark.parametrize("example", ["observatory", "indi"])
