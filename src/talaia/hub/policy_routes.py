@@ -264,6 +264,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     "taps": {
         # Each topic is looked at besides; what may not be tapped is as if it were not there.
         ("GET", "/api/sites/{site}/topics"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/graph"): AccessNeed.SEE,
         # Who views no device of the site gets none, as with the clients of other tools.
         ("GET", "/api/sites/{site}/assets"): AccessNeed.SEE,
     },

@@ -637,6 +637,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/events"): of_site(),
     ("GET", "/api/sites/{site}/assets"): Recipe(_asset, ("agv", "moon")),
     ("GET", "/api/sites/{site}/topics"): of_site(),
+    ("GET", "/api/sites/{site}/graph"): of_site(),
     ("GET", "/api/sites/{site}/recorded-topics"): of_site(query={"at_us": 1}),
     ("GET", "/api/sites/{site}/recorded-topics/messages"): of_site(
         query={"topic": "/odom", "from_us": 1, "to_us": 2}

@@ -14,7 +14,7 @@ from ..chromium import sign_in
 from ..conftest import DESCRIPTION
 from .test_recorded_topics import BEGIN_US, ODOM, SECOND_US, odometry
 from .test_recordings import files
-from .test_scene_in_browser import BASE, KINDS, STORE, YAW, house_messages
+from .test_scene_in_browser import BASE, KINDS, SCENE, STORE, YAW, house_messages
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
 RULES = '\nrecording: {}\ntopics:\n  - {pattern: "/**", right: view}\n'
@@ -70,8 +70,8 @@ async def picture(page, name: str) -> None:
         await page.set_viewport_size({"width": width, "height": 1000})
         for theme in ("light", "dark"):
             await page.evaluate("t => (document.documentElement.dataset.theme = t)", theme)
-            await page.wait_for_timeout(1500)
             await page.screenshot(path=f"{PICTURES}/{name}-{width}-{theme}.png", full_page=True)
+    await page.set_viewport_size({"width": 1280, "height": 800})
 
 
 async def test_scene_messages_and_log_are_those_of_the_moment(chromium, hub, tmp_path) -> None:
@@ -112,14 +112,7 @@ async def test_scene_messages_and_log_are_those_of_the_moment(chromium, hub, tmp
     plot = page.locator("t-field-plot")
     await expect(plot).to_contain_text("position.x 20.0")
     scene = page.locator("t-scene")
-    await page.wait_for_function(
-        """() => {
-            const find = (root) => root.querySelector("t-scene")
-                ?? [...root.querySelectorAll("*")].map((e) => e.shadowRoot && find(e.shadowRoot)).find(Boolean);
-            const scene = find(document);
-            return scene && scene.drawn("/scan").points.length > 50 && scene.drawn("/scan").painted > 0;
-        }"""
-    )
+    await page.wait_for_function(f"{SCENE}.points.length > 50 && {SCENE}.painted > 0")
     log = page.locator("t-tile-log")
     await expect(log.locator("li").first).to_contain_text("second 20")
     await picture(page, "within")
@@ -143,6 +136,4 @@ async def test_scene_messages_and_log_are_those_of_the_moment(chromium, hub, tmp
     await picture(page, "beyond")
     await topic.get_by_role("button", name="Before, until").click()
     await expect(plot).to_contain_text("position.x 39.8")
-    # Somebody else's way of looking: whole lines from a level on.
-    await page.locator("t-tile-log").get_by_label("From level").select_option("40")
     assert page.errors == []

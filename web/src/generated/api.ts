@@ -2352,6 +2352,19 @@ export interface StoryShape {
   readonly speed: number | null;
 }
 
+/** A node of a robot, with those of its topics that you may tap. */
+export interface GraphNodeShape {
+  readonly name: string;
+  readonly publishes: readonly string[];
+  readonly subscribes: readonly string[];
+}
+
+/** The nodes of a site that have a topic that you may tap, by name. */
+export interface GraphShape {
+  readonly online: boolean;
+  readonly nodes: readonly GraphNodeShape[];
+}
+
 /** A raw topic that you may tap. */
 export interface TopicShape {
   readonly topic: string;

@@ -1,6 +1,6 @@
 /** The raw topics of a site that a person may follow. */
 
-import type { TopicTable } from "../generated/api.js";
+import type { GraphShape, TopicTable } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
 
 export class TopicsApi {
@@ -11,5 +11,10 @@ export class TopicsApi {
 
   listTopics(): Promise<TopicTable> {
     return this.api.request("GET", `/api/sites/${encodeURIComponent(this.site)}/topics`);
+  }
+
+  /** Which nodes the robot has now, and what they publish and hear. */
+  readGraph(): Promise<GraphShape> {
+    return this.api.request("GET", `/api/sites/${encodeURIComponent(this.site)}/graph`);
   }
 }

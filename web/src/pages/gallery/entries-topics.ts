@@ -6,6 +6,8 @@ import "../../elements/topic/diagnostics-tree.js";
 import "../../elements/topic/field-plot.js";
 import "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble } from "../../elements/topic/topic-state.js";
+import "../../elements/topic/node-graph.js";
+import type { GraphNodeShape } from "../../generated/api.js";
 import { DiagnosticsBook, type DiagnosticNode } from "../../series/diagnostics.js";
 import type { FieldTrace } from "../../topics/field-traces.js";
 import { PastBoard } from "../../state/past/past-board.js";
@@ -76,7 +78,26 @@ function pastBetween(earlierS: number | null, laterS: number | null, problems: r
 
 const WHAT = "/scan is in no recording of this moment.";
 
+const ROBOT: readonly GraphNodeShape[] = [
+  { name: "/lidar", publishes: ["/scan"], subscribes: [] },
+  { name: "/slam_toolbox", publishes: ["/map", "/tf"], subscribes: ["/scan", "/odom"] },
+  { name: "/planner_server", publishes: ["/plan"], subscribes: ["/map", "/tf"] },
+  { name: "/controller_server", publishes: ["/cmd_vel"], subscribes: ["/plan", "/scan", "/odom", "/tf"] },
+  { name: "/base", publishes: ["/odom", "/tf", "/joint_states"], subscribes: ["/cmd_vel"] },
+  { name: "/robot_state_publisher", publishes: ["/tf_static", "/robot_description"], subscribes: ["/joint_states"] },
+];
+const MANY: readonly GraphNodeShape[] = Array.from({ length: 300 }, (_, at) => ({ name: `/swarm/robot_${String(at)}/controller`, publishes: [`/swarm/robot_${String(at)}/state`], subscribes: [`/swarm/robot_${String((at + 1) % 300)}/state`] }));
+
 export const entries: readonly GalleryEntry[] = [
+  {
+    tag: "t-node-graph",
+    wide: true,
+    states: [
+      { name: "a robot", show: () => html`<t-node-graph .nodes=${ROBOT}></t-node-graph>` },
+      { name: "around a node", show: () => html`<t-node-graph .nodes=${ROBOT} around="/slam_toolbox"></t-node-graph>` },
+      { name: "hundreds of nodes", show: () => html`<t-node-graph .nodes=${MANY}></t-node-graph>` },
+    ],
+  },
   {
     tag: "t-unrecorded",
     states: [

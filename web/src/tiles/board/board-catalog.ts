@@ -258,6 +258,13 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     render: (settings, context) => html`<t-tile-topic .context=${context} topic=${settingText(settings, "topic")} .fields=${settingList(settings, "fields")}></t-tile-topic>`,
   },
   {
+    type: "graph", title: "Nodes and topics", about: "The robot's nodes, and who publishes what to whom, with search.", icon: "devices", desktop: [8, 7], phone: [4, 7], least: [3, 4],
+    settings: [{ key: "around", label: "Drawn around", kind: "text", hint: "A node or a topic, such as /planner; all where it is empty" }],
+    notKept: "Which nodes there were is not kept.",
+    load: () => import("./graph-board-tile.js"),
+    render: (settings, context) => html`<t-tile-graph .context=${context} around=${settingText(settings, "around")}></t-tile-graph>`,
+  },
+  {
     type: "parameters", title: "Parameters", about: "Parameters of a robot's nodes that the description names, with what sets them.", icon: "devices", desktop: [4, 6], phone: [4, 6], least: [2, 3],
     settings: [{ key: "device", label: "Of one device", kind: "device" }],
     past: "moves",

@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from talaia.model.topics import TopicRight  # noqa: TC001 - pydantic reads it at run time
 
-__all__ = ["TopicShape", "TopicTable"]
+__all__ = ["GraphNodeShape", "GraphShape", "TopicShape", "TopicTable"]
 
 
 class TopicShape(BaseModel):
@@ -30,3 +30,18 @@ class TopicTable(BaseModel):
 
     online: bool = Field(description="whether its gateway is connected")
     topics: list[TopicShape]
+
+
+class GraphNodeShape(BaseModel):
+    """A node of a robot, with those of its topics that you may tap."""
+
+    name: str
+    publishes: list[str]
+    subscribes: list[str]
+
+
+class GraphShape(BaseModel):
+    """The nodes of a site that have a topic that you may tap, by name."""
+
+    online: bool = Field(description="whether its gateway is connected")
+    nodes: list[GraphNodeShape]

@@ -8,7 +8,12 @@ from fastapi import APIRouter, Request
 
 from talaia.hub.api.access import live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
-from talaia.hub.api.schemas.tap_schemas import TopicShape, TopicTable
+from talaia.hub.api.schemas.tap_schemas import (
+    GraphNodeShape,
+    GraphShape,
+    TopicShape,
+    TopicTable,
+)
 from talaia.model.topics import TopicRight
 
 if TYPE_CHECKING:
@@ -28,6 +33,7 @@ class TopicPages:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/sites/{site}/topics")(self.overview)
+        router.get("/api/sites/{site}/graph")(self.graph)
         return router
 
     async def overview(self, site: str, request: Request) -> TopicTable:
@@ -50,5 +56,20 @@ class TopicPages:
                     rate=found.rate,
                 )
                 for found in self._taps.topics(site, who_of(request).grants)
+            ],
+        )
+
+    async def graph(self, site: str, request: Request) -> GraphShape:
+        """Tell which of the robot's nodes publish and subscribe to what, as far as you may tap it.
+
+        The robot is asked for it while somebody asks here; the first answer takes up to three
+        seconds. While its gateway is away there are no nodes.
+        """
+        graph = await self._taps.ask_graph(site, who_of(request).grants, ())
+        return GraphShape(
+            online=live_of(request).online,
+            nodes=[
+                GraphNodeShape(name=node.name, publishes=node.publishes, subscribes=node.subscribes)
+                for node in sorted(graph.nodes, key=lambda node: node.name)
             ],
         )
