@@ -133,7 +133,8 @@ class NatsBus:
                     servers=self._servers,
                     name=f"{self._name} {lane.name.lower()}",
                     connect_timeout=_CONNECT_S,
-                    reconnect_time_wait=_AGAIN_S,  # type: ignore[arg-type] - it sleeps for it, part of a second or not
+                    # It sleeps for so long; parts of a second are well.
+                    reconnect_time_wait=_AGAIN_S,  # type: ignore[arg-type]
                     max_reconnect_attempts=-1,
                     ping_interval=_PING_S,
                     pending_size=_MOST_WAITING,
