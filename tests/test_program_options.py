@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from talaia.log_setup import set_up_log
-from talaia.program_options import OptionRefused, parse_options, settings_text
+from talaia.program_options import OptionRefused, OptionSource, parse_options, settings_text
 
 
 def parser() -> argparse.ArgumentParser:
@@ -97,6 +97,17 @@ def test_settings_are_printed_as_the_file_has_them() -> None:
         "plain: true  # --plain (THING_PLAIN)",
         "proxy: []    # default (THING_PROXY)",
     ]
+
+
+def test_passwords_in_addresses_are_not_printed() -> None:
+    shown = settings_text(
+        [
+            OptionSource("database", "T_DATABASE", "postgresql://hub:s3cret@db:5432/t", "default"),
+            OptionSource("cluster", "T_CLUSTER", ["nats://a:p%40ss@one", "nats://two"], "default"),
+        ]
+    )
+    assert "postgresql://hub:***@db:5432/t" in shown
+    assert "[nats://a:***@one, nats://two]" in shown
 
 
 def test_a_log_of_json_has_an_object_in_each_line_and_no_secret(

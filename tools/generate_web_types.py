@@ -29,9 +29,9 @@ import msgspec
 from msgspec import inspect
 from pydantic import BaseModel
 
+from talaia.hub.api.causes import cause_schemas
 from talaia.hub.api.driving import drive_schemas
 from talaia.hub.api.hubs import hub_schemas
-from talaia.hub.api.causes import cause_schemas
 from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas

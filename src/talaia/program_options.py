@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,6 +25,8 @@ __all__ = ["OptionRefused", "OptionSource", "parse_options", "print_settings", "
 _MOST_TEXT = 64 * 1024
 _TRUE, _FALSE = frozenset({"1", "true", "yes", "on"}), frozenset({"0", "false", "no", "off", ""})
 # Ways to ask for something else than to run.
+# In an address, after its user's name.
+_PASSWORD = re.compile(r"(://[^\s/:@]*):[^\s/@]+@")
 _ASKING = frozenset({"help", "settings", "show_settings", "version"})
 
 
@@ -188,8 +191,9 @@ def _value_text(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list | tuple):
-        return f"[{', '.join(map(str, value))}]"
-    return str(value)
+        return f"[{', '.join(map(_value_text, value))}]"
+    # What is printed is copied into questions: a password in an address is not.
+    return _PASSWORD.sub(r"\1:***@", str(value))
 
 
 def print_settings(sources: Sequence[OptionSource]) -> None:

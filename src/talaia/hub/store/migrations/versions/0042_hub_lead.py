@@ -8,7 +8,7 @@ from alembic import op
 from talaia.hub.store.migrations import steps
 from talaia.hub.store.migrations.steps import BIG, HASH, NAME
 
-revision = "0045"
+revision = "0042"
 down_revision = "0041"
 branch_labels = None
 depends_on = None
