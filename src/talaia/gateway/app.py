@@ -129,8 +129,7 @@ class Gateway:
             UpdatesPart(base=base, description=description, uplink=uplink),
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )
-        # Asked after `run` for the description to begin again with.
-        self._restart, self._actuation = description.restart, actuation
+        self._restart, self._actuation = description.restart, actuation  # Asked after `run`.
         self._supervision, self.recording, self.legacy = supervision, recording, legacy
 
     @property
