@@ -66,8 +66,8 @@ class Gateway:
             SettingsError: the description names a connection that cannot be used here.
 
         """
-        self._manager = manager = manager or ServiceManager()  # Of the process, not of this run.
-        self._parts: tuple[GatewayPart, ...] = (  # Started in this order, closed in reverse.
+        # Built and started in this order, closed in reverse.
+        self._parts: tuple[GatewayPart, ...] = (
             base := FoundationPart(settings=settings, clock=clock),
             description := DescriptionPart(base=base, site=site, file=file),
             samples := SamplesPart(base=base, description=description),
@@ -100,7 +100,7 @@ class Gateway:
                 description=description,
                 adapters=adapters,
                 actuation=actuation,
-                manager=manager,
+                manager=(service := manager or ServiceManager()),
             ),
             reload := ReloadPart(
                 base=base,
@@ -129,9 +129,10 @@ class Gateway:
             UpdatesPart(base=base, description=description, uplink=uplink),
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )
-        # Asked after `run` for the description to begin again with.
-        self._restart, self._actuation = description.restart, actuation
-        self._supervision, self.recording, self.legacy = supervision, recording, legacy
+        # The manager is of the process and not of this run: gateways follow each other in one.
+        self._manager, self._supervision, self.recording = service, supervision, recording
+        # The restart is asked after `run` for the description to begin again with.
+        self._restart, self._actuation, self.legacy = description.restart, actuation, legacy
 
     @property
     def redescribed(self) -> Site | None:
