@@ -135,11 +135,7 @@ class AnomalyService:
         watch = self._watch_of(live)
         if not watch.addresses or not len(columns):
             return
-        # A link that is being replaced may still speak of another list of channels.
-        if int(columns.channel.max()) >= len(watch.addresses):
-            return
-        at = np.flatnonzero(watch.chosen[columns.channel])
-        at = watch.thinning.pick_samples(columns, at)
+        at = watch.pick_samples(columns)
         if not at.size:
             return
         if self._count + at.size > _MOST_WAITING:
@@ -351,13 +347,9 @@ class AnomalyService:
         self._publish_standing(live, runner)
 
     def _tell_known(self, live: LiveSite) -> None:
-        """Tell of anomalies that go on after what they were known for is over."""
-        for runner in self._watch_of(live).all_runners():
-            if runner.known and self.known.holding_for(live, runner) is None:
-                runner.known = ""
-                if runner.episodes.began_us >= 0:
-                    began = AnomalyBegan(runner.from_us, runner.episodes.top, runner.why)
-                    self._publish_anomaly(live, runner, began)
+        for runner in self.known.over_for(live, self._watch_of(live).all_runners()):
+            began = AnomalyBegan(runner.from_us, runner.episodes.top, runner.why)
+            self._publish_anomaly(live, runner, began)
 
     def _publish_standing(self, live: LiveSite, runner: EpisodeRunner) -> None:
         for sink in self._shown_to:
