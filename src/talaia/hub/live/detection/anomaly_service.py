@@ -230,7 +230,9 @@ class AnomalyService:
         with suppress(*_FAILS):
             await self._scores.write_waiting()
         with suppress(*_FAILS):
-            await self._save_detectors(self._unsaved_detectors(None))
+            await self._save_detectors(
+                _unsaved_detectors(self._of, self._saved_at, self._clock, None)
+            )
 
     async def _evaluate_piece(self, piece: _Piece) -> None:
         watch = self._watch_of(piece.live)
@@ -363,7 +365,9 @@ class AnomalyService:
                 self._tell_known(live)
             try:
                 await self._scores.write_waiting()
-                await self._save_detectors(self._unsaved_detectors(_SAVES_A_TICK))
+                await self._save_detectors(
+                    _unsaved_detectors(self._of, self._saved_at, self._clock, _SAVES_A_TICK)
+                )
             except _FAILS as error:
                 if not self._failing:
                     _LOG.warning("anomaly scores and what is learned wait: %s", error)
@@ -385,17 +389,6 @@ class AnomalyService:
                     self._handle_news(live, watch, runner=runner, turn=turn, time_us=now_us)
             self._publish_scores(live, watch)
 
-    def _unsaved_detectors(self, most: int | None) -> list[tuple[str, EpisodeRunner]]:
-        now, due = self._clock.monotonic_ns() / 1e9, []
-        for site, watch in self._of.items():
-            for runner in watch.all_runners():
-                key = (site, runner.address, runner.word)
-                # What just began to learn waits its turn like all others.
-                since = self._saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
-                if runner.changed and (most is None or now - since >= _SAVE_EVERY_S):
-                    due.append((site, runner))
-        return due if most is None else due[:most]
-
     async def _save_detectors(self, due: Sequence[tuple[str, EpisodeRunner]]) -> None:
         now = self._clock.monotonic_ns() / 1e9
         rows = [(site, runner.address, runner.word, runner.dump_state()) for site, runner in due]
@@ -408,6 +401,24 @@ class AnomalyService:
             raise
         for site, address, detector, _ in rows:
             self._saved_at[site, address, detector] = now
+
+
+def _unsaved_detectors(
+    watches: dict[str, SiteWatch],
+    saved_at: dict[tuple[str, str, str], float],
+    clock: Clock,
+    most: int | None,
+) -> list[tuple[str, EpisodeRunner]]:
+    """List what has learned since it was saved, with its site; ``most``: only what is due."""
+    now, due = clock.monotonic_ns() / 1e9, []
+    for site, watch in watches.items():
+        for runner in watch.all_runners():
+            key = (site, runner.address, runner.word)
+            # What just began to learn waits its turn like all others.
+            since = saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
+            if runner.changed and (most is None or now - since >= _SAVE_EVERY_S):
+                due.append((site, runner))
+    return due if most is None else due[:most]
 
 
 def _report_of(
