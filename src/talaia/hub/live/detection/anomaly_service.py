@@ -135,11 +135,7 @@ class AnomalyService:
         watch = self._watch_of(live)
         if not watch.addresses or not len(columns):
             return
-        # A link that is being replaced may still speak of another list of channels.
-        if int(columns.channel.max()) >= len(watch.addresses):
-            return
-        at = np.flatnonzero(watch.chosen[columns.channel])
-        at = watch.thinning.pick_samples(columns, at)
+        at = watch.pick_samples(columns)
         if not at.size:
             return
         if self._count + at.size > _MOST_WAITING:
@@ -234,7 +230,9 @@ class AnomalyService:
         with suppress(*_FAILS):
             await self._scores.write_waiting()
         with suppress(*_FAILS):
-            await self._save_detectors(self._unsaved_detectors(None))
+            await self._save_detectors(
+                _unsaved_detectors(self._of, self._saved_at, self._clock, None)
+            )
 
     async def _evaluate_piece(self, piece: _Piece) -> None:
         watch = self._watch_of(piece.live)
@@ -351,13 +349,9 @@ class AnomalyService:
         self._publish_standing(live, runner)
 
     def _tell_known(self, live: LiveSite) -> None:
-        """Tell of anomalies that go on after what they were known for is over."""
-        for runner in self._watch_of(live).all_runners():
-            if runner.known and self.known.holding_for(live, runner) is None:
-                runner.known = ""
-                if runner.episodes.began_us >= 0:
-                    began = AnomalyBegan(runner.from_us, runner.episodes.top, runner.why)
-                    self._publish_anomaly(live, runner, began)
+        for runner in self.known.over_for(live, self._watch_of(live).all_runners()):
+            began = AnomalyBegan(runner.from_us, runner.episodes.top, runner.why)
+            self._publish_anomaly(live, runner, began)
 
     def _publish_standing(self, live: LiveSite, runner: EpisodeRunner) -> None:
         for sink in self._shown_to:
@@ -371,7 +365,9 @@ class AnomalyService:
                 self._tell_known(live)
             try:
                 await self._scores.write_waiting()
-                await self._save_detectors(self._unsaved_detectors(_SAVES_A_TICK))
+                await self._save_detectors(
+                    _unsaved_detectors(self._of, self._saved_at, self._clock, _SAVES_A_TICK)
+                )
             except _FAILS as error:
                 if not self._failing:
                     _LOG.warning("anomaly scores and what is learned wait: %s", error)
@@ -393,17 +389,6 @@ class AnomalyService:
                     self._handle_news(live, watch, runner=runner, turn=turn, time_us=now_us)
             self._publish_scores(live, watch)
 
-    def _unsaved_detectors(self, most: int | None) -> list[tuple[str, EpisodeRunner]]:
-        now, due = self._clock.monotonic_ns() / 1e9, []
-        for site, watch in self._of.items():
-            for runner in watch.all_runners():
-                key = (site, runner.address, runner.word)
-                # What just began to learn waits its turn like all others.
-                since = self._saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
-                if runner.changed and (most is None or now - since >= _SAVE_EVERY_S):
-                    due.append((site, runner))
-        return due if most is None else due[:most]
-
     async def _save_detectors(self, due: Sequence[tuple[str, EpisodeRunner]]) -> None:
         now = self._clock.monotonic_ns() / 1e9
         rows = [(site, runner.address, runner.word, runner.dump_state()) for site, runner in due]
@@ -416,6 +401,24 @@ class AnomalyService:
             raise
         for site, address, detector, _ in rows:
             self._saved_at[site, address, detector] = now
+
+
+def _unsaved_detectors(
+    watches: dict[str, SiteWatch],
+    saved_at: dict[tuple[str, str, str], float],
+    clock: Clock,
+    most: int | None,
+) -> list[tuple[str, EpisodeRunner]]:
+    """List what has learned since it was saved, with its site; ``most``: only what is due."""
+    now, due = clock.monotonic_ns() / 1e9, []
+    for site, watch in watches.items():
+        for runner in watch.all_runners():
+            key = (site, runner.address, runner.word)
+            # What just began to learn waits its turn like all others.
+            since = saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
+            if runner.changed and (most is None or now - since >= _SAVE_EVERY_S):
+                due.append((site, runner))
+    return due if most is None else due[:most]
 
 
 def _report_of(

@@ -108,6 +108,13 @@ class KnownAnomalies:
                 return one
         return None
 
+    def over_for(self, live: LiveSite, runners: list[EpisodeRunner]) -> list[EpisodeRunner]:
+        """Give those whose anomaly goes on after what it was known for is over."""
+        over = [one for one in runners if one.known and self.holding_for(live, one) is None]
+        for one in over:
+            one.known = ""
+        return [one for one in over if one.episodes.began_us >= 0]
+
     def holds(self, live: LiveSite, known: KnownAnomaly) -> bool:
         """Tell whether the machine is in the state of an entry; what is not known does not hold."""
         if not known.state:

@@ -17,10 +17,13 @@ from talaia.model.alarms.signal_groups import MOST_IN_GROUPS, groups_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from numpy.typing import NDArray
+
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
     from talaia.hub.live.sites import LiveSite
     from talaia.model.alarms.anomaly import Watch
     from talaia.model.alarms.signal_groups import GroupSignals
+    from talaia.wire.columns import Columns
 
 __all__ = ["SiteWatch", "watch_site"]
 
@@ -89,6 +92,14 @@ class SiteWatch:
         # A group looks at a second as a whole; who watches a signal by itself decides for it.
         thin = thin | (self.members.keys() - self.watched.keys() - self._states())
         self.thinning = Thinning(np.array([address in thin for address in self.addresses], bool))
+
+    def pick_samples(self, columns: Columns) -> NDArray[np.intp]:
+        """Give the places of the samples of a batch that anybody looks at."""
+        # A link that is being replaced may still speak of another list of channels.
+        if int(columns.channel.max()) >= len(self.addresses):
+            return np.empty(0, np.intp)
+        at = np.flatnonzero(self.chosen[columns.channel])
+        return self.thinning.pick_samples(columns, at)
 
     def _states(self) -> set[str]:
         """Name the states: each change of them counts."""
