@@ -175,15 +175,9 @@ class AnomalyService:
         return learns
 
     def confirm_newest(self, site: str, address: str, detector: str) -> tuple[int, int] | None:
-        """Take it that a detector's newest anomaly was one; None if there is none.
-
-        Returns:
-            From when to when it was (µs); up to its last high sample while it is on.
-
-        """
+        """Take it that a detector's newest anomaly was one, and give its stretch (µs), if any."""
         live = self._sites.find_site(site)
         runner = None if live is None else self._watch_of(live).find_runner(address, detector)
-        # One that has told of nothing yet has nothing to confirm.
         if live is None or runner is None or runner.from_us == 0:
             return None
         runner.confirmed, runner.forgiven = True, False
