@@ -100,6 +100,13 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
         "..., or NAME=LIBRARY of a plug-in; talaia doctor tries what is here (default: cpu)",
     )
     _add_update_options(parser)
+    _add_classic_options(parser)
+    parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
+    add_log_options(parser)
+    return parse_options(parser, argv, "TALAIA_GATEWAY_")
+
+
+def _add_classic_options(parser: argparse.ArgumentParser) -> None:
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )
@@ -117,9 +124,6 @@ def parse_arguments(argv: Sequence[str]) -> tuple[argparse.Namespace, list[Optio
     classic.add_argument(
         "--classic-token-file", type=Path, metavar="FILE", help="holds the token clients must give"
     )
-    parser.add_argument("--verbose", action="store_true", help="the same as --log-level debug")
-    add_log_options(parser)
-    return parse_options(parser, argv, "TALAIA_GATEWAY_")
 
 
 def _add_update_options(parser: argparse.ArgumentParser) -> None:

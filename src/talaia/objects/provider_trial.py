@@ -81,7 +81,7 @@ def _run_trial(*words: str) -> list[str] | str:
     return answer
 
 
-def _look(name: str) -> float:
+def _measure_provider(name: str) -> float:
     """Give how long a picture takes (s).
 
     Raises:
@@ -115,7 +115,7 @@ def main() -> int:
     os.dup2(2, 1)
     try:
         if len(sys.argv) > 1:
-            found = [str(_look(sys.argv[1]))]
+            found = [str(_measure_provider(sys.argv[1]))]
         else:
             import onnxruntime
 

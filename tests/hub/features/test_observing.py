@@ -64,7 +64,7 @@ async def test_a_request_is_asked_for_sent_observed_and_told_of(observatory) -> 
     (request,) = group["requests"]
     assert (request["state"], group["may"]) == ("PENDING", ["withdraw", "cancel"])
     # 10 · (60 + 5) s, and what leads to the first.
-    assert request["charge_s"] == 650 + 15 + 3 + 20
+    assert request["charge_s"] == 650 + 9 + 3 + 20
     sync = await dome.hear(RequestSync, lambda one: one.groups)
     assert (sync.groups[0].requests[0].id, sync.proposals[0].id) == (request["id"], "STARS-1")
     assert (sync.piece, sync.pieces) == (0, 1)
@@ -254,7 +254,7 @@ async def test_before_it_is_handed_in_it_is_said_what_it_costs_and_when_it_can_b
     answer = await operator.post(f"{AT}/request-groups/validate", json=asked(priority=30.0))
     assert answer.status_code == 200, answer.text
     said = answer.json()
-    assert (said["charge_s"], said["left_s"], said["person_left_s"]) == (688.0, 7200.0, None)
+    assert (said["charge_s"], said["left_s"], said["person_left_s"]) == (682.0, 7200.0, None)
     (problem,) = said["problems"]
     assert problem.startswith("priority 30 is more")
     (outlook,) = said["requests"]

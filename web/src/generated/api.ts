@@ -2543,6 +2543,7 @@ export interface UnusualShape {
   readonly score: number;
   readonly bar: number;
   readonly at_us: number;
+  readonly newest: boolean;
 }
 
 /** Write a note at a moment (``from_us`` and ``to_us`` are the same), or over a span. */

@@ -131,10 +131,9 @@ class NightService:
         self._requests = self._store.read_requests()
         # Each start has ids of its own: observations of one gateway are never told apart wrongly.
         self._book = self._store.read_book(f"{site.site}-{boot[:12]}")
-        self._intake = RequestIntake()
         self.planner, self.calls = planner(self._take_plan), NightCalls()
         arming = self._written_arming = self._store.read_arming()
-        self._files = FrameFiles(arrivals, site)
+        self._intake, self._files = RequestIntake(), FrameFiles(arrivals, site)
         self._commands = NightCommands(actuation.commands, self._take_answer, self._files)
         self._holds = NightHolds(site, night, actuation.commands, clock)
         self._parts = star_parts(self._commands.make_asker(f"night-{boot}-part", self._holds))

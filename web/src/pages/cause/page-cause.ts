@@ -180,7 +180,7 @@ export class PageCause extends LitElement {
         (${formatNumber(100 * similar.likeness, 0)} % in common)
       </p>
       <p class="quiet">${verdictText(similar)}</p>
-      ${verdict === null || worst === undefined || !cause.may_use
+      ${verdict === null || worst === undefined || !worst.newest || !cause.may_use
         ? nothing
         : html`<div class="actions">
             <t-button kind="primary" ?disabled=${this.action.busy} @click=${this.judger(worst, verdict, repeatedComment(similar, when))}>Same as last time</t-button>
@@ -198,8 +198,10 @@ export class PageCause extends LitElement {
         cause.states,
         (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subject, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,
       )}
-      <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "confirmed", "")}>It was real</t-button>
-      <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "forgiven", "")}>Not an anomaly</t-button>
+      ${subject.newest
+        ? html`<t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "confirmed", "")}>It was real</t-button>
+            <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "forgiven", "")}>Not an anomaly</t-button>`
+        : html`<span class="quiet">Only its newest anomaly can be judged; this is none of it.</span>`}
     </div>`;
   }
 

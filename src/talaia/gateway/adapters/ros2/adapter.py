@@ -277,7 +277,9 @@ class Ros2Adapter:
             raw=self._raw,
         )
         self._source.join(self._node, thread, self._types)
-        self._motion = Ros2Motion(self._scope, self._node, thread, self._types, self._tell_missing)
+        self._motion = Ros2Motion(
+            self._scope, self._node, thread, types=self._types, missing=self._tell_missing
+        )
         self._worker.start()
         self._thread = thread
         thread.start()
@@ -285,19 +287,15 @@ class Ros2Adapter:
     def _leave(self, context: Any) -> None:  # noqa: ANN401
         thread, self._thread = self._thread, None
         # First nobody publishes any more, then the thread ends, then the node goes.
-        if self._motion is not None:
-            self._motion.close()
+        _close_part(self._motion)
         self._motion = self._commands = self._nodes = self._presence = None
         if thread is not None:
             thread.end()
         self._rejoining.end_attempts()
-        if self._worker is not None:
-            self._worker.close()
+        _close_part(self._worker)
         self._source.leave()
-        if self._types is not None:
-            self._types.close()
-        if self._packageless is not None:
-            self._packageless.close()
+        _close_part(self._types)
+        _close_part(self._packageless)
         self._listening = self._types = self._descriptions = self._packageless = None
         self._latest.clear()
         if self._node is not None:
@@ -414,3 +412,9 @@ def _fail(future: asyncio.Future[None], error: BaseException) -> None:
     if not isinstance(error, AdapterLost):
         error = AdapterLost(f"ROS 2 was lost: {type(error).__name__}: {error}")
     future.set_exception(error)
+
+
+def _close_part(part: Ros2Motion | PictureWorker | TopicTypes | PackagelessServices | None) -> None:
+    """Close what may not have been made yet."""
+    if part is not None:
+        part.close()

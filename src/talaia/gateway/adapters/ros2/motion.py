@@ -39,6 +39,7 @@ class Ros2Motion:
         scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
+        *,
         types: TopicTypes,
         missing: Callable[[TypeMissing], None],
     ) -> None:
@@ -97,7 +98,7 @@ class Ros2Motion:
             except TypeMissing as error:
                 if where is self._velocity:
                     self._packageless[name] = PackagelessMotion(
-                        rule, self._node, self._thread, self._types, self._missing
+                        rule, self._node, self._thread, types=self._types, missing=self._missing
                     )
                 else:
                     self._missing(error)

@@ -147,6 +147,7 @@ class CausePages:
             if not one.value.size:
                 continue
             at = int(one.value.argmax())
+            at_us = int(one.time_us[at])
             score = float(one.value[at])
             if score < _LEAST_PART * runner.episodes.bar:
                 continue
@@ -157,7 +158,8 @@ class CausePages:
                     title=_title_of(live.description, runner.address),
                     score=score,
                     bar=runner.episodes.bar,
-                    at_us=int(one.time_us[at]),
+                    at_us=at_us,
+                    newest=_is_newest(runner, at_us),
                 )
             )
         # By how far beyond the bar, of what is left up to 1: bars differ from detector to detector.
@@ -290,3 +292,8 @@ def _known_shape(live: LiveSite, known: KnownAnomaly, *, holds: bool) -> KnownSh
         since_us=known.since_us,
         holds=holds,
     )
+
+
+def _is_newest(runner: EpisodeRunner, at_us: int) -> bool:
+    """Tell whether it lies in a detector's newest anomaly, which alone can be judged."""
+    return 0 < runner.from_us <= at_us <= (runner.to_us or runner.episodes.last_us)

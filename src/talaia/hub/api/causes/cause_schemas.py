@@ -22,6 +22,7 @@ class UnusualShape(BaseModel):
     score: float = Field(description="its greatest score there")
     bar: float = Field(description="a score from here on is an anomaly")
     at_us: int = Field(description="when that was (µs, UTC)")
+    newest: bool = Field(description="its newest anomaly was then: what a person says is of that")
 
 
 class SimilarShape(BaseModel):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.hub.api.driving.drive_schemas import DrivenJointShape
+from talaia.hub.api.driving.lane_views import describe_lane
 from talaia.hub.api.maps.site_map_views import describe_map, glance_at
 from talaia.hub.api.schemas.account_schemas import DeviceSummary
 from talaia.hub.api.schemas.common import (
@@ -28,7 +29,6 @@ from talaia.hub.api.schemas.common import (
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
 from talaia.hub.api.schemas.sighting_schemas import MarkCountShape, PictureMarkShape, PicturePlace
 from talaia.hub.api.sites.command_states import command_part, signal_part, state_need
-from talaia.hub.api.sites.lane_views import describe_lane
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,

@@ -52,6 +52,7 @@ class PackagelessMotion:
         rule: Drive,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
+        *,
         types: TopicTypes,
         missing: Callable[[TypeMissing], None],
     ) -> None:
@@ -66,7 +67,7 @@ class PackagelessMotion:
         self._closed = False
         # Looks again in a while.
         self._again: threading.Timer | None = None
-        thread.run_soon(self._look)
+        thread.run_soon(self._look_for_listeners)
 
     def close(self) -> None:
         """End it; also before the node goes."""
@@ -92,7 +93,7 @@ class PackagelessMotion:
         fill(message, {**stamp, **fields})
         return encoder.encode_message(message)
 
-    def _look(self) -> None:
+    def _look_for_listeners(self) -> None:
         if self._closed:
             return
         if not self._finding and self._node.context.ok():
@@ -104,7 +105,7 @@ class PackagelessMotion:
 
     def _look_soon(self) -> None:
         if not self._closed:
-            self._thread.run_soon(self._look)
+            self._thread.run_soon(self._look_for_listeners)
 
     def _find(self) -> None:
         topic, type_name = self._rule.topic, self._rule.message.value
