@@ -9,6 +9,8 @@ from talaia.gateway.velocity_demand import STILL, VelocityDemand
 from talaia.model.site import DriveMessage
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from talaia.model.site import Drive
     from talaia.wire.frames import Scalar
 
@@ -59,12 +61,15 @@ def steering_fields(drive: Drive) -> list[str]:
             return []
 
 
-def stamp_fields(drive: Drive, now_ns: int) -> dict[str, Scalar]:
-    """Give the stamp of a message whose listeners drop what has none, by the node's own clock."""
+def stamp_fields(drive: Drive, now_ns: Callable[[], int]) -> dict[str, Scalar]:
+    """Give the stamp of a message whose listeners drop what has none.
+
+    The node's own clock is asked for it, and only then: nothing else of driving needs it.
+    """
     if drive.message is not DriveMessage.JOINT_JOG:
         return {}
     # MoveIt's servo takes a stamp of 0 for a command of 1970.
-    seconds, rest = divmod(now_ns, SECOND)
+    seconds, rest = divmod(now_ns(), SECOND)
     return {"header.stamp.sec": seconds, "header.stamp.nanosec": rest}
 
 

@@ -120,11 +120,14 @@ class Ros2Motion:
             publisher, message = found
             rule = self._rules[device]
             velocity_message(rule, message, demand, key)
-            if stamp := stamp_fields(rule, self._node.get_clock().now().nanoseconds):
+            if stamp := stamp_fields(rule, self._now_ns):
                 fill(message, stamp)
             self._publish(publisher, message)
         elif (bare := self._packageless.get(device)) is not None:
             self._publish(bare, demand)
+
+    def _now_ns(self) -> int:
+        return int(self._node.get_clock().now().nanoseconds)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """Publish STOP or its end."""

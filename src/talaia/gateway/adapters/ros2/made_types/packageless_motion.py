@@ -89,7 +89,7 @@ class PackagelessMotion:
 
     def _write(self, encoder: MessageEncoder, fields: Mapping[str, Scalar]) -> bytes:
         message = encoder.new_message()
-        stamp = stamp_fields(self._rule, self._node.get_clock().now().nanoseconds)
+        stamp = stamp_fields(self._rule, lambda: int(self._node.get_clock().now().nanoseconds))
         fill(message, {**stamp, **fields})
         return encoder.encode_message(message)
 

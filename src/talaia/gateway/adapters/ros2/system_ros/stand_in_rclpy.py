@@ -7,6 +7,7 @@ bridge process (`entities`).
 from __future__ import annotations
 
 import functools
+import time
 from contextlib import suppress
 from enum import IntEnum
 from types import SimpleNamespace
@@ -186,6 +187,10 @@ class Node:
         """End a publisher."""
         publisher.destroy()
 
+    def get_clock(self) -> WallClock:
+        """Give the machine's clock: the bridge's process is on the same machine."""
+        return WallClock()
+
     # ── the graph ──
 
     def ask_graph(self, question: str, *words: object) -> Any:  # noqa: ANN401
@@ -202,6 +207,20 @@ class Node:
         if not name.startswith(("get_", "count_")):
             raise AttributeError(f"a node by a bridge has no {name}")
         return functools.partial(self.ask_graph, name)
+
+
+class ClockTime(NamedTuple):
+    """A moment (since 1970)."""
+
+    nanoseconds: int
+
+
+class WallClock:
+    """A node's clock, as rclpy has it."""
+
+    def now(self) -> ClockTime:
+        """Give the time."""
+        return ClockTime(time.time_ns())
 
 
 class _WaitSet:
