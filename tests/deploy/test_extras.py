@@ -25,6 +25,7 @@ BROUGHT = {
     "arrow": {"pyarrow"},
     "camera": {"av"},
     "client": {"pyarrow"},
+    "cluster": set(),
     "configurator": {"pyside6-essentials"},
     "gateway": set(),
     "hub": set(),
