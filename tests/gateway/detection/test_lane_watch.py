@@ -7,7 +7,6 @@ import contextlib
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pytest
 from tests.sim.conftest import missing
 
@@ -22,6 +21,8 @@ from talaia.sim.vehicle.camera import HEIGHT, WIDTH, Camera
 from talaia.sim.vehicle.house import LANE_Y
 from talaia.sim.vehicle.vehicle import CAMERA_AT, CAMERA_FIELD
 from talaia.sim.vehicle.world import World
+
+from .one_picture import OnePicture
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -74,36 +75,14 @@ def camera() -> Iterator[Camera]:
     camera.close()
 
 
-class Frames:
-    """A `CameraFrames` with one picture."""
-
-    def __init__(self, rgb: np.ndarray) -> None:  # noqa: D107
-        self.look = CameraFrame("base/front", 1, 7_000_000, 5_000_000, rgb)
-        self.held = 0
-
-    def hold(self, stream: str):
-        assert stream == "base/front"
-        self.held += 1
-
-        def release() -> None:
-            self.held -= 1
-
-        return release
-
-    def arrived(self, stream: str, since_us: int = 0, wait_s: float = 0.0) -> int:
-        return self.look.mono_us if self.look.mono_us > since_us else 0
-
-    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> CameraFrame | None:
-        return self.look
-
-
 @pytest.mark.parametrize("pose", [(4.6, 0.0, 0.0), (4.6, 0.1, 0.1), (5.2, -0.15, -0.15)])
 async def test_a_vehicle_in_the_hall_knows_its_place_in_the_lane(camera, pose) -> None:
     x, beside, yaw = pose
     site = load_site(TEXT)
     assert check_site(site) == []
     numbers = ChannelNumbering(site).numbers_of(site)
-    frames = Frames(camera.render_view(x, sum(LANE_Y) / 2 + beside, yaw))
+    picture = camera.render_view(x, sum(LANE_Y) / 2 + beside, yaw)
+    frames = OnePicture(CameraFrame("base/front", 1, 7_000_000, 5_000_000, picture))
     told: asyncio.Future = asyncio.get_running_loop().create_future()
     watch = LaneWatch(
         site=site, numbers=numbers, pictures=frames, clock=HandClock(),

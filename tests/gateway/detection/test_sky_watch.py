@@ -17,39 +17,25 @@ from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.models.all_sky import SkyView, draw_sky
 from talaia.sim.observatory.servers.catalog import MONTSEC
 
+from .one_picture import OnePicture
+
 EXAMPLE = Path(__file__).parents[3] / "examples" / "observatory" / "site.yaml"
 NIGHT = 1_794_348_000
 
 
-class Camera:
-    """A `CameraFrames` with one picture."""
-
-    def __init__(self, unix: float, clouds: float) -> None:  # noqa: D107
-        grey = draw_sky(SkyView(MONTSEC, unix, clouds, 1))
-        rgb = np.repeat(grey[:, :, None], 3, axis=2)
-        self.look = CameraFrame("allsky/sky", 1, round(unix * 1e6), 5_000_000, rgb)
-        self.held = 0
-
-    def hold(self, stream: str):
-        assert stream == "allsky/sky"
-        self.held += 1
-
-        def release() -> None:
-            self.held -= 1
-
-        return release
-
-    def arrived(self, stream: str, since_us: int = 0, wait_s: float = 0.0) -> int:
-        return self.look.mono_us if self.look.mono_us > since_us else 0
-
-    def newest(self, stream: str, after: int = 0, wait_s: float = 0.0) -> CameraFrame | None:
-        return self.look
+def sky_picture(unix: float, clouds: float) -> CameraFrame:
+    grey = draw_sky(SkyView(MONTSEC, unix, clouds, 1))
+    rgb = np.repeat(grey[:, :, None], 3, axis=2)
+    return CameraFrame("allsky/sky", 1, round(unix * 1e6), 5_000_000, rgb)
 
 
 @pytest.mark.parametrize("clouds", [10.0, 90.0])
 async def test_clouds_are_told_as_a_sample_and_as_a_reading_of_the_pictures_time(clouds) -> None:
     site = load_site(EXAMPLE.read_text())
-    numbers, camera = ChannelNumbering(site).numbers_of(site), Camera(NIGHT, clouds)
+    numbers, camera = (
+        ChannelNumbering(site).numbers_of(site),
+        OnePicture(sky_picture(NIGHT, clouds)),
+    )
     told: asyncio.Future = asyncio.get_running_loop().create_future()
     watch = SkyWatch(
         site=site, numbers=numbers, pictures=camera, clock=HandClock(),

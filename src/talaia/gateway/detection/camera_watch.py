@@ -48,6 +48,8 @@ class CameraWatch(ABC, Generic[Wanted]):
         # By what is told (or the camera), with how it is looked at.
         self._tasks: dict[str, tuple[Wanted, asyncio.Task[None]]] = {}
         self._running = False
+        # What was last wrong with each: said once.
+        self._problems: dict[str, str] = {}
 
     @abstractmethod
     def _list_wanted(self, site: Site) -> Mapping[str, Wanted]:

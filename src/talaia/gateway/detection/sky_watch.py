@@ -24,10 +24,9 @@ from talaia.model.detection import SkyLens
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
-    from talaia.clock import Clock
-    from talaia.gateway.ports import CameraFrame, CameraFrames
+    from talaia.gateway.ports import CameraFrame
     from talaia.imaging.sky_clouds import CloudMeasure
     from talaia.model.interlocks.enclosure import Place
     from talaia.model.site import Site
@@ -41,22 +40,6 @@ FADE_MAG = 0.0005
 
 class SkyWatch(CameraWatch[tuple[str, SkyLens]]):
     """All cameras of a site that look at the sky. Event loop only."""
-
-    def __init__(
-        self,
-        *,
-        site: Site,
-        numbers: Mapping[str, int],
-        pictures: CameraFrames,
-        publish: Callable[[Columns, Mapping[str, ChannelReading]], None],
-        clock: Clock,
-    ) -> None:
-        """Look at nothing yet; see `CameraWatch`."""
-        super().__init__(
-            site=site, numbers=numbers, pictures=pictures, publish=publish, clock=clock
-        )
-        # What was last wrong with each: said once.
-        self._problems: dict[str, str] = {}
 
     def _list_wanted(self, site: Site) -> Mapping[str, tuple[str, SkyLens]]:
         return sky_cameras(site)

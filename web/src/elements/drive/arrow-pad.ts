@@ -4,6 +4,7 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../base/base-style.js";
+import { heldButton } from "./held-style.js";
 import { holdEvent, type HoldAct, type HoldStick } from "./hold-event.js";
 
 interface Arrow {
@@ -87,20 +88,6 @@ export class ArrowPad extends LitElement {
       .halt {
         grid-area: halt;
       }
-      button:hover:not(:disabled) {
-        background: var(--t-raised);
-      }
-      button.held {
-        border-color: var(--t-accent);
-        background: var(--t-accent);
-        color: var(--t-on-accent);
-      }
-      button:disabled {
-        border-style: dashed;
-        color: var(--t-muted);
-        cursor: not-allowed;
-        opacity: 0.6;
-      }
       svg {
         inline-size: 1.6rem;
         block-size: 1.6rem;
@@ -120,6 +107,7 @@ export class ArrowPad extends LitElement {
         }
       }
     `,
+    heldButton,
   ];
 
   @property({ type: Boolean, reflect: true }) disabled = false;

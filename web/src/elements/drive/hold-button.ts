@@ -3,6 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
+import { heldButton } from "./held-style.js";
 import { holdEvent, type HoldAct, type HoldStick } from "./hold-event.js";
 
 const REST: HoldStick = { forward: 0, turn: 0 };
@@ -31,21 +32,8 @@ export class HoldButton extends LitElement {
         -webkit-touch-callout: none;
         cursor: pointer;
       }
-      button:hover:not(:disabled) {
-        background: var(--t-raised);
-      }
-      button.held {
-        border-color: var(--t-accent);
-        background: var(--t-accent);
-        color: var(--t-on-accent);
-      }
-      button:disabled {
-        border-style: dashed;
-        color: var(--t-muted);
-        cursor: not-allowed;
-        opacity: 0.6;
-      }
     `,
+    heldButton,
   ];
 
   /** Names what is held. */

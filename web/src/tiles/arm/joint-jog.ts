@@ -12,13 +12,13 @@ import { TickerController } from "../../controllers/ticker.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import "../../elements/drive/hold-button.js";
 import "../../elements/drive/joint-bar.js";
-import "../../elements/drive/lease-line.js";
 import "../../elements/drive/speed-limit.js";
 import type { HoldDetail } from "../../elements/drive/hold-event.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { shownText } from "../../format/unit.js";
 import type { DeviceShape, DrivenJointShape } from "../../generated/api.js";
 import { interlocksContext } from "../../state/contexts.js";
+import { renderLease } from "../drive/session-lease.js";
 import { isNearEnd, jointShare } from "./arm-parts.js";
 
 const DRAW_EVERY_MS = 200;
@@ -82,20 +82,7 @@ export class JointJog extends LitElement {
     const state = lease.state;
     const refusal = state.kind === "mine" && !this.stopped ? (told?.why ?? "") : "";
     return html`
-      <t-lease
-        .kind=${state.kind}
-        .holder=${state.kind === "other" || state.kind === "waiting" ? state.holder : ""}
-        .rival=${state.kind === "mine" ? (state.rival?.who ?? "") : ""}
-        .answer=${seat.answerRemainingMs}
-        .forceable=${state.kind === "other" && state.forceable && (this.device?.rights.includes("admin") ?? false)}
-        .remains=${seat.remainingMs}
-        .online=${seat.online}
-        .stopped=${this.stopped}
-        @t-take=${this.takeControl}
-        @t-free=${this.releaseControl}
-        @t-answer=${this.answerRequest}
-        @t-force=${this.forceTakeover}
-      ></t-lease>
+      ${renderLease(seat, { stopped: this.stopped, forces: this.device?.rights.includes("admin") ?? false })}
       <div class="joints" role="group" aria-label="Hold to move a joint" @t-hold=${this.onHold}>
         ${repeat(joints, ({ id }) => id, (joint, index) => this.renderJoint(joint, index, joints.length, !machine.mayDrive))}
       </div>
@@ -152,22 +139,6 @@ export class JointJog extends LitElement {
 
   private readonly onSpeedLevel = (event: CustomEvent<number>): void => {
     this.seat?.setLevel(event.detail);
-  };
-
-  private readonly takeControl = (): void => {
-    this.seat?.takeControl();
-  };
-
-  private readonly releaseControl = (): void => {
-    this.seat?.releaseControl();
-  };
-
-  private readonly answerRequest = (event: CustomEvent<boolean>): void => {
-    this.seat?.answerRequest(event.detail);
-  };
-
-  private readonly forceTakeover = (): void => {
-    this.seat?.forceTakeover();
   };
 }
 

@@ -10,7 +10,6 @@ import { LiveValuesController } from "../../controllers/live-values.js";
 import "../../elements/drive/arrow-pad.js";
 import "../../elements/drive/drive-readout.js";
 import type { Motion } from "../../elements/drive/drive-readout.js";
-import "../../elements/drive/lease-line.js";
 import "../../elements/drive/touch-pad.js";
 import "../../elements/drive/speed-limit.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -22,6 +21,7 @@ import { readBrowserChoice, saveBrowserChoice } from "../../controllers/browser-
 import { interlocksContext } from "../../state/contexts.js";
 import "../../elements/forms/choice.js";
 import type { DeviceShape, SignalShape } from "../../generated/api.js";
+import { renderLease } from "./session-lease.js";
 
 const DRAW_EVERY_MS = 200;
 const HAND_KEY = "talaia.hand";
@@ -205,20 +205,7 @@ export class DrivePad extends LitElement {
     const sideways = limits.max_sideways > 0;
     const steers = limits.max_steering > 0;
     return html`
-      <t-lease
-        .kind=${state.kind}
-        .holder=${state.kind === "other" || state.kind === "waiting" ? state.holder : ""}
-        .rival=${state.kind === "mine" ? (state.rival?.who ?? "") : ""}
-        .answer=${seat.answerRemainingMs}
-        .forceable=${state.kind === "other" && state.forceable && (this.device?.rights.includes("admin") ?? false)}
-        .remains=${seat.remainingMs}
-        .online=${seat.online}
-        .stopped=${this.stopped}
-        @t-take=${this.takeControl}
-        @t-free=${this.releaseControl}
-        @t-answer=${this.answerRequest}
-        @t-force=${this.forceTakeover}
-      ></t-lease>
+      ${renderLease(seat, { stopped: this.stopped, forces: this.device?.rights.includes("admin") ?? false })}
       <div class="hands" @t-hold=${this.onHold} @t-halt=${this.onHalt}>
         <t-pad ?disabled=${idle} .stickOf=${this.aside ? sidePadStick : padStick}></t-pad>
         <t-arrows ?disabled=${idle} ?sideways=${sideways} ?steers=${steers}></t-arrows>
@@ -366,22 +353,6 @@ export class DrivePad extends LitElement {
   private readonly onAside = (event: CustomEvent<string>): void => {
     this.seat?.haltMotion("stop key");
     this.aside = event.detail === "move";
-  };
-
-  private readonly takeControl = (): void => {
-    this.seat?.takeControl();
-  };
-
-  private readonly releaseControl = (): void => {
-    this.seat?.releaseControl();
-  };
-
-  private readonly answerRequest = (event: CustomEvent<boolean>): void => {
-    this.seat?.answerRequest(event.detail);
-  };
-
-  private readonly forceTakeover = (): void => {
-    this.seat?.forceTakeover();
   };
 }
 
