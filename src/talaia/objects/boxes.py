@@ -60,12 +60,16 @@ class Letterbox(NamedTuple):
     height: int
 
 
-def fit_to_square(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Letterbox]:
+def fit_to_square(
+    picture: NDArray[np.uint8], side: int, *, exactly: bool = False
+) -> tuple[NDArray[np.uint8], Letterbox]:
     """Fit a picture into a square as wide as ``side``, grey around it, its shape kept.
 
     Args:
         picture: height × width × 3.
         side: of the square (px).
+        exactly: each pixel is rounded once, which takes seven times as long; else it may be two
+            steps off.
 
     Returns:
         side × side × 3, and where the picture lies in it. Pixels are interpolated linearly, which
@@ -78,6 +82,10 @@ def fit_to_square(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uin
     top, left = (side - new_height) // 2, (side - new_width) // 2
     # 114 is the grey that YOLO pads with when it is trained.
     square = np.full((side, side, 3), 114, np.uint8)
+    place = np.s_[top : top + new_height, left : left + new_width]
+    if exactly:
+        square[place] = _interpolate_exactly(picture, new_height, new_width)
+        return square, Letterbox(scale, left, top, width, height)
     first, second, part = _linear_weights(height, new_height)
     lines = _mix(picture[first], picture[second], part[:, None, None])
     first, second, part = _linear_weights(width, new_width)
@@ -88,19 +96,36 @@ def fit_to_square(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uin
         flat.take((second[:, None] * 3 + colours).ravel(), axis=1),
         np.repeat(part, 3)[None, :],
     )
-    square[top : top + new_height, left : left + new_width] = shown.reshape(new_height, -1, 3)
+    square[place] = shown.reshape(new_height, -1, 3)
     return square, Letterbox(scale, left, top, width, height)
+
+
+def _neighbours(old: int, new: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+    """Between which two pixels each new one lies, and how far; centres lie on centres."""
+    # The centre of new pixel k lies at k + 1/2; half a pixel off would move every box.
+    at = (np.arange(new) + 0.5) * old / new - 0.5
+    at = np.clip(at, 0, old - 1)
+    low = np.floor(at).astype(np.intp)
+    return low, np.minimum(low + 1, old - 1), (at - low).astype(np.float32)
 
 
 def _linear_weights(
     old: int, new: int
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.uint16]]:
-    """Between which two pixels each new one lies, and how far (of 256); centres lie on centres."""
-    # The centre of new pixel k lies at k + 1/2; half a pixel off would move every box.
-    at = (np.arange(new) + 0.5) * old / new - 0.5
-    at = np.clip(at, 0, old - 1)
-    low = np.floor(at).astype(np.intp)
-    return low, np.minimum(low + 1, old - 1), np.rint((at - low) * 256).astype(np.uint16)
+    """Give the same with how far as a part of 256."""
+    low, high, part = _neighbours(old, new)
+    return low, high, np.rint(part * 256).astype(np.uint16)
+
+
+def _interpolate_exactly(picture: NDArray[np.uint8], rows: int, columns: int) -> Floats:
+    """Interpolate linearly, rounded to whole numbers at the end."""
+    above, below, down = _neighbours(picture.shape[0], rows)
+    left, right, across = _neighbours(picture.shape[1], columns)
+    # As floats: a difference of two bytes would wrap around below zero.
+    upper = picture[above].astype(np.float32)
+    lines = upper + (picture[below] - upper) * down[:, None, None]
+    first = lines[:, left]
+    return np.rint(first + (lines[:, right] - first) * across[None, :, None])
 
 
 def _mix(

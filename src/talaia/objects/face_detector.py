@@ -52,7 +52,8 @@ class FaceDetector:
             DetectorError: the file gives other numbers than CenterFace does.
 
         """
-        square, frame = fit_to_square(picture, self._side)
+        # Two steps of 255 decide whether a face at the edge of being one is blurred.
+        square, frame = fit_to_square(picture, self._side, exactly=True)
         # Grey above and below, or beside it, that is not needed is left out: it costs as much time
         # as the picture.
         rows = _needed(frame.top, round(frame.height * frame.scale), self._side)
