@@ -91,7 +91,7 @@ def test_saving_changes_one_line_and_leaves_the_comments() -> None:
         ((*SPEED, "source", "topic"), "odom", SPEED, ("source", "topic")),
         (
             ("devices", "base", "drive", "max_turn"),
-            0.0,
+            -1.0,
             ("devices", "base", "drive"),
             ("max_turn",),
         ),
