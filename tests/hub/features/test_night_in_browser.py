@@ -89,7 +89,7 @@ async def ask_for_orion(page, origin: str) -> None:
     ).to_be_visible()
     # Nothing is kept yet, and the charge is that of 10 frames with their readout, slew and filter.
     outlook = form.locator("t-request-outlook")
-    await expect(outlook).to_contain_text("Charged about 11 min 28 s")
+    await expect(outlook).to_contain_text("Charged about 11 min 22 s")
     await expect(outlook).to_contain_text("the proposal has 20 h")
     await expect(outlook).to_contain_text("With a clear sky:")
     await form.get_by_label("Priority").fill("30")
