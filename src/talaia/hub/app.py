@@ -32,6 +32,7 @@ from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.missions import MissionsFeature
 from talaia.hub.features.records.notes import NotesFeature
+from talaia.hub.features.records.releases import ReleasesFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -94,12 +95,14 @@ class Hub(AssembledHub):
             anomalies=self.anomalies.detectors,
         )
         self.archive = ArchiveFeature(core, audit=log)
+        self.releases = ReleasesFeature(core, reporting=reporting, audit=log)
         self.recordings = RecordingsFeature(
             core,
             admission=admission,
             links=links,
             flood_guard=flood_guard,
             uploads=self.archive.uploads,
+            releases=self.releases.rollouts.folder,
             audit=log,
         )
         self.observing = ObservingFeature(

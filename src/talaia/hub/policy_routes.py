@@ -356,6 +356,11 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     "hubs": {
         ("GET", "/api/hubs"): AccessNeed.ADMIN,
     },
+    "releases": {
+        ("GET", "/api/releases"): AccessNeed.ADMIN,
+        ("POST", "/api/rollouts"): AccessNeed.ADMIN,
+        ("POST", "/api/rollouts/stop"): AccessNeed.ADMIN,
+    },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,

@@ -23,7 +23,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-__all__ = ["ReleaseManifest", "SignedRelease", "open_release", "public_key_of", "sign_release"]
+__all__ = [
+    "ReleaseManifest",
+    "SignedRelease",
+    "open_release",
+    "public_key_of",
+    "read_unproven",
+    "sign_release",
+]
 
 _FORM = 1
 _MANIFEST, _SIGNATURE = "manifest.json", "manifest.sig"
@@ -119,21 +126,11 @@ def open_release(path: Path, keys: Sequence[Ed25519PublicKey], site: str) -> Sig
         UpdateRefused: nobody who may has signed it, or it is for another gateway.
 
     """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            manifest = _read_member(archive, _MANIFEST, _MOST_MANIFEST)
-            signature = _read_member(archive, _SIGNATURE, 64)
-    except (OSError, zipfile.BadZipFile, KeyError, EOFError, zlib.error) as error:
-        raise UpdateRefused(f"{path.name} is no release, or is not whole: {error}") from error
+    manifest, signature = _read_list(path)
     # Before anything of it is read: what nobody has signed may be made to harm whoever parses it.
     if not any(_has_signed(key, signature, manifest) for key in keys):
         raise UpdateRefused(f"{path.name} is signed by nobody whom this gateway trusts")
-    try:
-        said = msgspec.json.decode(manifest, type=ReleaseManifest)
-    except msgspec.DecodeError as error:
-        raise UpdateRefused(f"{path.name} is of another form: {error}") from error
-    if said.form != _FORM:
-        raise UpdateRefused(f"{path.name} is of form {said.form}; this gateway reads {_FORM}")
+    said = _decode_list(path, manifest)
     if said.site and said.site != site:
         raise UpdateRefused(f"{path.name} is for the gateway of {said.site}, not for {site}")
     if len(said.files) > _MOST_FILES:
@@ -142,6 +139,19 @@ def open_release(path: Path, keys: Sequence[Ed25519PublicKey], site: str) -> Sig
     for name in said.files:
         _check_name(name)
     return SignedRelease(path, said)
+
+
+def read_unproven(path: Path) -> ReleaseManifest:
+    """Read a release's list without asking who has signed it: to show it, never to install it.
+
+    Raises:
+        UpdateRefused: it is no release.
+
+    """
+    manifest, _signature = _read_list(path)
+    said = _decode_list(path, manifest)
+    version_order(said.version)
+    return said
 
 
 def public_key_of(text: str) -> Ed25519PublicKey:
@@ -155,6 +165,35 @@ def public_key_of(text: str) -> Ed25519PublicKey:
         return Ed25519PublicKey.from_public_bytes(bytes.fromhex(text.strip()))
     except ValueError as error:
         raise UpdateError("a publisher's key is 64 hexadecimal digits") from error
+
+
+def _read_list(path: Path) -> tuple[bytes, bytes]:
+    """Give the list of a release, and what is said to be its signature."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            manifest = _read_member(archive, _MANIFEST, _MOST_MANIFEST)
+            return manifest, _read_member(archive, _SIGNATURE, 64)
+    # The library's own words for what it does not know: encrypted, packed in another way.
+    except (
+        OSError,
+        zipfile.BadZipFile,
+        KeyError,
+        EOFError,
+        zlib.error,
+        NotImplementedError,
+        RuntimeError,
+    ) as error:
+        raise UpdateRefused(f"{path.name} is no release, or is not whole: {error}") from error
+
+
+def _decode_list(path: Path, manifest: bytes) -> ReleaseManifest:
+    try:
+        said = msgspec.json.decode(manifest, type=ReleaseManifest)
+    except msgspec.DecodeError as error:
+        raise UpdateRefused(f"{path.name} is of another form: {error}") from error
+    if said.form != _FORM:
+        raise UpdateRefused(f"{path.name} is of form {said.form}; this program reads {_FORM}")
+    return said
 
 
 def _has_signed(key: Ed25519PublicKey, signature: bytes, manifest: bytes) -> bool:

@@ -111,7 +111,11 @@ def begin_update(state: SlotState, version: str, *, downgrade: bool) -> SlotStat
             f"{version} is older than {state.current}, and this gateway takes no older ones "
             "(--allow-downgrade)"
         )
-    return msgspec.structs.replace(state, phase=SlotPhase.INSTALLING, candidate=version, tries=0)
+    # Tried again: what was said of it before is not said of this time.
+    failed = {name: why for name, why in state.failed.items() if name != version}
+    return msgspec.structs.replace(
+        state, phase=SlotPhase.INSTALLING, candidate=version, tries=0, failed=failed
+    )
 
 
 def mark_installed(state: SlotState) -> SlotState:

@@ -92,6 +92,12 @@ from talaia.wire.gateway_messages.pictures import (
     camera_address,
     unblurred_address,
 )
+from talaia.wire.gateway_messages.releases import (
+    ReleaseOffer,
+    ReleasePiece,
+    ReleaseRequest,
+    ReleaseState,
+)
 from talaia.wire.gateway_messages.robot_graph import (
     MAX_GRAPH_NAMES,
     MAX_GRAPH_NODES,
@@ -208,6 +214,10 @@ __all__ = [
     "RecorderState",
     "RecordingRequest",
     "RehearsalVerdict",
+    "ReleaseOffer",
+    "ReleasePiece",
+    "ReleaseRequest",
+    "ReleaseState",
     "RequestRevision",
     "RequestSync",
     "ResendRequest",

@@ -71,6 +71,11 @@ def _make_parser() -> argparse.ArgumentParser:
             action="store_true",
             help="see the system's Python packages, as for ROS from apt",
         )
+        install.add_argument(
+            "--from-hub",
+            action="store_true",
+            help="take later releases from the hub, too, if one of these keys has signed them",
+        )
         if name == "install":
             install.add_argument(
                 "--allow-downgrade", action="store_true", help="take an older release, too"
@@ -137,6 +142,7 @@ def _sign_wheels(options: argparse.Namespace) -> int:
 
 def _install(options: argparse.Namespace, *, first: bool) -> int:
     from talaia.updates.environment_builder import build_environment
+    from talaia.updates.hub_source import HubSource, write_hub_source
     from talaia.updates.signed_release import open_release, public_key_of
     from talaia.updates.slot_folder import SlotFolder
 
@@ -145,7 +151,8 @@ def _install(options: argparse.Namespace, *, first: bool) -> int:
     except (OSError, UnicodeDecodeError) as error:
         raise CliError(f"{options.publisher} cannot be read: {error}") from error
     release = open_release(options.release, [public_key_of(line) for line in lines], options.site)
-    folder = SlotFolder(options.root.absolute())
+    root = options.root.absolute()
+    folder = SlotFolder(root)
     build = partial(build_environment, system_packages=options.system_packages)
     version = release.manifest.version
     if first:
@@ -154,6 +161,9 @@ def _install(options: argparse.Namespace, *, first: bool) -> int:
     else:
         folder.install_release(release, build, downgrade=options.allow_downgrade)
         print(f"installed: {version}; the gateway changes to it when it is at rest")
+    if options.from_hub:
+        shared = options.system_packages
+        write_hub_source(root, HubSource(publishers=lines, system_packages=shared))
     return 0
 
 

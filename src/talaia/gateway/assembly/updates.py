@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from talaia import __version__
 from talaia.clock import SECOND
 from talaia.gateway.assembly.gateway_part import GatewayPart
+from talaia.gateway.uplink.hub_releases import HubReleases
 from talaia.updates.errors import UpdateError
 from talaia.updates.slot_folder import SlotFolder
 from talaia.updates.slots import SlotPhase
@@ -37,10 +38,21 @@ class UpdatesPart(GatewayPart):
         self._base, self._description = base, description
         self._uplink = uplink
         self._settings: UpdateSettings | None = base.settings.updates
+        self._from_hub: HubReleases | None = None
+        if self._settings is not None:
+            self._from_hub = HubReleases(
+                root=self._settings.releases,
+                site=description.site.site,
+                offers=uplink.releases,
+                hub=uplink.hub,
+                lanes=base.lanes,
+            )
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
-        """Watch for a release that waits."""
-        return {} if self._settings is None else {"watch": self._watch_releases}
+        """Watch for a release that waits, and take those that the hub offers."""
+        if self._from_hub is None:
+            return {}
+        return {"watch": self._watch_releases, "from hub": self._from_hub.take_offers}
 
     def unrest_reason(self) -> str:
         """Say why the gateway may not end now in favour of another release; empty: it may."""
@@ -60,7 +72,7 @@ class UpdatesPart(GatewayPart):
 
     async def _watch_releases(self) -> None:
         """End, and the gateway with it, once a release waits and nothing has moved for a while."""
-        if self._settings is None:
+        if self._settings is None or self._from_hub is None:
             return
         folder = SlotFolder(self._settings.releases)
         linked, rest = _Lasting(self._settings.linked_s), _Lasting(self._settings.rest_s)
@@ -79,6 +91,8 @@ class UpdatesPart(GatewayPart):
                 if state.phase is SlotPhase.WAITING and why != told:
                     log.info("release %s waits: %s", state.candidate, why or "nothing moves")
                 told = why
+                waits = state.phase is SlotPhase.WAITING
+                await self._from_hub.report_state(state, told if waits else "")
                 if not rest.has_lasted(self._base.clock.monotonic_ns(), so=not why):
                     continue
                 await asyncio.to_thread(folder.allow_trial)

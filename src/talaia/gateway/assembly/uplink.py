@@ -10,6 +10,7 @@ from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.uplink.key_prover import RESUME_FILE, KeyProver
 from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link, keep_media
 from talaia.gateway.uplink.message_dispatcher import MessageDispatcher
+from talaia.gateway.uplink.releases import OfferedReleases
 from talaia.gateway.uplink.tls import HubTrust
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ class UplinkPart(GatewayPart):
         dispatcher: gives each message of the hub to whom it concerns.
         actuation: what moves, and may move.
         night: what observes by itself, of which the hub is told.
+        releases: of this gateway's own software, which the hub has offered.
+        hub: the way to it.
 
     """
 
@@ -57,6 +60,7 @@ class UplinkPart(GatewayPart):
         self.night, self.actuation = night, actuation
         self._base, self._samples, self._reload = base, samples, reload
         self._recording, self._video = recording, video
+        self.releases = OfferedReleases()
         self.dispatcher = MessageDispatcher(
             boot=base.boot,
             actuation=actuation.actuation,
@@ -71,10 +75,11 @@ class UplinkPart(GatewayPart):
             pictures=video.pictures,
             taps=taps.service,
             reporter=detection.reporter,
+            releases=self.releases,
             night=night.service,
         )
         base.streams_changed.connect(self.dispatcher.update_watched_streams)
-        self._hub = HubConnection(
+        self.hub = HubConnection(
             settings=base.settings,
             # One for all connections: the certificate is looked at once.
             trust=HubTrust(base.settings.hub),
@@ -102,7 +107,7 @@ class UplinkPart(GatewayPart):
         return {
             "link": partial(
                 keep_link,
-                hub=self._hub,
+                hub=self.hub,
                 boot=base.boot,
                 reload=self._reload.reload,
                 lanes=base.lanes,
@@ -110,10 +115,10 @@ class UplinkPart(GatewayPart):
                 batcher=self._samples.batcher,
                 spool=self._samples.spool,
             ),
-            "pictures": partial(keep_media, self._hub, self._video.pictures),
+            "pictures": partial(keep_media, self.hub, self._video.pictures),
             "files": partial(
                 keep_files,
-                hub=self._hub,
+                hub=self.hub,
                 files=files,
                 to_send=base.file_waiting,
                 lanes=base.lanes,

@@ -26,6 +26,8 @@ from talaia.wire.frames import (
     OverrideRequest,
     ReconnectRequest,
     RecordingRequest,
+    ReleaseOffer,
+    ReleaseState,
     RequestSync,
     ResendRequest,
     ResetRequest,
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     from talaia.gateway.taps.service import TapService
     from talaia.gateway.uplink.output_router import OutputRouter
     from talaia.gateway.uplink.pictures import PictureUplink
+    from talaia.gateway.uplink.releases import OfferedReleases
     from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.wire.frames import FromHub, Welcome
 
@@ -79,6 +82,7 @@ class MessageDispatcher:
         pictures: PictureUplink,
         taps: TapService,
         reporter: DetectionReporter,
+        releases: OfferedReleases,
         night: NightService | None = None,
     ) -> None:
         """Take all who act, the output that tells how it went, and the lanes to the hub."""
@@ -86,6 +90,7 @@ class MessageDispatcher:
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
         self._taps = taps  # Raw topics, on the media connection, too.
         self._reporter = reporter  # Sightings on their way to the hub.
+        self._releases = releases  # Of this gateway's own software, which the hub offers.
         self._reachability = reachability  # Which devices can be reached.
         self._recorders = recorders  # None where the description records nothing.
         # Changes of the description that a person asked for.
@@ -125,6 +130,7 @@ class MessageDispatcher:
         self._change_requests.link_up()
         self._taps.link_up(takes=TopicList.__struct_config__.tag in welcome.takes)
         self._reporter.link_up(takes=SightingReport.__struct_config__.tag in welcome.takes)
+        self._releases.link_up(takes=ReleaseState.__struct_config__.tag in welcome.takes)
         if self._night is not None:
             self._night.link_up(takes=_NIGHT in welcome.takes)
         self._pacer.reset_timer()
@@ -199,6 +205,9 @@ class MessageDispatcher:
                 self._reconnect(message)
             case RecordingRequest():
                 self._record(message)
+            case ReleaseOffer():
+                self._releases.handle_offer(message)
+                return
             case NightArmRequest() | NightDisarmRequest() | RequestSync() | ObservationAck():
                 if self._night is not None:
                     self._night.handle_message(message)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.files.uploads import Uploads
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
+    from talaia.hub.live.releases.release_folder import ReleaseFolder
     from talaia.hub.store.audit import Audit
 
 __all__ = ["RecordingsFeature"]
@@ -44,11 +45,12 @@ class RecordingsFeature(Feature):
         links: OpenLinks,
         flood_guard: FloodGuard,
         uploads: Uploads,
+        releases: ReleaseFolder,
         audit: Audit,
     ) -> None:
         """Write down in ``audit`` what comes and goes; other files go to ``uploads``.
 
-        ``flood_guard`` slows gateways that say too much.
+        ``flood_guard`` slows gateways that say too much; ``releases`` go the other way.
         """
         # The list is in the database and the files on the disk; `open` makes the two fit.
         self.files = Recordings(
@@ -67,6 +69,7 @@ class RecordingsFeature(Feature):
                 flood_guard=flood_guard,
                 recordings=self.files,
                 uploads=uploads,
+                releases=releases,
             ),
         )
         self.sockets = [gateways.router()]

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         InterlockState,
         LeaseState,
         RecorderState,
+        ReleaseState,
         StopState,
         TwinState,
     )
@@ -125,6 +126,7 @@ class LinkedGateway:
         proven: which place it showed that it had as it was linked; none: it showed none.
         issued: its place now, which it shows on its next link.
         saved: that is on its disk.
+        releases: how releases of its software stand; none: it takes none from its hub.
 
     """
 
@@ -138,6 +140,7 @@ class LinkedGateway:
     proven: ResumeToken = NO_PLACE
     issued: ResumeToken = NO_PLACE
     saved: bool = False
+    releases: ReleaseState | None = None
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

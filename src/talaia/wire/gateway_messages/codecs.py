@@ -45,6 +45,12 @@ from talaia.wire.gateway_messages.pictures import (
     StreamError,
     StreamSubscription,
 )
+from talaia.wire.gateway_messages.releases import (
+    ReleaseOffer,
+    ReleasePiece,
+    ReleaseRequest,
+    ReleaseState,
+)
 from talaia.wire.gateway_messages.robot_graph import RobotGraph
 from talaia.wire.gateway_messages.samples import (
     Ack,
@@ -114,6 +120,7 @@ FromGateway = (
     | NightPlan
     | RequestRevision
     | ObservationUpdate
+    | ReleaseState
     | Event
     | Beat
     | BeatReply
@@ -146,6 +153,7 @@ FromHub = (
     | NightDisarmRequest
     | RequestSync
     | ObservationAck
+    | ReleaseOffer
     | Beat
     | BeatReply
     | Bye
@@ -169,10 +177,10 @@ MediaFromGateway = (
 MediaFromHub = Beat | BeatReply | Bye
 
 
-FilesFromGateway = FileOffer | FilmOffer | ArchiveOffer | FilePiece
+FilesFromGateway = FileOffer | FilmOffer | ArchiveOffer | FilePiece | ReleaseRequest
 
 
-FilesFromHub = FileProgress | Bye
+FilesFromHub = FileProgress | ReleasePiece | Bye
 
 
 # The hello is the largest: a description of up to 4 MiB, and its source.
@@ -193,4 +201,5 @@ MEDIA_FROM_HUB: Codec[MediaFromHub] = Codec(MediaFromHub, 64 * 1024)
 FILES_FROM_GATEWAY: Codec[FilesFromGateway] = Codec(FilesFromGateway, 512 * 1024)
 
 
-FILES_FROM_HUB: Codec[FilesFromHub] = Codec(FilesFromHub, 64 * 1024)
+# A piece of a release.
+FILES_FROM_HUB: Codec[FilesFromHub] = Codec(FilesFromHub, 128 * 1024)

@@ -1,4 +1,4 @@
-"""The third connection of a gateway: files, each piece of which is answered."""
+"""The third connection of a gateway: files to the hub, and releases from it, piece by piece."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from talaia.wire.frames import (
     Bye,
     FileOffer,
     FilmOffer,
+    ReleaseRequest,
 )
 
 if TYPE_CHECKING:
@@ -30,9 +31,10 @@ if TYPE_CHECKING:
     from talaia.hub.live.files.uploads import Uploads
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
+    from talaia.hub.live.releases.release_folder import ReleaseFolder
     from talaia.hub.live.sites import Sites
     from talaia.hub.store.sites.site_registry import GatewayKey
-    from talaia.wire.frames import FilePiece, FileProgress
+    from talaia.wire.frames import FilePiece, FileProgress, ReleasePiece
 
 __all__ = ["FileLinks", "GatewayFiles"]
 
@@ -97,6 +99,10 @@ class GatewayFiles:
                 case FileOffer() | FilmOffer() | ArchiveOffer():
                     offered = message
                     answer = await keepers.answer_offer(site, message)
+                case ReleaseRequest():
+                    piece = await keepers.read_release(site, message)
+                    await self._socket.send_bytes(FILES_FROM_HUB.encode(piece))
+                    continue
                 case _:
                     if offered is None or offered.id != message.id:
                         raise PeerError("a piece of a file that was not offered")
@@ -120,17 +126,19 @@ class FileLinks:
         flood_guard: FloodGuard,
         recordings: Recordings,
         uploads: Uploads,
+        releases: ReleaseFolder,
     ) -> None:
         """Keep in ``recordings`` and ``uploads``; ``links`` closes who has a revoked key.
 
         ``sites`` know in whose names something was asked of each; ``flood_guard`` slows who says
-        too much.
+        too much; ``releases`` are for gateways to fetch.
         """
         self.flood_guard = flood_guard
         self._sites = sites
         self._links = links
         self._recordings = recordings
         self._uploads = uploads
+        self._releases = releases
 
     async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take a gateway's recordings and pictures until it has handed over all."""
@@ -155,6 +163,10 @@ class FileLinks:
         live = self._sites.find_site(site)
         known = HandedDown() if live is None else live.handed_down
         return await self._recordings.answer_offer(site, with_known_who(known, offer))
+
+    async def read_release(self, site: str, asked: ReleaseRequest) -> ReleasePiece:
+        """Read a piece of a release that the site's gateway was offered."""
+        return await asyncio.to_thread(self._releases.read_piece, asked.version, site, asked.at)
 
     async def append_piece(
         self, site: str, offer: FileOffer | FilmOffer | ArchiveOffer, piece: FilePiece

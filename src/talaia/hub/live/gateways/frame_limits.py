@@ -110,6 +110,8 @@ _KINDS: dict[type[Message], tuple[str, Allowance]] = {
     frames.FilmOffer: ("films", _OFFERS),
     frames.ArchiveOffer: ("pictures for the archive", _OFFERS),
     frames.FilePiece: ("pieces of files", _PIECES),
+    frames.ReleaseRequest: ("pieces of releases", _PIECES),
+    frames.ReleaseState: ("releases", _ABOUT_TAPS),
 }
 DIALS, UNKNOWN = "connections", "unknown messages"
 DIALS_BACK = "connections of the gateway that was here before"

@@ -59,6 +59,8 @@ if TYPE_CHECKING:
 __all__ = ["LinkService", "fingerprint_of"]
 
 _LOG = logging.getLogger(__name__)
+# What gateways may send that older hubs do not know.
+_TAKES = ("seen", "newest", "enclosure", "topic_list", "night_state", "release_state")
 # Beats without an answer after which a gateway counts as gone.
 _MISSED_BEATS = 3
 # At each of so many beats pages are told how a site stands: its loop time, a rival's end.
@@ -188,7 +190,7 @@ class LinkService:
                 version=__version__,
                 acked=acked,
                 time_us=self._clock.wall_ns() // 1000,
-                takes=["seen", "newest", "enclosure", "topic_list", "night_state"],
+                takes=list(_TAKES),
                 resume=self._places.words_of(gateway),
             )
         )
@@ -337,6 +339,8 @@ class LinkService:
                     live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
                 case frames.ResumeSaved():
                     live.gateway.saved |= message.serial == live.gateway.issued.serial
+                case frames.ReleaseState():
+                    live.gateway.releases = message
                 case frames.Bye():
                     return
                 case frames.Hello():

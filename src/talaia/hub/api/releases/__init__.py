@@ -1,0 +1,1 @@
+"""Releases of gateways, for admins."""

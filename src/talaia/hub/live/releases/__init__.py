@@ -1,0 +1,1 @@
+"""Releases for gateways: the hub keeps them, and hands them out in stages."""
