@@ -37,6 +37,7 @@ from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
 from talaia.hub.api.observing import outlook_schemas
 from talaia.hub.api.records import recorded_schemas
+from talaia.hub.api.releases import release_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
     account_schemas,
@@ -108,6 +109,7 @@ SHAPES = (
     tile_schemas,
     client_schemas,
     hub_schemas,
+    release_schemas,
 )
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 

@@ -2837,6 +2837,61 @@ export interface HubShape {
   readonly silent_s: number;
 }
 
+/** How releases stand at a site's gateway, as it says itself. */
+export interface GatewayReleaseShape {
+  readonly site: string;
+  readonly current: string;
+  readonly phase: string;
+  readonly candidate: string;
+  readonly waits: string;
+  readonly fetched: number;
+  readonly failed: Readonly<Record<string, string>>;
+}
+
+/** Releases, the gateways that take them from this hub, and the last rollout. */
+export interface ReleaseList {
+  readonly releases: readonly ReleaseShape[];
+  readonly gateways: readonly GatewayReleaseShape[];
+  readonly rollout: RolloutShape | null;
+}
+
+/** A file in the folder ``releases`` of the hub's data. ``changed_us`` is UTC (µs). */
+export interface ReleaseShape {
+  readonly name: string;
+  readonly version: string;
+  readonly site: string;
+  readonly size: number;
+  readonly changed_us: number;
+  readonly problem: string;
+}
+
+/** Hand a release out. ``sites`` have their turn in this order. */
+export interface RolloutAsk {
+  readonly version: string;
+  readonly sites: readonly string[];
+  readonly first?: number;
+  readonly at_once?: number;
+}
+
+/** A release on its way to gateways, or the last one that was. */
+export interface RolloutShape {
+  readonly version: string;
+  readonly who: string;
+  readonly began_us: number;
+  readonly first: number;
+  readonly at_once: number;
+  readonly runs: boolean;
+  readonly stopped: string;
+  readonly sites: readonly RolloutSiteShape[];
+}
+
+/** One site of a rollout: ``queued``, ``offered``, ``begun``, ``done`` or ``failed``. */
+export interface RolloutSiteShape {
+  readonly site: string;
+  readonly stage: string;
+  readonly why: string;
+}
+
 /** See `EnclosureCapabilities`; nothing is left open here. */
 export interface Capabilities {
   readonly has_shutter: boolean;

@@ -1,6 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, HubList, NewDisplay, NewWitnessedHub, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, SecondGatewayAsk, StorageShape, WitnessedHubList, WitnessedHubShape } from "../generated/api.js";
+import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, DisplayList, DisplayShape, GatewayList, HubList, NewDisplay, NewWitnessedHub, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, ReleaseList, RoleList, RoleShape, RolloutAsk, SecondGatewayAsk, StorageShape, WitnessedHubList, WitnessedHubShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -132,6 +132,19 @@ export class AdminApi {
   /** The hubs that are one with this one; of one that is alone, that it is. */
   hubs(): Promise<HubList> {
     return this.hub.request("GET", "/api/hubs");
+  }
+
+  /** Releases of the gateways' own software, who takes them, and the last that was handed out. */
+  releases(): Promise<ReleaseList> {
+    return this.hub.request("GET", "/api/releases");
+  }
+
+  async beginRollout(asked: RolloutAsk): Promise<void> {
+    await this.hub.request("POST", "/api/rollouts", asked);
+  }
+
+  async stopRollout(): Promise<void> {
+    await this.hub.request("POST", "/api/rollouts/stop", {});
   }
 
   storage(): Promise<StorageShape> {

@@ -13,7 +13,14 @@ from zlib import crc32
 
 from talaia.gateway.errors import LinkLost
 from talaia.gateway.uplink.connection import dial
-from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FilePiece, FileProgress
+from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
+    FILES_FROM_HUB,
+    PIECE,
+    Bye,
+    FilePiece,
+    FileProgress,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -188,8 +195,10 @@ async def _ask(socket: ClientConnection, frame: Offer | FilePiece, within_s: flo
             raise _Unknown from error
         raise LinkLost(f"the hub has not answered for {within_s:.0f} s") from error
     answer = FILES_FROM_HUB.decode(data)
-    if not isinstance(answer, FileProgress):
+    if isinstance(answer, Bye):
         raise LinkLost(f"the hub closes the connection: {answer.reason}")
+    if not isinstance(answer, FileProgress):
+        raise LinkLost("the hub answers with a release to a file")
     if answer.id != frame.id:
         raise LinkLost(f"the hub answers for {answer.id} instead of {frame.id}")
     return answer

@@ -16,7 +16,13 @@ from zlib import crc32
 from talaia.gateway.errors import LinkLost
 from talaia.gateway.uplink.connection import dial
 from talaia.updates.errors import UpdateError
-from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, ReleasePiece, ReleaseRequest
+from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
+    FILES_FROM_HUB,
+    Bye,
+    ReleasePiece,
+    ReleaseRequest,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +30,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.uplink.key_prover import KeyProver
     from talaia.gateway.uplink.tls import HubTrust
-    from talaia.wire.frames import ReleaseOffer
+    from talaia.wire.frames import FilesFromHub, ReleaseOffer
 
 __all__ = ["MOST_RELEASE", "OfferedReleases", "fetch_release"]
 
@@ -108,25 +114,29 @@ async def fetch_release(
                     answer = FILES_FROM_HUB.decode(await socket.recv())
             except TimeoutError as error:
                 raise LinkLost(f"the hub has not answered for {_ANSWER_S:.0f} s") from error
-            _check_piece(answer, asked, offer.size - have)
-            have = await asyncio.to_thread(_append, part, answer.data)
+            data = _data_of(answer, asked, offer.size - have)
+            have = await asyncio.to_thread(_append, part, data)
             progress(have)
-            await asyncio.sleep(len(answer.data) / rate)
+            await asyncio.sleep(len(data) / rate)
     if await asyncio.to_thread(_digest_of, part) != offer.digest:
         part.unlink(missing_ok=True)
         raise UpdateError("what came from the hub is not what it had offered")
     await asyncio.to_thread(part.replace, target)
 
 
-def _check_piece(answer: object, asked: ReleaseRequest, most: int) -> None:
-    if not isinstance(answer, ReleasePiece):
-        reason = getattr(answer, "reason", "")
-        raise LinkLost(f"the hub closes the connection: {reason}")
-    if answer.refused:
+def _data_of(answer: FilesFromHub, asked: ReleaseRequest, most: int) -> bytes:
+    if isinstance(answer, Bye):
+        raise LinkLost(f"the hub closes the connection: {answer.reason}")
+    if isinstance(answer, ReleasePiece) and answer.refused:
         raise UpdateError(f"the hub does not hand it over: {answer.refused}")
-    fits = answer.version == asked.version and answer.at == asked.at
-    if not fits or not 0 < len(answer.data) <= most or crc32(answer.data) != answer.check:
+    if (
+        not isinstance(answer, ReleasePiece)
+        or (answer.version, answer.at) != (asked.version, asked.at)
+        or not 0 < len(answer.data) <= most
+        or crc32(answer.data) != answer.check
+    ):
         raise LinkLost("the hub has answered with another piece than was asked for")
+    return answer.data
 
 
 def _begin_part(part: Path, size: int) -> int:

@@ -15,7 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import type { DeviceSummary, GatewayList, GatewayShape, HubList, OpenCodeShape } from "../../generated/api.js";
+import type { DeviceSummary, GatewayList, GatewayShape, HubList, OpenCodeShape, ReleaseList } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
@@ -25,6 +25,7 @@ import "../admin-tabs.js";
 import "./enrol-form.js";
 import "./gateway-section.js";
 import "./hub-list.js";
+import "./release-list.js";
 
 /** A gateway that comes or goes is seen this soon (s). */
 const AGAIN_S = 3;
@@ -32,6 +33,7 @@ const AGAIN_S = 3;
 interface LoadedGateways extends GatewayList {
   readonly devices: readonly DeviceSummary[];
   readonly hubs: HubList;
+  readonly releases: ReleaseList;
 }
 
 @customElement("t-page-gateways")
@@ -53,8 +55,8 @@ export class PageGateways extends LitElement {
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
     this.known.load(String(turn), async () => {
       const admin = new AdminApi(this.api);
-      const [list, devices, hubs] = await Promise.all([admin.gateways(), this.api.devices(), admin.hubs()]);
-      return { ...list, devices, hubs };
+      const [list, devices, hubs, releases] = await Promise.all([admin.gateways(), this.api.devices(), admin.hubs(), admin.releases()]);
+      return { ...list, devices, hubs, releases };
     });
   }
 
@@ -90,6 +92,13 @@ export class PageGateways extends LitElement {
           </t-empty>`
         : nothing}
       ${this.renderList(living, known.devices)}
+      <t-release-list
+        ?hidden=${known.releases.gateways.length === 0 && known.releases.releases.length === 0}
+        .list=${known.releases}
+        .siteNames=${this.siteName}
+        .zone=${this.sites.store?.zone ?? "UTC"}
+        @t-changed=${this.known.invalidate}
+      ></t-release-list>
       ${gone.length === 0
         ? nothing
         : html`<details>
@@ -97,6 +106,8 @@ export class PageGateways extends LitElement {
             ${this.renderList(gone, [])}
           </details>`}`;
   }
+
+  private readonly siteName = (site: string): string => this.sites.store?.siteRow(site)?.name ?? site;
 
   private renderList(rows: readonly GatewayShape[], devices: readonly DeviceSummary[]): unknown {
     return repeat(
@@ -106,7 +117,7 @@ export class PageGateways extends LitElement {
         class="sheet"
         .row=${row}
         .devices=${devices.filter(({ site }) => site === row.site)}
-        .siteName=${this.sites.store?.siteRow(row.site)?.name ?? row.site}
+        .siteName=${this.siteName(row.site)}
         .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}
         @t-changed=${this.known.invalidate}
       ></t-gateway-sheet>`,
