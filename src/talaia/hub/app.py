@@ -108,7 +108,6 @@ class Hub(AssembledHub):
         self.observing = ObservingFeature(
             core, deliver=self.notifications.wake_up, archive=self.archive.frames, audit=log
         )
-        self.alert_notices = AlertNoticesFeature(core, observing=self.observing, audit=log)
         self.descriptions = DescriptionsFeature(
             core,
             followers=(*core.followers, alarms, self.sightings.journal, self.detection.cameras),
@@ -157,6 +156,7 @@ class Hub(AssembledHub):
             alarms=self.alarms.engine,
             audit=log,
         )
+        self.alert_notices = AlertNoticesFeature(core, observing=self.observing, audit=log)
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=self.history.store)
         self.hubs = HubsFeature(core)

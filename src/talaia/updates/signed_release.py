@@ -180,7 +180,6 @@ def _read_list(path: Path) -> tuple[bytes, bytes]:
         KeyError,
         EOFError,
         zlib.error,
-        NotImplementedError,
         RuntimeError,
     ) as error:
         raise UpdateRefused(f"{path.name} is no release, or is not whole: {error}") from error
