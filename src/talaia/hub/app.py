@@ -80,14 +80,13 @@ class Hub(AssembledHub):
         self.media = MediaFeature(
             core, people=self.people, links=links, flood_guard=flood_guard, audit=log
         )
-        streams = self.media.streams
         self.anomalies = AnomaliesFeature(
             core, history=store, reporting=reporting, alarms=alarms, audit=log
         )
         self.sightings = SightingsFeature(core, alarms=alarms)
         self.detection = DetectionFeature(
             core,
-            media=streams,
+            media=self.media.streams,
             history=store,
             sightings=self.sightings.journal,
             reporting=reporting,
@@ -112,7 +111,7 @@ class Hub(AssembledHub):
             core,
             followers=(*core.followers, alarms, self.sightings.journal, self.detection.cameras),
             reporting=reporting,
-            media=streams,
+            media=self.media.streams,
             history=store,
             registry=registry,
             audit=log,
@@ -127,7 +126,7 @@ class Hub(AssembledHub):
             flood_guard=flood_guard,
             samples=self.detection.samples,
             sightings=self.sightings.journal,
-            media=streams,
+            media=self.media.streams,
             nights=self.observing.link,
             history=store,
         )
