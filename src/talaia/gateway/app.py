@@ -17,6 +17,7 @@ from talaia.gateway.assembly.night import NightPart
 from talaia.gateway.assembly.notices import NoticesPart
 from talaia.gateway.assembly.recording import RecordingPart
 from talaia.gateway.assembly.reload import ReloadPart
+from talaia.gateway.assembly.robot_log import RobotLogPart
 from talaia.gateway.assembly.samples import SamplesPart
 from talaia.gateway.assembly.supervision import SupervisionPart
 from talaia.gateway.assembly.taps import TapsPart
@@ -73,6 +74,7 @@ class Gateway:
             samples := SamplesPart(base=base, description=description),
             recording := RecordingPart(base=base, description=description),
             taps := TapsPart(base=base),
+            robot_log := RobotLogPart(base=base),
             video := VideoPart(base=base, description=description, recording=recording, taps=taps),
             adapters := AdaptersPart(
                 base=base,
@@ -81,6 +83,7 @@ class Gateway:
                 recording=recording,
                 video=video,
                 taps=taps,
+                robot_log=robot_log,
             ),
             detection := DetectionPart(
                 base=base, description=description, samples=samples, video=video, adapters=adapters
@@ -120,6 +123,7 @@ class Gateway:
                 recording=recording,
                 video=video,
                 taps=taps,
+                robot_log=robot_log,
                 adapters=adapters,
                 detection=detection,
                 actuation=actuation,

@@ -32,6 +32,7 @@ from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.missions import MissionsFeature
 from talaia.hub.features.records.notes import NotesFeature
+from talaia.hub.features.records.robot_log import RobotLogFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -115,6 +116,7 @@ class Hub(AssembledHub):
             registry=registry,
             audit=log,
         )
+        self.robot_log = RobotLogFeature(core)
         # After all that a gateway's messages are led to.
         self.gateway_links = GatewayLinksFeature(
             core,
@@ -127,6 +129,7 @@ class Hub(AssembledHub):
             sightings=self.sightings.journal,
             media=streams,
             nights=self.observing.link,
+            robot_log=self.robot_log.intake,
             history=store,
         )
         self._add_connections()

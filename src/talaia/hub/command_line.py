@@ -122,6 +122,18 @@ def _make_parser() -> argparse.ArgumentParser:
         help="of each site so many sightings are kept at the most; then the oldest go (10000)",
     )
     parser.add_argument(
+        "--robot-log-days",
+        type=float,
+        default=30.0,
+        help="lines of robots' own logs are kept for so many days (30; 0: for good)",
+    )
+    parser.add_argument(
+        "--robot-log-most",
+        type=int,
+        default=200_000,
+        help="of each site so many of those lines are kept; then the oldest go (200000)",
+    )
+    parser.add_argument(
         "--extensions",
         type=Path,
         metavar="FOLDER",
@@ -234,6 +246,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
         sightings_days=max(0.0, options.sightings_days),
         sightings_most=max(1, options.sightings_most),
+        robot_log_days=max(0.0, options.robot_log_days),
+        robot_log_most=max(1, options.robot_log_most),
         extensions=options.extensions,
         assets=options.assets,
         maps=options.maps,

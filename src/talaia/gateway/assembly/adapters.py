@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.assembly.recording import RecordingPart
+    from talaia.gateway.assembly.robot_log import RobotLogPart
     from talaia.gateway.assembly.samples import SamplesPart
     from talaia.gateway.assembly.taps import TapsPart
     from talaia.gateway.assembly.video import VideoPart
@@ -50,6 +51,7 @@ class AdaptersPart(GatewayPart):
         recording: RecordingPart,
         video: VideoPart,
         taps: TapsPart,
+        robot_log: RobotLogPart,
     ) -> None:
         """Make an adapter for each connection; none runs yet.
 
@@ -75,6 +77,7 @@ class AdaptersPart(GatewayPart):
             frames=video.frame_taker,
             files=video.whole_files,
             site=description.site.name,
+            kept_log=robot_log.reporter,
         )
         scopes = scopes_of(description.site, description.numbering)
         # Each with its status: `ConnectionExchange` exchanges both together.

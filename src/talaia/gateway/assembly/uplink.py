@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.night import NightPart
     from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.reload import ReloadPart
+    from talaia.gateway.assembly.robot_log import RobotLogPart
     from talaia.gateway.assembly.samples import SamplesPart
     from talaia.gateway.assembly.taps import TapsPart
     from talaia.gateway.assembly.video import VideoPart
@@ -47,6 +48,7 @@ class UplinkPart(GatewayPart):
         recording: RecordingPart,
         video: VideoPart,
         taps: TapsPart,
+        robot_log: RobotLogPart,
         adapters: AdaptersPart,
         detection: DetectionPart,
         actuation: ActuationPart,
@@ -71,6 +73,7 @@ class UplinkPart(GatewayPart):
             pictures=video.pictures,
             taps=taps.service,
             reporter=detection.reporter,
+            robot_log=robot_log.reporter,
             night=night.service,
         )
         base.streams_changed.connect(self.dispatcher.update_watched_streams)

@@ -46,6 +46,7 @@ from talaia.wire.gateway_messages.pictures import (
     StreamSubscription,
 )
 from talaia.wire.gateway_messages.robot_graph import RobotGraph
+from talaia.wire.gateway_messages.robot_log import RobotLogAck, RobotLogBatch
 from talaia.wire.gateway_messages.samples import (
     Ack,
     NewestBatch,
@@ -114,6 +115,7 @@ FromGateway = (
     | NightPlan
     | RequestRevision
     | ObservationUpdate
+    | RobotLogBatch
     | Event
     | Beat
     | BeatReply
@@ -146,6 +148,7 @@ FromHub = (
     | NightDisarmRequest
     | RequestSync
     | ObservationAck
+    | RobotLogAck
     | Beat
     | BeatReply
     | Bye

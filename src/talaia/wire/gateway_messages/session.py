@@ -115,8 +115,8 @@ class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
     Attributes:
         acked: one past the last sequence number of this boot that is stored.
         takes: messages that may be sent to this hub, and not to older ones: ``enclosure``,
-            ``newest``, ``seen``, ``topic_list`` for all of raw topics, and ``night_state`` for all
-            of the night.
+            ``newest``, ``seen``, ``topic_list`` for all of raw topics, ``night_state`` for all of
+            the night, and ``robot_log``.
         resume: by this the gateway shows on its next link that it is the one of this: two numbers
             and a secret (hex), with dots between; empty where it has not proved its key by the
             hub's challenge.

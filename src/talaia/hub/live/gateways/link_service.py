@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.live_samples import LiveSamples
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.gateways.robot_log_intake import RobotLogIntake
     from talaia.hub.live.observing.night_link import NightLink
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
@@ -85,6 +86,7 @@ class LinkService:
         media: PictureFanout,
         taps: TapFanout,
         nights: NightLink,
+        robot_log: RobotLogIntake,
         history: History,
         attendance: GatewayPresence,
         links: OpenLinks,
@@ -105,6 +107,7 @@ class LinkService:
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
             nights: takes how nights stand and what was observed.
+            robot_log: takes lines of robots' own logs.
             history: keeps samples.
             attendance: keeps when a gateway was there.
             links: closes a link whose key is revoked.
@@ -121,7 +124,7 @@ class LinkService:
         self._samples = samples
         self._sightings = sightings
         self._media, self._taps = media, taps
-        self._nights, self._history = nights, history
+        self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance = attendance
         self._links = links
         self._admission = admission
@@ -188,7 +191,7 @@ class LinkService:
                 version=__version__,
                 acked=acked,
                 time_us=self._clock.wall_ns() // 1000,
-                takes=["seen", "newest", "enclosure", "topic_list", "night_state"],
+                takes=["seen", "newest", "enclosure", "topic_list", "night_state", "robot_log"],
                 resume=self._places.words_of(gateway),
             )
         )
@@ -326,6 +329,8 @@ class LinkService:
                     | frames.ObservationUpdate()
                 ):
                     self._nights.handle_message(live, message)
+                case frames.RobotLogBatch():
+                    self._robot_log.handle_batch(live, message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(
