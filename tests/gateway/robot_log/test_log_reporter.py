@@ -34,7 +34,7 @@ async def comes(holds: Callable[[], object]) -> None:
 class Run:
     """A run of a gateway, with what it sent."""
 
-    def __init__(self, folder: Path, boot: str) -> None:
+    def __init__(self, folder: Path, boot: str) -> None:  # noqa: D107
         self.sent: list[RobotLogBatch] = []
         self.reporter = LogReporter(
             boot=boot,
@@ -68,8 +68,7 @@ async def test_what_a_killed_gateway_heard_is_told_by_the_next_one_under_its_own
     await first.kill()
     (file,) = tmp_path.iterdir()
     # The last line was broken off.
-    with file.open("ab") as end:
-        end.write(b'\n{"number": 250, "si')
+    file.write_bytes(file.read_bytes() + b'\n{"number": 250, "si')
     second = Run(tmp_path, "000000000002-b")
     second.reporter.keep_line(line(1000))
     second.reporter.link_up(takes=True)
