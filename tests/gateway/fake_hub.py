@@ -39,8 +39,11 @@ from talaia.wire.frames import (
     FilmOffer,
     Hello,
     LinkHeld,
+    LogLine,
     PictureFrame,
     RobotGraph,
+    RobotLogAck,
+    RobotLogBatch,
     SampleBatch,
     SampleGap,
     TapError,
@@ -78,6 +81,7 @@ class FakeHub:
         self.media: list[ServerConnection] = []
         self.takes: list[str] = []
         self.samples: dict[str, dict[int, tuple[str, int, float | str]]] = defaultdict(dict)
+        self.log: list[RobotLogBatch] = []
         self.doubles = 0
         self.old_batches = 0
         self.tick = -1
@@ -157,6 +161,15 @@ class FakeHub:
             for _, (name, _, value) in sorted(self.samples[boot].items())
             if name == address
         ]
+
+    def log_lines(self) -> list[LogLine]:
+        """Lines of the robot's log in the order in which they were said, each once."""
+        found = {
+            (batch.boot, batch.first + place): line
+            for batch in self.log
+            for place, line in enumerate(batch.lines)
+        }
+        return [found[key] for key in sorted(found)]
 
     def below(self, boot: str) -> int:
         """One past the last sequence up to which nothing is missing."""
@@ -279,6 +292,11 @@ class FakeHub:
             self.messages.append(message)
         elif isinstance(message, ControlTick):
             self.tick = message.tick
+        elif isinstance(message, RobotLogBatch):
+            self.log.append(message)
+            if self.acking:
+                below = message.first + len(message.lines)
+                await socket.send(LINK_FROM_HUB.encode(RobotLogAck(boot=message.boot, below=below)))
         else:
             self.messages.append(message)
 

@@ -17,6 +17,7 @@ from talaia.gateway.assembly.night import NightPart
 from talaia.gateway.assembly.notices import NoticesPart
 from talaia.gateway.assembly.recording import RecordingPart
 from talaia.gateway.assembly.reload import ReloadPart
+from talaia.gateway.assembly.robot_log import RobotLogPart
 from talaia.gateway.assembly.samples import SamplesPart
 from talaia.gateway.assembly.supervision import SupervisionPart
 from talaia.gateway.assembly.taps import TapsPart
@@ -73,6 +74,7 @@ class Gateway:
             samples := SamplesPart(base=base, description=description),
             recording := RecordingPart(base=base, description=description),
             taps := TapsPart(base=base),
+            robot_log := RobotLogPart(base=base),
             video := VideoPart(base=base, description=description, recording=recording, taps=taps),
             adapters := AdaptersPart(
                 base=base,
@@ -81,6 +83,7 @@ class Gateway:
                 recording=recording,
                 video=video,
                 taps=taps,
+                robot_log=robot_log,
             ),
             detection := DetectionPart(
                 base=base, description=description, samples=samples, video=video, adapters=adapters
@@ -117,9 +120,7 @@ class Gateway:
             uplink := UplinkPart(
                 base=base,
                 samples=samples,
-                recording=recording,
                 video=video,
-                taps=taps,
                 adapters=adapters,
                 detection=detection,
                 actuation=actuation,
@@ -129,9 +130,7 @@ class Gateway:
             UpdatesPart(base=base, description=description, uplink=uplink),
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )
-        # The manager is of the process and not of this run: gateways follow each other in one.
         self._manager, self._supervision, self.recording = service, supervision, recording
-        # The restart is asked after `run` for the description to begin again with.
         self._restart, self._actuation, self.legacy = description.restart, actuation, legacy
 
     @property

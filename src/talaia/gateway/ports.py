@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Device
     from talaia.objects.detection import Detection
     from talaia.wire.columns import Columns
-    from talaia.wire.frames import CommandPhase, FromGateway, PictureFrame
+    from talaia.wire.frames import CommandPhase, FromGateway, LogLine, PictureFrame
 
 __all__ = [
     "Adapter",
@@ -38,6 +38,7 @@ __all__ = [
     "FileSink",
     "Filming",
     "FrameSink",
+    "LogSink",
     "PictureSink",
     "RawSink",
     "ReadingSource",
@@ -271,6 +272,14 @@ class EventSink(Protocol):
         ...
 
 
+class LogSink(Protocol):
+    """Keeps lines of the robot's own log until the hub has them; any thread; never blocks."""
+
+    def keep_line(self, line: LogLine) -> None:
+        """Keep a line. Callers bound how many there are."""
+        ...
+
+
 class ReadingSource(Protocol):
     """Gives the newest reading of the channels that safety depends on.
 
@@ -324,6 +333,7 @@ class AdapterContext(NamedTuple):
         files: takes pictures for the archive that come whole; none as with ``frames``.
         raw: takes messages as they came, to record them; none where nothing is recorded.
         taps: takes messages as they came for the hub; none where nobody hands them on.
+        kept_log: takes lines of the robot's log; none where nobody keeps them.
 
     """
 
@@ -339,6 +349,7 @@ class AdapterContext(NamedTuple):
     site: str = ""
     raw: RawSink | None = None
     taps: TapSink | None = None
+    kept_log: LogSink | None = None
 
 
 class FileSink(Protocol):

@@ -33,6 +33,7 @@ from talaia.hub.features.records.maps import MapsFeature
 from talaia.hub.features.records.missions import MissionsFeature
 from talaia.hub.features.records.notes import NotesFeature
 from talaia.hub.features.records.releases import ReleasesFeature
+from talaia.hub.features.records.robot_log import RobotLogFeature
 from talaia.hub.features.records.storage import StorageFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
@@ -93,6 +94,16 @@ class Hub(AssembledHub):
             alarms=alarms,
             anomalies=self.anomalies.detectors,
         )
+        self._add_gateway_links()
+        self._add_connections()
+        self._serve_guarded()
+
+    def _add_gateway_links(self) -> None:
+        """Build what gateways bring, and the links over which they do."""
+        core, log, registry = self.core, self.audit.log, self.gateways.registry
+        admission, links = self.people.admission, self.gateways.links
+        reporting, flood_guard = self.robot_events.reporting, self.robot_events.flood_guard
+        store, alarms = self.history.store, self.alarms.engine
         self.archive = ArchiveFeature(core, audit=log)
         self.releases = ReleasesFeature(core, reporting=reporting, audit=log)
         self.recordings = RecordingsFeature(
@@ -116,6 +127,7 @@ class Hub(AssembledHub):
             registry=registry,
             audit=log,
         )
+        self.robot_log = RobotLogFeature(core)
         # After all that a gateway's messages are led to.
         self.gateway_links = GatewayLinksFeature(
             core,
@@ -128,10 +140,9 @@ class Hub(AssembledHub):
             sightings=self.sightings.journal,
             media=self.media.streams,
             nights=self.observing.link,
+            robot_log=self.robot_log.intake,
             history=store,
         )
-        self._add_connections()
-        self._serve_guarded()
 
     def _serve_guarded(self) -> None:
         """Serve what was built, behind what guards every request."""

@@ -121,6 +121,7 @@ def _make_parser() -> argparse.ArgumentParser:
         default=10_000,
         help="of each site so many sightings are kept at the most; then the oldest go (10000)",
     )
+    _add_robot_log(parser)
     parser.add_argument(
         "--extensions",
         type=Path,
@@ -131,6 +132,21 @@ def _make_parser() -> argparse.ArgumentParser:
     _add_neighbours(parser)
     add_log_options(parser)
     return parser
+
+
+def _add_robot_log(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--robot-log-days",
+        type=float,
+        default=30.0,
+        help="lines of robots' own logs are kept for so many days (30; 0: for good)",
+    )
+    parser.add_argument(
+        "--robot-log-most",
+        type=int,
+        default=200_000,
+        help="of each site so many of those lines are kept; then the oldest go (200000)",
+    )
 
 
 def _add_neighbours(parser: argparse.ArgumentParser) -> None:
@@ -234,6 +250,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
         sightings_days=max(0.0, options.sightings_days),
         sightings_most=max(1, options.sightings_most),
+        robot_log_days=max(0.0, options.robot_log_days),
+        robot_log_most=max(1, options.robot_log_most),
         extensions=options.extensions,
         assets=options.assets,
         maps=options.maps,

@@ -319,6 +319,11 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("PUT", "/api/sites/{site}/notes/{note}"): AccessNeed.SEE,
         ("DELETE", "/api/sites/{site}/notes/{note}"): AccessNeed.SEE,
     },
+    "robot_log": {
+        # Of the whole site: a node may say anything of any device.
+        ("GET", "/api/sites/{site}/log"): AccessNeed.VIEW,
+        ("GET", "/api/sites/{site}/log/nodes"): AccessNeed.VIEW,
+    },
     "boards": {
         # Each board is looked at besides (`auth.board_access`); one that is not open to a person
         # is as if it were not there. A board opens no data: each of its tiles asks for its own.

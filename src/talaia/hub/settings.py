@@ -40,6 +40,8 @@ class Settings:
         recordings_bytes: those of one site may take so many bytes; then its oldest go. 0: no limit.
         sightings_days: what a camera saw is kept for so many days. 0: for good.
         sightings_most: of each site so many sightings are kept; then the oldest go.
+        robot_log_days: lines of robots' own logs are kept for so many days. 0: for good.
+        robot_log_most: of each site so many of those lines are kept; then the oldest go.
         extensions: folder of web components that the administrator fills; none: there are none.
         assets: folder with a folder for each site, with its robots' meshes; none: there are none.
         maps: folder with PMTiles files that pages show as maps; none: there are none.
@@ -86,6 +88,8 @@ class Settings:
     file_bytes: int = 4 * 1024**3
     recordings_bytes: int = 20_000_000_000
     sightings_days: float = 90.0
+    robot_log_days: float = 30.0
+    robot_log_most: int = 200_000
     sightings_most: int = 10_000
     extensions: Path | None = None
     assets: Path | None = None

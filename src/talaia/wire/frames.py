@@ -104,6 +104,13 @@ from talaia.wire.gateway_messages.robot_graph import (
     RobotGraph,
     RobotNode,
 )
+from talaia.wire.gateway_messages.robot_log import (
+    MAX_LOG_LINES,
+    MAX_LOG_TEXT,
+    LogLine,
+    RobotLogAck,
+    RobotLogBatch,
+)
 from talaia.wire.gateway_messages.samples import (
     Ack,
     NewestBatch,
@@ -150,6 +157,8 @@ __all__ = [
     "LINK_FROM_HUB",
     "MAX_GRAPH_NAMES",
     "MAX_GRAPH_NODES",
+    "MAX_LOG_LINES",
+    "MAX_LOG_TEXT",
     "MAX_PICTURE",
     "MAX_TAPPED",
     "MAX_TOPICS",
@@ -197,6 +206,7 @@ __all__ = [
     "LeaseState",
     "LineCrossing",
     "LinkHeld",
+    "LogLine",
     "MediaFromGateway",
     "MediaFromHub",
     "NewestBatch",
@@ -225,6 +235,8 @@ __all__ = [
     "ResetToken",
     "ResumeSaved",
     "RobotGraph",
+    "RobotLogAck",
+    "RobotLogBatch",
     "RobotNode",
     "SampleBatch",
     "SampleGap",

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.assembly.recording import RecordingPart
+    from talaia.gateway.assembly.robot_log import RobotLogPart
     from talaia.gateway.assembly.samples import SamplesPart
     from talaia.gateway.assembly.taps import TapsPart
     from talaia.gateway.assembly.video import VideoPart
@@ -38,6 +39,9 @@ class AdaptersPart(GatewayPart):
         by_connection: each connection's adapter, by its name.
         adapter: all of them as one.
         output: what is decided here goes out by it: to the robot, the hub and the record.
+        recording: what records of what they say.
+        taps: raw topics of them that somebody looks at.
+        robot_log: lines of the robot's log that they hear.
 
     """
 
@@ -50,6 +54,7 @@ class AdaptersPart(GatewayPart):
         recording: RecordingPart,
         video: VideoPart,
         taps: TapsPart,
+        robot_log: RobotLogPart,
     ) -> None:
         """Make an adapter for each connection; none runs yet.
 
@@ -57,7 +62,8 @@ class AdaptersPart(GatewayPart):
             SettingsError: the description names a connection that cannot be used here.
 
         """
-        self._base, self._description, self._taps = base, description, taps
+        self._base, self._description = base, description
+        self.recording, self.taps, self.robot_log = recording, taps, robot_log
         # Filled by process adapters, read by the door for founding clients.
         self.answers: dict[str, str] = {}
         # Only for the start: `ConnectionExchange` gives both the names of another description.
@@ -75,6 +81,7 @@ class AdaptersPart(GatewayPart):
             frames=video.frame_taker,
             files=video.whole_files,
             site=description.site.name,
+            kept_log=robot_log.reporter,
         )
         scopes = scopes_of(description.site, description.numbering)
         # Each with its status: `ConnectionExchange` exchanges both together.
@@ -109,7 +116,7 @@ class AdaptersPart(GatewayPart):
         status = ConnectionStatus(scope.name, self._base.loop, self.reachability)
         # Bound to the connection's name: what is found is kept by it.
         status.on_found = partial(self._description.restart.found, scope.name)
-        context = self._context._replace(taps=ConnectionTaps(self._taps.service, scope.name))
+        context = self._context._replace(taps=ConnectionTaps(self.taps.service, scope.name))
         return adapter_of(scope, context, status), status
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:

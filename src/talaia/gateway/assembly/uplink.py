@@ -21,10 +21,8 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.detection import DetectionPart
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.assembly.night import NightPart
-    from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.reload import ReloadPart
     from talaia.gateway.assembly.samples import SamplesPart
-    from talaia.gateway.assembly.taps import TapsPart
     from talaia.gateway.assembly.video import VideoPart
 
 __all__ = ["UplinkPart"]
@@ -47,9 +45,7 @@ class UplinkPart(GatewayPart):
         *,
         base: FoundationPart,
         samples: SamplesPart,
-        recording: RecordingPart,
         video: VideoPart,
-        taps: TapsPart,
         adapters: AdaptersPart,
         detection: DetectionPart,
         actuation: ActuationPart,
@@ -59,7 +55,7 @@ class UplinkPart(GatewayPart):
         """Dial nobody yet."""
         self.night, self.actuation = night, actuation
         self._base, self._samples, self._reload = base, samples, reload
-        self._recording, self._video = recording, video
+        self._recording, self._video = adapters.recording, video
         self.releases = OfferedReleases()
         self.dispatcher = MessageDispatcher(
             boot=base.boot,
@@ -70,12 +66,13 @@ class UplinkPart(GatewayPart):
             events=base.events,
             lanes=base.lanes,
             reachability=adapters.reachability,
-            recorders=recording.recorders,
+            recorders=adapters.recording.recorders,
             change_requests=reload.requests,
             pictures=video.pictures,
-            taps=taps.service,
+            taps=adapters.taps.service,
             reporter=detection.reporter,
             releases=self.releases,
+            robot_log=adapters.robot_log.reporter,
             night=night.service,
         )
         base.streams_changed.connect(self.dispatcher.update_watched_streams)

@@ -146,11 +146,11 @@ class HubReleases:
             progress=note_progress,
         )
         try:
-            await asyncio.to_thread(self._install, target, offer.version, source)
+            await asyncio.to_thread(self._install_release, target, offer.version, source)
         finally:
             await asyncio.to_thread(target.unlink, missing_ok=True)
 
-    def _install(self, target: Path, version: str, source: HubSource) -> None:
+    def _install_release(self, target: Path, version: str, source: HubSource) -> None:
         keys = [public_key_of(key) for key in source.publishers]
         release = open_release(target, keys, self._site)
         # The hub's word is not signed.

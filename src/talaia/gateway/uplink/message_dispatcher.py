@@ -31,6 +31,8 @@ from talaia.wire.frames import (
     RequestSync,
     ResendRequest,
     ResetRequest,
+    RobotLogAck,
+    RobotLogBatch,
     SightingReport,
     StopRequest,
     StreamSubscription,
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Adapter, CommandOutcome, EventSink
     from talaia.gateway.recording.recorders import TriggeredRecorder
     from talaia.gateway.reload.requests import ChangeRequests
+    from talaia.gateway.robot_log.log_reporter import LogReporter
     from talaia.gateway.spool.spool_thread import SpoolThread
     from talaia.gateway.taps.service import TapService
     from talaia.gateway.uplink.output_router import OutputRouter
@@ -83,6 +86,7 @@ class MessageDispatcher:
         taps: TapService,
         reporter: DetectionReporter,
         releases: OfferedReleases,
+        robot_log: LogReporter,
         night: NightService | None = None,
     ) -> None:
         """Take all who act, the output that tells how it went, and the lanes to the hub."""
@@ -91,6 +95,7 @@ class MessageDispatcher:
         self._taps = taps  # Raw topics, on the media connection, too.
         self._reporter = reporter  # Sightings on their way to the hub.
         self._releases = releases  # Of this gateway's own software, which the hub offers.
+        self._robot_log = robot_log  # So are lines of the robot's log.
         self._reachability = reachability  # Which devices can be reached.
         self._recorders = recorders  # None where the description records nothing.
         # Changes of the description that a person asked for.
@@ -131,6 +136,7 @@ class MessageDispatcher:
         self._taps.link_up(takes=TopicList.__struct_config__.tag in welcome.takes)
         self._reporter.link_up(takes=SightingReport.__struct_config__.tag in welcome.takes)
         self._releases.link_up(takes=ReleaseState.__struct_config__.tag in welcome.takes)
+        self._robot_log.link_up(takes=RobotLogBatch.__struct_config__.tag in welcome.takes)
         if self._night is not None:
             self._night.link_up(takes=_NIGHT in welcome.takes)
         self._pacer.reset_timer()
@@ -145,6 +151,7 @@ class MessageDispatcher:
         self._twins.link_lost()
         self._control.link_lost()
         self._reporter.link_lost()
+        self._robot_log.link_lost()
         self._pacer.reset_timer()
         self._taps.link_lost()
         self._pictures.watch((), {})
@@ -200,6 +207,9 @@ class MessageDispatcher:
             case TapSubscription():
                 self._taps.subscribe(message)
                 # Nothing of driving changes by it.
+                return
+            case RobotLogAck():
+                self._robot_log.handle_ack(message)
                 return
             case ReconnectRequest():
                 self._reconnect(message)

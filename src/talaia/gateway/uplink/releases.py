@@ -115,7 +115,7 @@ async def fetch_release(
             except TimeoutError as error:
                 raise LinkLost(f"the hub has not answered for {_ANSWER_S:.0f} s") from error
             data = _data_of(answer, asked, offer.size - have)
-            have = await asyncio.to_thread(_append, part, data)
+            have = await asyncio.to_thread(_append_data, part, data)
             progress(have)
             await asyncio.sleep(len(data) / rate)
     if await asyncio.to_thread(_digest_of, part) != offer.digest:
@@ -156,7 +156,7 @@ def _begin_part(part: Path, size: int) -> int:
     return have
 
 
-def _append(part: Path, data: bytes) -> int:
+def _append_data(part: Path, data: bytes) -> int:
     number = os.open(part, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         os.write(number, data)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.observing.night_link import NightLink
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
+    from talaia.hub.live.robot_log_intake import RobotLogIntake
     from talaia.hub.ports import History
 
 __all__ = ["GatewayLinksFeature"]
@@ -44,6 +45,7 @@ class GatewayLinksFeature(Feature):
         sightings: SightingJournal,
         media: PictureFanout,
         nights: NightLink,
+        robot_log: RobotLogIntake,
         history: History,
     ) -> None:
         """Lead what a gateway says to the parts that it is for."""
@@ -56,6 +58,7 @@ class GatewayLinksFeature(Feature):
             media=media,
             taps=core.taps,
             nights=nights,
+            robot_log=robot_log,
             history=history,
             attendance=gateways.registry.attendance,
             links=gateways.links,

@@ -16,6 +16,7 @@ from talaia.hub.store import (
     mission_tables as _mission_tables,
     note_tables as _note_tables,
     observing_tables as _observing_tables,
+    robot_log_tables as _robot_log_tables,
     witness_tables as _witness_tables,
 )
 from talaia.hub.store.database_url import parse_database_url
@@ -40,6 +41,7 @@ _ = (
     _lead_table,
     _map_tables,
     _note_tables,
+    _robot_log_tables,
     _mission_tables,
     _observing_tables,
     _witness_tables,

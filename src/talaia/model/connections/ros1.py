@@ -26,6 +26,7 @@ class Ros1Connection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="ro
         node: the gateway's node name.
         python: the interpreter that has rospy.
         log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        keep_log: lines of the robot's log from this level on are kept at the hub, all of them.
         use_sim_time: the robot's nodes go by ``/clock``, and so do the stamps of their messages.
 
     """
@@ -35,6 +36,7 @@ class Ros1Connection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="ro
     node: str = "talaia_gateway"
     python: str = "/usr/bin/python3"
     log: LogLevel = LogLevel.NONE
+    keep_log: LogLevel = LogLevel.WARNING
     use_sim_time: bool = False
 
 

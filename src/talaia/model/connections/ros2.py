@@ -28,6 +28,7 @@ class Ros2Settings(Shape, frozen=True, kw_only=True):
         definitions: a folder with ``.msg`` files, or a recording, for message types that neither
             this machine nor the robot's nodes describe; relative to the description's folder.
         log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        keep_log: lines of the robot's log from this level on are kept at the hub, all of them.
         use_sim_time: the robot's nodes go by ``/clock``, and so do the stamps of their messages.
 
     """
@@ -36,6 +37,7 @@ class Ros2Settings(Shape, frozen=True, kw_only=True):
     node: str = "talaia_gateway"
     definitions: str = ""
     log: LogLevel = LogLevel.NONE
+    keep_log: LogLevel = LogLevel.WARNING
     use_sim_time: bool = False
 
 
@@ -48,6 +50,7 @@ class Ros2Connection(Ros2Settings, frozen=True, kw_only=True, tag_field="kind", 
         definitions: a folder with ``.msg`` files, or a recording, for message types that neither
             this machine nor the robot's nodes describe; relative to the description's folder.
         log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        keep_log: lines of the robot's log from this level on are kept at the hub, all of them.
         use_sim_time: the robot's nodes go by ``/clock``, and so do the stamps of their messages.
 
     """

@@ -52,6 +52,7 @@ from talaia.wire.gateway_messages.releases import (
     ReleaseState,
 )
 from talaia.wire.gateway_messages.robot_graph import RobotGraph
+from talaia.wire.gateway_messages.robot_log import RobotLogAck, RobotLogBatch
 from talaia.wire.gateway_messages.samples import (
     Ack,
     NewestBatch,
@@ -121,6 +122,7 @@ FromGateway = (
     | RequestRevision
     | ObservationUpdate
     | ReleaseState
+    | RobotLogBatch
     | Event
     | Beat
     | BeatReply
@@ -154,6 +156,7 @@ FromHub = (
     | RequestSync
     | ObservationAck
     | ReleaseOffer
+    | RobotLogAck
     | Beat
     | BeatReply
     | Bye

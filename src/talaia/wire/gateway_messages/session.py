@@ -116,7 +116,8 @@ class Welcome(Message, frozen=True, kw_only=True, tag="welcome"):
         acked: one past the last sequence number of this boot that is stored.
         takes: messages that may be sent to this hub, and not to older ones: ``enclosure``,
             ``newest``, ``seen``, ``topic_list`` for all of raw topics, ``night_state`` for all of
-            the night, and ``release_state`` for releases of the gateway's own software.
+            the night, ``robot_log``, and ``release_state`` for releases of the gateway's own
+            software.
         resume: by this the gateway shows on its next link that it is the one of this: two numbers
             and a secret (hex), with dots between; empty where it has not proved its key by the
             hub's challenge.

@@ -66,6 +66,7 @@ async def test_the_robots_log_stands_in_the_logbook_and_stamps_go_by_its_clock(
             fake_hub(addresses_of) as hub,
             running(hub.url, tmp_path / "data", SITE % port),
         ):
+            hub.takes = ["robot_log"]
             await hub.until(lambda: hub.hellos, "a hello")
             async with asyncio.timeout(PATIENCE_S):
                 # Until the robot has found who listens.
@@ -73,6 +74,11 @@ async def test_the_robots_log_stands_in_the_logbook_and_stamps_go_by_its_clock(
                     await peer.do("log", level="info", text="nobody reads this", count=1)
                     await peer.do("log", level="error", text="the pump is dry", count=1)
                     await asyncio.sleep(0.2)
+            # Kept besides, each of them.
+            await hub.until(lambda: hub.log_lines(), "a kept line")
+            assert {
+                (line.level, line.node, line.text, line.function != "") for line in hub.log_lines()
+            } == {(40, "robot_peer", "the pump is dry", True)}
             await peer.do("log", level="error", text="line {}", count=3000)
             # There is room for others beside it.
             await peer.do("log", node="/front/lidar", text="no echo", count=1)

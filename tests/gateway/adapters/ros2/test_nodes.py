@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,7 +19,7 @@ from talaia.model.connections.ros import LIFECYCLE_STATES, RosSource
 from talaia.model.discovery.generate_description import propose_description
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
-from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, Event
+from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, Event, LogLine
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -50,6 +51,7 @@ async def bench(own_domain: int, tmp_path_factory: pytest.TempPathFactory) -> As
             proposal = propose_description(found, "robot", "Robot", "UTC")
             text = write_description(proposal.site)
             async with fake_hub(addresses_of) as hub, running(hub.url, folder, text):
+                hub.takes = ["robot_log"]
                 await hub.until(lambda: hub.hellos, "a hello")
                 await hub.until(lambda: hub.values("front_lidar/life_cycle"), "a state")
                 yield Bench(peer, proposal, hub)
@@ -216,6 +218,38 @@ async def test_the_robots_log_stands_in_the_logbook_and_a_flood_costs_little(ben
     assert [line for line in lines() if "talker" in line] == [
         f"[WARNING] talker: line {number}" for number in range(4)
     ]
+
+
+async def test_the_robots_log_is_kept_over_a_lost_link_and_its_floods_are_counted(
+    bench: Bench,
+) -> None:
+    peer, hub = bench.peer, bench.hub
+    hub.takes = ["robot_log"]
+    links = len(hub.links)
+    hub.cut()
+    for number in range(20):
+        # More than the logbook takes of one node.
+        await peer.do("log", node="lidar", level="warning", text=f"beam {number}", count=1)
+    await peer.do("log", node="lidar", level="error", text="\x1b[31mlost\x00\ttrack", count=1)
+    await peer.do("log", node="lidar", level="error", text="x" * 1_000_000, count=1)
+    await hub.until(lambda: len(hub.links) > links, "a new link")
+
+    def lidar() -> list[LogLine]:
+        return [line for line in hub.log_lines() if line.node == "front.lidar"]
+
+    await hub.until(lambda: any("cut: the line has" in one.text for one in lidar()), "all of them")
+    said = [one for one in lidar() if one.text.startswith("beam")]
+    assert [one.text for one in said] == [f"beam {number}" for number in range(20)]
+    assert {(one.level, one.file.endswith("nodes_peer.py"), one.line > 0) for one in said} == {
+        (30, True, True)
+    }
+    assert abs(said[0].time_us - time.time_ns() // 1000) < 60_000_000
+    # A flood takes nothing from others.
+    await peer.do("log", level="warning", text="flood {}", count=3000)
+    await peer.do("log", node="lidar", level="error", text="still here", count=1)
+    await hub.until(lambda: any(one.text == "still here" for one in lidar()), "the lidar's line")
+    flood = [one for one in hub.log_lines() if one.text.startswith("flood")]
+    assert 250 <= len(flood) < 600
 
 
 async def test_stamps_go_by_the_robots_clock(bench: Bench) -> None:

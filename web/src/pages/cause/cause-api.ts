@@ -1,7 +1,8 @@
 /** What the page of a cause asks of the hub, and what it says to it. */
 
-import type { CauseShape, EventList, KnownAsk, KnownShape, SightingList } from "../../generated/api.js";
+import type { CauseShape, EventList, KnownAsk, KnownShape, LogPageShape, SightingList } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { findLogLines } from "../../wire/robot-log-api.js";
 
 const MOST = 200;
 
@@ -22,6 +23,11 @@ export class CauseApi {
 
   listSightings(fromUs: number, toUs: number): Promise<SightingList> {
     return this.api.request("GET", this.path(`/sightings?from_us=${String(fromUs)}&to_us=${String(toUs)}&limit=20`));
+  }
+
+  /** The kept lines of the robot's log; of a whole site, so that not everybody who sees some of it may read them. */
+  listLog(fromUs: number, toUs: number): Promise<LogPageShape> {
+    return findLogLines(this.api, this.site, `from_us=${String(fromUs)}&to_us=${String(toUs)}&limit=${String(MOST)}`);
   }
 
   addKnown(asked: KnownAsk): Promise<KnownShape> {

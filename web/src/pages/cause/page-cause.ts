@@ -4,6 +4,7 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { shownLine } from "../../boards/kept-log.js";
 import { ActionController } from "../../controllers/action.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
@@ -17,7 +18,7 @@ import { formatNumber } from "../../format/number.js";
 import { formatClock } from "../../format/time.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { CauseShape, EventShape, KnownShape, SeenShape, SimilarShape, SiteShape } from "../../generated/api.js";
+import type { CauseShape, EventShape, KnownShape, LogLineShape, SeenShape, SimilarShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
 import { momentQuery } from "../logbook/logbook-query.js";
@@ -36,6 +37,7 @@ interface Minute {
   readonly cause: CauseShape;
   readonly events: readonly EventShape[];
   readonly sightings: readonly SeenShape[];
+  readonly log: readonly LogLineShape[];
 }
 
 @customElement("t-page-cause")
@@ -48,6 +50,10 @@ export class PageCause extends LitElement {
       .quiet {
         ${quietText}
         max-inline-size: 60rem;
+      }
+      .text {
+        overflow-wrap: anywhere;
+        white-space: pre-wrap;
       }
       .rows li {
         grid-template-columns: minmax(0, 1fr) auto;
@@ -129,11 +135,17 @@ export class PageCause extends LitElement {
 
   private async loadMinute(api: CauseApi, atUs: number): Promise<Minute> {
     const cause = await api.showCause(atUs);
-    const [events, sightings] = await Promise.all([api.listEvents(cause.from_us, cause.to_us), api.listSightings(cause.from_us, cause.to_us)]);
-    return { cause, events: events.events, sightings: sightings.sightings };
+    const { from_us: fromUs, to_us: toUs } = cause;
+    const [events, sightings, log] = await Promise.all([
+      api.listEvents(fromUs, toUs),
+      api.listSightings(fromUs, toUs),
+      // Who may view some devices only is shown the rest of the page.
+      api.listLog(fromUs, toUs).catch(() => ({ lines: [] })),
+    ]);
+    return { cause, events: events.events, sightings: sightings.sightings, log: log.lines };
   }
 
-  private renderMinute({ cause, events, sightings }: Minute): TemplateResult {
+  private renderMinute({ cause, events, sightings, log }: Minute): TemplateResult {
     const { commands, others } = sortEvents(events);
     return html`${this.action.problem === null ? nothing : renderAdvice(this.action.problem)}
       <p class="quiet" role="status">${this.action.doneText}</p>
@@ -153,6 +165,7 @@ export class PageCause extends LitElement {
       ${this.renderEvents("commanded", "Commanded", commands, "Nothing was commanded in that minute.")}
       ${this.renderSightings(sightings)}
       ${this.renderEvents("said", "Logbook", others, "Nothing else was written down in that minute.")}
+      ${this.renderLog(log)}
       ${cause.known.length === 0 ? nothing : this.renderKnown(cause)}`;
   }
 
@@ -242,6 +255,26 @@ export class PageCause extends LitElement {
                 </li>`,
             )}
           </ul>`}
+    </section>`;
+  }
+
+  private renderLog(log: readonly LogLineShape[]): TemplateResult | typeof nothing {
+    // A site without a robot's log has none of this section.
+    if (log.length === 0) return nothing;
+    return html`<section class="sheet" aria-labelledby="log">
+      <h2 id="log">Robot's log</h2>
+      <ul class="rows">
+        ${map(log.map(shownLine), (line) => {
+          const grave = line.level >= 40;
+          return html`<li>
+            <div>
+              <div class="facts"><span>${formatClock(line.timeUs, this.zone)}</span><span>${line.node}</span></div>
+              <div><t-status kind=${grave ? "bad" : line.level >= 30 ? "warn" : "ok"} word=${line.word.toLowerCase()}></t-status> <span class="text">${line.text}</span></div>
+              ${line.source === "" ? nothing : html`<div class="quiet">${line.source}</div>`}
+            </div>
+          </li>`;
+        })}
+      </ul>
     </section>`;
   }
 

@@ -235,7 +235,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     render: (settings, context) => html`<t-tile-diagnostics .context=${context} topic=${settingText(settings, "topic", "/diagnostics_agg")}></t-tile-diagnostics>`,
   },
   {
-    type: "log", title: "Robot's log", about: "Lines of /rosout, by level and node, searchable.", icon: "logbook", desktop: [8, 5], phone: [4, 5], least: [3, 3],
+    type: "log", title: "Robot's log", about: "Lines of /rosout, those that are kept and those that come, by level and node, searchable.", icon: "logbook", desktop: [8, 5], phone: [4, 5], least: [3, 3],
     settings: [
       { key: "topic", label: "Topic", kind: "topic", standard: "/rosout" },
       { key: "level", label: "From level", kind: "choice", standard: "20", options: [["10", "Debug"], ["20", "Info"], ["30", "Warning"], ["40", "Error"], ["50", "Fatal"]] },

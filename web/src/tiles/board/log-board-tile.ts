@@ -1,8 +1,10 @@
-/** A robot's log as it comes on a raw topic. What came before the tile was opened is not in it. */
+/** A robot's log: the lines that the hub keeps, and beside them those that come live on the raw topic. */
 
+import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { LoadController } from "../../controllers/load.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { TopicFollower, type TopicState } from "../../controllers/topic-follower.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
@@ -10,12 +12,24 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderTopicStatus, renderTopicTrouble } from "../../elements/topic/topic-state.js";
 import { formatClock } from "../../format/time.js";
-import { levelWord, LOG_LEVELS, RobotLog } from "../../boards/robot-log.js";
+import { KeptLog, logQuery } from "../../boards/kept-log.js";
+import { LOG_LEVELS, RobotLog } from "../../boards/robot-log.js";
+import type { LogPageShape } from "../../generated/api.js";
+import { apiContext } from "../../state/contexts.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { findLogLines } from "../../wire/robot-log-api.js";
 import "../../elements/base/icon.js";
-import type { BoardTileContext } from "./board-tile-entry.js";
+import "../../elements/forms/button.js";
+import { pastTurn, type BoardTileContext } from "./board-tile-entry.js";
 
 const SHOWN = 200;
+/** The hub is asked for new kept lines so often (ms). */
+const KEPT_EVERY_MS = 10_000;
+/** Who types is waited for (ms). */
+const TYPING_MS = 400;
+/** The topic of which the hub keeps lines. */
+const KEPT_TOPIC = "/rosout";
 /** A log is silent while all is well: that it is quiet is nothing old. */
 const IN_ORDER: readonly TopicState[] = ["live", "stale", "waiting"];
 
@@ -56,6 +70,9 @@ export class LogBoardTile extends LitElement {
         border-block-start: 1px solid var(--t-line);
         overflow-wrap: anywhere;
       }
+      .text {
+        white-space: pre-wrap;
+      }
       .node {
         color: var(--t-muted);
       }
@@ -79,8 +96,17 @@ export class LogBoardTile extends LitElement {
   @property() node = "";
   @state() private chosen: number | null = null;
   @state() private words = "";
+  /** Those that the hub was asked for: the words once nobody types any more. */
+  @state() private askedWords = "";
+  @state() private loadingOlder = false;
+  @consume({ context: apiContext, subscribe: true }) private readonly api: HubApi | undefined;
 
   private readonly log = new RobotLog();
+  private readonly kept = new KeptLog();
+  private readonly newest = new LoadController<LogPageShape>(this);
+  private added: LogPageShape | undefined;
+  private question = "";
+  private typing: ReturnType<typeof setTimeout> | undefined;
   private readonly follower = new TopicFollower(
     this,
     (tree) => {
@@ -99,6 +125,12 @@ export class LogBoardTile extends LitElement {
   protected override willUpdate(changed: PropertyValues<this>): void {
     if (changed.has("topic")) this.log.clear();
     this.follower.follow(this.context?.site ?? "", this.topic, ALL_MESSAGES, this.context?.past ?? null);
+    this.loadKept();
+  }
+
+  override disconnectedCallback(): void {
+    clearTimeout(this.typing);
+    super.disconnectedCallback();
   }
 
   override render(): TemplateResult {
@@ -107,27 +139,34 @@ export class LogBoardTile extends LitElement {
     const age = this.follower.flow.ageMs(nowMs);
     const facts = { topic: this.topic, state: stands, why: this.follower.problem, age: age === null ? null : age / 1000, past: this.context?.past ?? null, zone: this.context?.zone ?? "UTC" };
     const level = this.chosen ?? this.level;
-    const lines = this.log.linesFor({ level, node: this.node, words: this.words }, SHOWN);
+    const live = this.log.linesFor({ level, node: this.node, words: this.words }, SHOWN);
+    const lines = this.kept.shownWith(live, this.node);
     return html`<div class="tools">
         <select aria-label="From level" @change=${this.onLevel}>${renderOptions(LOG_LEVELS.map(([value, word]) => [String(value), word] as const), String(level))}</select>
         <input type="search" aria-label="Search the log" placeholder="Search" .value=${this.words} @input=${this.onSearch} />
         ${renderTopicStatus(facts)}
       </div>
-      ${IN_ORDER.includes(stands) ? html`<p>${this.summary(lines.length)}</p>` : html`<div>${renderTopicTrouble(facts)}</div>`}
+      ${IN_ORDER.includes(stands) || this.kept.size > 0 ? html`<p>${this.summary(lines.length)}</p>` : html`<div>${renderTopicTrouble(facts)}</div>`}
       <ol aria-label="Lines, the newest first" tabindex="0">
         ${repeat(
           lines,
-          ({ number }) => number,
+          ({ key }) => key,
           (line) => html`<li class=${line.level >= 40 ? "grave" : line.level >= 30 ? "warn" : ""}>
-            <time>${line.timeUs > 0 ? formatClock(line.timeUs, this.context?.zone ?? "UTC") : nothing}</time><span class="level">${levelWord(line.level)}</span>
-            <span><span class="node">${line.node}</span> ${line.message}</span>
+            <time>${line.timeUs > 0 ? formatClock(line.timeUs, this.context?.zone ?? "UTC") : nothing}</time><span class="level">${line.word}</span>
+            <span class="text" title=${line.source === "" ? nothing : line.source}><span class="node">${line.node}</span> ${line.text}</span>
           </li>`,
         )}
+        ${this.kept.next === null ? nothing : html`<li class="older"><t-button ?disabled=${this.loadingOlder} @click=${this.onOlder}>Older</t-button></li>`}
       </ol>`;
   }
 
   private summary(shown: number): string {
     const { size } = this.log;
+    if (this.newest.result.state === "failed") return `The kept lines cannot be loaded now; ${String(shown)} came live.`;
+    if (this.kept.size > 0) {
+      const until = this.context?.past == null ? "" : " up to this moment";
+      return `${String(shown)} lines${until}, of which ${String(this.kept.size)} are kept${this.kept.next === null ? "" : "; older ones below"}.`;
+    }
     if (this.context?.past != null) return `${String(shown)} of ${String(size)} lines up to this moment, as far as the recording holds them.`;
     if (this.log.size === 0) return "No line since the tile was opened; the next appears by itself.";
     const dropped = this.log.dropped === 0 ? "" : `; ${String(this.log.dropped)} older ones are gone`;
@@ -139,7 +178,48 @@ export class LogBoardTile extends LitElement {
   };
 
   private readonly onSearch = (event: Event): void => {
-    if (event.target instanceof HTMLInputElement) this.words = event.target.value;
+    if (!(event.target instanceof HTMLInputElement)) return;
+    this.words = event.target.value;
+    clearTimeout(this.typing);
+    this.typing = setTimeout(() => {
+      this.askedWords = this.words;
+    }, TYPING_MS);
+  };
+
+  /** Asks for the newest kept lines: for others at once, and for new ones now and then. */
+  private loadKept(): void {
+    const { api, context, askedWords } = this;
+    if (api === undefined || context === null || this.topic !== KEPT_TOPIC) return;
+    const toUs = context.past === null ? null : pastTurn(context.past);
+    const question = `${context.site} ${logQuery({ level: this.chosen ?? this.level, node: this.node, words: askedWords, toUs, before: null })}`;
+    if (question !== this.question) {
+      this.question = question;
+      this.kept.clear();
+      this.added = undefined;
+    }
+    const turn = toUs === null && context.linked ? Math.floor(performance.now() / KEPT_EVERY_MS) : 0;
+    this.newest.load(`${question} ${String(turn)}`, () => findLogLines(api, context.site, question.slice(context.site.length + 1)));
+    const { result } = this.newest;
+    if (result.state === "ready" && result.value !== this.added) {
+      this.added = result.value;
+      this.kept.addNewest(result.value);
+    }
+  }
+
+  private readonly onOlder = async (): Promise<void> => {
+    const { api, context, question } = this;
+    const before = this.kept.next;
+    if (api === undefined || context === null || before === null || this.loadingOlder) return;
+    this.loadingOlder = true;
+    try {
+      const page = await findLogLines(api, context.site, `${question.slice(context.site.length + 1)}&before=${before}`);
+      // Meanwhile something else may be looked for.
+      if (question === this.question && before === this.kept.next) this.kept.addOlder(page);
+    } catch {
+      this.newest.invalidate();
+    } finally {
+      this.loadingOlder = false;
+    }
   };
 }
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.gateway.adapters.ros2.nodes.log_lines import LogHead, LogLines
-from talaia.model.closed_lists import LogLevel
+from talaia.gateway.adapters.ros2.nodes.kept_lines import readers_of
+from talaia.gateway.adapters.ros2.nodes.log_lines import LogHead
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,16 +67,14 @@ class RobotMessages:
         self._goes_by_clock = settings.use_sim_time
         # What is added to the robot's time to have ours (µs); none before it was heard.
         self._shift_us: int | None = None
-        # None where the description does not ask for it.
-        self._lines: LogLines | None = None
-        if settings.log is not LogLevel.NONE:
-            self._lines = LogLines(settings.log, context.clock, context.events)
+        # Nobody where the description does not ask for it.
+        self._readers = readers_of(settings, context.clock, context.events, context.kept_log)
 
     @property
     def topics(self) -> list[RobotTopic]:
         """What is to be heard."""
         found = []
-        if self._lines is not None:
+        if self._readers:
             found.append(RobotTopic("/rosout", "rosgraph_msgs/msg/Log", 0.0, self._read_line))
         if self._goes_by_clock:
             found.append(
@@ -95,13 +93,14 @@ class RobotMessages:
 
     def tell_left_out(self) -> None:
         """Say which lines of the log were left out; called now and then."""
-        if self._lines is not None:
-            self._lines.tell_left_out()
+        for reader in self._readers:
+            reader.tell_left_out()
 
     def _read_line(self, raw: bytes, _: int, decode: Callable[[bytes], Any]) -> None:
         head = read_log_head(raw)
-        if head is not None and self._lines is not None:
-            self._lines.read_line(head, lambda: str(decode(raw).msg))
+        if head is not None:
+            for reader in self._readers:
+                reader.read_line(head, lambda: decode(raw))
 
     def _read_time(self, raw: bytes, came_us: int, _: Callable[[bytes], Any]) -> None:
         if len(raw) == _TIME.size:

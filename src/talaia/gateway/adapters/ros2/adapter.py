@@ -80,13 +80,12 @@ class Ros2Adapter:
         self._status = status
         self._clock = context.clock
         self._samples = context.samples
-        self._pictures = context.pictures
-        self._events = context.events
+        self._pictures, self._events = context.pictures, context.events
         self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
         self._definitions = context.folder / settings.definitions if settings.definitions else None
-        self._raw, self._files = context.raw, context.files
+        self._raw, self._files, self._kept_log = context.raw, context.files, context.kept_log
         # Newest readings of guarded signals by address: written by the thread, read by the loop.
         self._latest: dict[str, ChannelReading] = {}
         # Samples of one turn of the wait set, until they go on as columns.
@@ -247,6 +246,7 @@ class Ros2Adapter:
             latest=self._latest,
             unreadable=self._unreadable,
             events=self._events,
+            kept_log=self._kept_log,
             robot_clock=self._robot_clock,
         )
         self._presence = Ros2Presence(

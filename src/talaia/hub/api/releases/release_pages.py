@@ -41,22 +41,22 @@ class ReleasePages:
     def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
-        router.get("/api/releases")(self.releases)
-        router.post("/api/rollouts", status_code=201)(self.begin)
-        router.post("/api/rollouts/stop", status_code=204)(self.stop)
+        router.get("/api/releases")(self.list_releases)
+        router.post("/api/rollouts", status_code=201)(self.begin_rollout)
+        router.post("/api/rollouts/stop", status_code=204)(self.stop_rollout)
         return router
 
-    async def releases(self) -> ReleaseList:
+    async def list_releases(self) -> ReleaseList:
         """List releases, how gateways stand, and how the last rollout went."""
         kept = await asyncio.to_thread(self._rollouts.folder.list_releases)
         rollout = self._rollouts.rollout
         return ReleaseList(
             releases=[ReleaseShape(**release._asdict()) for release in kept],
             gateways=self._list_gateways(),
-            rollout=None if rollout is None else _shape(rollout),
+            rollout=None if rollout is None else _shape_rollout(rollout),
         )
 
-    async def begin(self, asked: RolloutAsk, request: Request) -> RolloutShape:
+    async def begin_rollout(self, asked: RolloutAsk, request: Request) -> RolloutShape:
         """Begin to hand a release out, stage by stage."""
         sites = list(dict.fromkeys(asked.sites))
         who = who_of(request).name
@@ -69,9 +69,9 @@ class ReleasePages:
         except OSError as error:
             raise ApiProblem(503, "disk", f"it cannot be written down: {error}") from error
         self._append_record(request, "release handed out", f"{asked.version}: {', '.join(sites)}")
-        return _shape(rollout)
+        return _shape_rollout(rollout)
 
-    async def stop(self, request: Request) -> None:
+    async def stop_rollout(self, request: Request) -> None:
         """Offer it to nobody any more; what a gateway has installed it goes on with."""
         if not await self._rollouts.stop_rollout(who_of(request).name):
             raise ApiProblem(409, "idle", "no rollout is under way")
@@ -100,7 +100,7 @@ class ReleasePages:
         self._audit.append_record(kind, who=name, address=address, message=message[:2000])
 
 
-def _shape(rollout: Rollout) -> RolloutShape:
+def _shape_rollout(rollout: Rollout) -> RolloutShape:
     return RolloutShape(
         version=rollout.version,
         who=rollout.who,

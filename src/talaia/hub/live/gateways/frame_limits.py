@@ -95,6 +95,7 @@ _KINDS: dict[type[Message], tuple[str, Allowance]] = {
     frames.BeatReply: ("beats", _BEATS),
     frames.DescriptionUpdate: ("descriptions", _DESCRIPTIONS),
     frames.SightingReport: ("sightings", _REPORTS),
+    frames.RobotLogBatch: ("robot log", _REPORTS),
     frames.NightState: ("night", _REPORTS),
     frames.NightPlan: ("night", _REPORTS),
     frames.RequestRevision: ("night", _REPORTS),

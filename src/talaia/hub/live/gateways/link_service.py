@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.observing.night_link import NightLink
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
+    from talaia.hub.live.robot_log_intake import RobotLogIntake
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.ports import History
@@ -60,7 +61,15 @@ __all__ = ["LinkService", "fingerprint_of"]
 
 _LOG = logging.getLogger(__name__)
 # What gateways may send that older hubs do not know.
-_TAKES = ("seen", "newest", "enclosure", "topic_list", "night_state", "release_state")
+_TAKES = (
+    "seen",
+    "newest",
+    "enclosure",
+    "topic_list",
+    "night_state",
+    "robot_log",
+    "release_state",
+)
 # Beats without an answer after which a gateway counts as gone.
 _MISSED_BEATS = 3
 # At each of so many beats pages are told how a site stands: its loop time, a rival's end.
@@ -87,6 +96,7 @@ class LinkService:
         media: PictureFanout,
         taps: TapFanout,
         nights: NightLink,
+        robot_log: RobotLogIntake,
         history: History,
         attendance: GatewayPresence,
         links: OpenLinks,
@@ -107,6 +117,7 @@ class LinkService:
             media: is told when a link can be asked for pictures.
             taps: is told when a link can be asked for raw topics, and when it is gone.
             nights: takes how nights stand and what was observed.
+            robot_log: takes lines of robots' own logs.
             history: keeps samples.
             attendance: keeps when a gateway was there.
             links: closes a link whose key is revoked.
@@ -123,7 +134,7 @@ class LinkService:
         self._samples = samples
         self._sightings = sightings
         self._media, self._taps = media, taps
-        self._nights, self._history = nights, history
+        self._nights, self._history, self._robot_log = nights, history, robot_log
         self._attendance = attendance
         self._links = links
         self._admission = admission
@@ -328,6 +339,8 @@ class LinkService:
                     | frames.ObservationUpdate()
                 ):
                     self._nights.handle_message(live, message)
+                case frames.RobotLogBatch():
+                    self._robot_log.handle_batch(live, message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(

@@ -101,7 +101,7 @@ class RolloutService:
             sites={site: SiteProgress() for site in sites},
         )
         self._offered.clear()
-        await self._keep(rollout)
+        await self._keep_rollout(rollout)
         return rollout
 
     async def stop_rollout(self, who: str) -> bool:
@@ -116,7 +116,9 @@ class RolloutService:
             name: SiteProgress() if site.stage is SiteStage.OFFERED else site
             for name, site in rollout.sites.items()
         }
-        await self._keep(msgspec.structs.replace(rollout, stopped=f"{who} stopped it", sites=sites))
+        await self._keep_rollout(
+            msgspec.structs.replace(rollout, stopped=f"{who} stopped it", sites=sites)
+        )
         return True
 
     async def run(self) -> None:
@@ -125,21 +127,21 @@ class RolloutService:
         while True:
             await asyncio.sleep(_LOOK_S)
             try:
-                await self._step()
+                await self._advance_due()
                 told = ""
             except OSError as error:
                 if str(error) != told:
                     log.warning("the rollout does not go on: %s", error)
                 told = str(error)
 
-    async def _step(self) -> None:
+    async def _advance_due(self) -> None:
         rollout = self._rollout
         if rollout is None or not rollout.runs:
             return
         offered = set()
         for site in due_sites(rollout):
             live = self._sites.find_site(site)
-            if live is not None and await self._offer(rollout, live):
+            if live is not None and await self._offer_release(rollout, live):
                 offered.add(site)
         # A person may have stopped it while a digest was reckoned.
         if self._rollout is not rollout:
@@ -149,10 +151,10 @@ class RolloutService:
         }
         advanced = advance_rollout(rollout, frozenset(offered), reports)
         if advanced is not rollout:
-            await self._keep(advanced)
+            await self._keep_rollout(advanced)
             self._report_ends(rollout, advanced)
 
-    async def _offer(self, rollout: Rollout, live: LiveSite) -> bool:
+    async def _offer_release(self, rollout: Rollout, live: LiveSite) -> bool:
         """Offer it to a site that is there and takes releases; give whether it was, at any time."""
         link, report = live.link, live.gateway.releases
         if link is None or report is None or report.current == rollout.version:
@@ -185,6 +187,6 @@ class RolloutService:
                     live, "gateway not updated", message=said, who=after.who, good=False
                 )
 
-    async def _keep(self, rollout: Rollout) -> None:
+    async def _keep_rollout(self, rollout: Rollout) -> None:
         await asyncio.to_thread(self.folder.write_rollout, rollout)
         self._rollout = rollout

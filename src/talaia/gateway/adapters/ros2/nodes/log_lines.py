@@ -6,7 +6,7 @@ Of ROS 1 and ROS 2 alike. Knows no ROS and no socket.
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from talaia.clock import SECOND
 from talaia.model.closed_lists import LogLevel
@@ -17,13 +17,10 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
 
-__all__ = ["LogBounds", "LogHead", "LogLines", "level_word", "read_head"]
+__all__ = ["LogBounds", "LogHead", "LogLines", "LogRates", "level_word", "read_head"]
 
 _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
-# Lines of one node, and of all: so many at once, and then one in so long (ns).
-_NODE_BURST, _NODE_EVERY_NS = 5, 10 * SECOND
-_ALL_BURST, _ALL_EVERY_NS = 20, 3 * SECOND
 # The same line of a node within so long is one.
 _SAME_NS = 60 * SECOND
 # What was left out is told at most so often.
@@ -44,6 +41,21 @@ _LEVELS = {
 }
 # Of a Log's bytes: the header of CDR, its stamp, the level, then the length of the node's name.
 _LEVEL_AT, _NAME_AT = 12, 16
+
+
+class LogRates(NamedTuple):
+    """Lines of one node, and of all: so many at once, and then one in so long (ns)."""
+
+    node_burst: int
+    node_every_ns: int
+    all_burst: int
+    all_every_ns: int
+
+
+# What a person reads in the logbook.
+_BOOK_RATES = LogRates(
+    node_burst=5, node_every_ns=10 * SECOND, all_burst=20, all_every_ns=3 * SECOND
+)
 
 
 class LogHead(NamedTuple):
@@ -96,10 +108,11 @@ class _Allowance:
 class LogBounds:
     """Judges each line; times are monotonic (ns)."""
 
-    def __init__(self, least: LogLevel, now_ns: int) -> None:
+    def __init__(self, least: LogLevel, now_ns: int, rates: LogRates = _BOOK_RATES) -> None:
         """Let lines through from the level ``least`` on."""
         self._least = _LEVELS[least]  # As ROS counts levels.
-        self._all = _Allowance(_ALL_BURST, now_ns)
+        self._rates = rates
+        self._all = _Allowance(rates.all_burst, now_ns)
         # By node; and when a line came last, by node and text.
         self._nodes: dict[str, _Allowance] = {}
         self._said_ns: dict[tuple[str, str], int] = {}
@@ -113,13 +126,13 @@ class LogBounds:
 
     def has_room(self, node: str, now_ns: int) -> bool:
         """Tell whether a line of this node goes on; counts it if not."""
-        allowance = self._nodes.get(node)
+        rates, allowance = self._rates, self._nodes.get(node)
         if allowance is None:
-            allowance = self._nodes[node] = _Allowance(_NODE_BURST, now_ns)
+            allowance = self._nodes[node] = _Allowance(rates.node_burst, now_ns)
             _forget_oldest(self._nodes)
         # Its own first: who talks much takes nothing from the others.
-        if allowance.use(now_ns, _NODE_BURST, _NODE_EVERY_NS) and self._all.use(
-            now_ns, _ALL_BURST, _ALL_EVERY_NS
+        if allowance.use(now_ns, rates.node_burst, rates.node_every_ns) and self._all.use(
+            now_ns, rates.all_burst, rates.all_every_ns
         ):
             return True
         self._left_out[node] = self._left_out.get(node, 0) + 1
@@ -138,8 +151,12 @@ class LogBounds:
 
     def left_out(self, now_ns: int) -> str:
         """Say what was left out, at most once a minute; empty for nothing, or not yet."""
+        return self.collect_left_out(now_ns)[1]
+
+    def collect_left_out(self, now_ns: int) -> tuple[int, str]:
+        """Do as `left_out`; give how many lines it is about, too."""
         if not self._left_out or now_ns - self._told_ns < _TOLD_NS:
-            return ""
+            return 0, ""
         self._told_ns = now_ns
         # Who said most comes first.
         counts = sorted(self._left_out.items(), key=lambda item: -item[1])
@@ -147,7 +164,7 @@ class LogBounds:
         total = sum(self._left_out.values())
         self._left_out = {}
         most = ", ".join(f"{count} of {node}" for node, count in counts[:3])
-        return f"{total} more lines of the robot's log were left out: {most}"
+        return total, f"{total} more lines of the robot's log were left out: {most}"
 
 
 class LogLines:
@@ -158,8 +175,8 @@ class LogLines:
         self._clock, self._events = clock, events
         self._bounds = LogBounds(least, clock.monotonic_ns())
 
-    def read_line(self, head: LogHead, text_of: Callable[[], str]) -> None:
-        """Judge a line by its head; only for one with room ``text_of`` is called."""
+    def read_line(self, head: LogHead, decode: Callable[[], Any]) -> None:
+        """Judge a line by its head; only for one with room ``decode`` gives the message."""
         # Before anything is decoded: a node may say thousands of lines a second.
         if not self._bounds.is_wanted(head.level):
             return
@@ -167,7 +184,7 @@ class LogLines:
         now_ns = self._clock.monotonic_ns()
         if not self._bounds.has_room(head.node, now_ns):
             return
-        text = text_of()[:_MAX_TEXT]
+        text = str(decode().msg)[:_MAX_TEXT]
         if self._bounds.is_new(head.node, text, now_ns):
             level = level_word(head.level)
             # `[WARNING]` and `[ERROR]` mark a line on the pages.

@@ -1,4 +1,4 @@
-"""The robot's log (``/rosout``) in the site's logbook. On the wait-set thread."""
+"""The robot's log (``/rosout``): in the site's logbook, and kept. On the wait-set thread."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from rcl_interfaces.msg import Log
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from talaia.gateway.adapters.ros2.nodes.log_lines import LogLines, read_head
+from talaia.gateway.adapters.ros2.nodes.log_lines import read_head
 
 if TYPE_CHECKING:
-    from talaia.clock import Clock
+    from collections.abc import Sequence
+
+    from talaia.gateway.adapters.ros2.nodes.kept_lines import KeptLines
+    from talaia.gateway.adapters.ros2.nodes.log_lines import LogLines
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
-    from talaia.gateway.ports import EventSink
-    from talaia.model.closed_lists import LogLevel
 
 __all__ = ["RobotLog"]
 
@@ -27,15 +28,12 @@ class RobotLog:
 
     def __init__(
         self,
-        *,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
-        clock: Clock,
-        events: EventSink,
-        least: LogLevel,
+        readers: Sequence[LogLines | KeptLines],
     ) -> None:
-        """Begin to hear; what was said before is the robot's own."""
-        self._lines = LogLines(least, clock, events)
+        """Begin to hear for ``readers``; what was said before is the robot's own."""
+        self._readers = readers
         quality = QoSProfile(
             history=HistoryPolicy.KEEP_LAST,
             depth=_DEPTH,
@@ -48,12 +46,14 @@ class RobotLog:
 
     def tell_left_out(self) -> None:
         """Say what was left out; called now and then."""
-        self._lines.tell_left_out()
+        for reader in self._readers:
+            reader.tell_left_out()
 
     def _read_line(self, raw: bytes, _: Any) -> None:  # noqa: ANN401
         head = read_head(raw)
         if head is not None:
-            self._lines.read_line(head, lambda: str(deserialize_message(raw, Log).msg))
+            for reader in self._readers:
+                reader.read_line(head, lambda: deserialize_message(raw, Log))
 
 
 def _never(_: object) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from talaia.gateway.adapters.ros2.nodes.kept_lines import readers_of
 from talaia.gateway.adapters.ros2.nodes.lifecycle import LifecycleStates
 from talaia.gateway.adapters.ros2.nodes.parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2.nodes.robot_log import RobotLog
-from talaia.model.closed_lists import LogLevel
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan
     from talaia.gateway.adapters.unreadable_reports import UnreadableReports
-    from talaia.gateway.ports import ChannelReading, EventSink
+    from talaia.gateway.ports import ChannelReading, EventSink, LogSink
     from talaia.model.connection import Ros2Connection
 
 __all__ = ["RobotNodes"]
@@ -36,6 +36,7 @@ class RobotNodes:
         latest: dict[str, ChannelReading],
         unreadable: UnreadableReports,
         events: EventSink,
+        kept_log: LogSink | None,
         robot_clock: RobotClock | None,
     ) -> None:
         """Ask and hear what the scope's signals are made of, and what its connection names."""
@@ -62,10 +63,8 @@ class RobotNodes:
         )
         # None where the description does not ask for it: then nothing is subscribed.
         self._log: RobotLog | None = None
-        if settings.log is not LogLevel.NONE:
-            self._log = RobotLog(
-                node=node, thread=thread, clock=clock, events=events, least=settings.log
-            )
+        if readers := readers_of(settings, clock, events, kept_log):
+            self._log = RobotLog(node, thread, readers)
         if robot_clock is not None:
             robot_clock.join(node, thread)
 

@@ -1,0 +1,1 @@
+"""The robot's own log, kept until the hub has it."""
