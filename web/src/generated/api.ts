@@ -3094,6 +3094,7 @@ export type SignalRole =
   | "battery.voltage"
   | "battery.current"
   | "vehicle.speed"
+  | "vehicle.sideways_speed"
   | "vehicle.turn_rate"
   | "vehicle.position";
 
