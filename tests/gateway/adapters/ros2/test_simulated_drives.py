@@ -51,20 +51,27 @@ async def vehicle(domain: int, log: Path) -> AsyncIterator[None]:
         await process.wait()
 
 
+def sideways_limit(text: str) -> float:
+    drive = load_site(text).devices["base"].drive
+    return 0.0 if drive is None else drive.max_sideways
+
+
 async def test_what_init_finds_of_a_holonomic_base_drives_it_sideways(
     ros_domain: int, tmp_path: Path
 ) -> None:
     log, file = tmp_path / "log.jsonl", tmp_path / "site.yaml"
     async with vehicle(ros_domain, log):
-        asked = await start(
-            ros_domain, "init", "--ros2", "--no-questions", "--seconds", "3", "-o", str(file)
-        )
-        async with asyncio.timeout(PATIENCE_S):
-            assert await asked.wait() == 0
+
+        async def describe() -> bool:
+            words = ("--ros2", "--no-questions", "--force", "--seconds", "3", "-o", str(file))
+            asked = await start(ros_domain, "init", *words)
+            async with asyncio.timeout(PATIENCE_S):
+                assert await asked.wait() == 0
+            # On a busy machine its form is not heard in so short a time.
+            return sideways_limit(file.read_text()) > 0
+
+        await until_answered(describe)
         text = file.read_text()
-        base = load_site(text).devices["base"]
-        assert base.drive is not None
-        assert base.drive.max_sideways > 0
         async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "gateway", text):
             await hub.until(lambda: hub.hellos, "a hello")
             epoch = await take_lease(hub)

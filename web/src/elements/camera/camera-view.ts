@@ -102,10 +102,11 @@ export class CameraView extends LitElement {
       }
       /* Where there is little room, the numbers over the picture lie below these words. */
       @container (max-width: 30rem) {
-        .veil {
+        div:not(.aged) > .veil {
           align-content: start;
+          padding-block-start: calc(var(--t-touch) + 2 * var(--t-space-2));
         }
-        .veil t-icon {
+        div:not(.aged) > .veil t-icon {
           font-size: 1.5rem;
         }
       }
