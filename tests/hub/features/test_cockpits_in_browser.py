@@ -9,15 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.async_api import expect
 
-from talaia.wire.frames import (
-    CommandRequest,
-    ControlTick,
-    DriveFrame,
-    LeaseOp,
-    LeaseRequest,
-    LeaseState,
-    StopRequest,
-)
+from talaia.wire.frames import CommandRequest, StopRequest
 
 from ..chromium import sign_in
 
@@ -80,22 +72,6 @@ devices:
 """
 
 
-HOLONOMIC_WITH_ARM = (
-    arm_description().replace("name: Arm on the bench", "name: Mecanum base with an arm")
-    + """    drive:
-      topic: /jog
-      message: std_msgs/msg/Float64MultiArray
-      joints:
-"""
-    + "".join(f"        {joint}: {{name: {joint.title()}, max_speed: 0.2}}\n" for joint in JOINTS)
-    + """  base:
-    name: Base
-    kind: vehicle
-    drive: {topic: /cmd_vel, max_speed: 0.2, max_sideways: 0.2, max_turn: 0.5}
-"""
-)
-
-
 async def keep_picture(page, name: str) -> None:
     """Keep what is on the screen, where a person asked for it."""
     if folder := os.environ.get("TALAIA_PICTURES"):
@@ -137,64 +113,6 @@ async def test_an_arm_has_its_joints_between_their_ends_steps_of_its_tool_and_po
     await page.get_by_role("button", name="Move arm to home…").click()
     await page.get_by_role("button", name="Move arm to home", exact=True).click()
     assert (await gateway.hear(CommandRequest)).command == "to_home"
-    assert page.errors == []
-
-
-async def give_control(gateway) -> None:
-    """Give the lease to the next who asks, as a gateway does."""
-    asked = await gateway.hear(LeaseRequest, lambda ask: ask.op is LeaseOp.TAKE)
-    await gateway.say(
-        LeaseState(
-            device=asked.device, session=asked.session, who=asked.who, epoch=1, remains_ms=3000
-        )
-    )
-    await gateway.say(ControlTick(tick=1))
-
-
-async def press_middle(page, locator, *, right: float = 0.0) -> None:
-    """Press and hold what may be pushed, and push it to a side by so much of its half width."""
-    box = await locator.bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    await page.mouse.move(x, y)
-    await page.mouse.down()
-    await page.mouse.move(x + right * box["width"] / 2, y)
-
-
-async def test_a_base_that_moves_sideways_is_pushed_there_by_pad_and_keys_and_an_arm_jogged(
-    hub, chromium
-) -> None:
-    gateway = await hub.gateway()
-    await gateway.hello(HOLONOMIC_WITH_ARM)
-    gateway.channels = {f"arm/{joint}": at for at, joint in enumerate(JOINTS)}
-    page = await sign_in(chromium, hub, "operator")
-    await page.set_viewport_size({"width": 1440, "height": 900})
-    await page.goto(f"{hub.origin}/sites/agv/drive")
-    take = page.get_by_role("button", name="Take control")
-    await expect(take).to_be_visible()
-    await page.get_by_role("radio", name="Move").check(force=True)
-    await take.click()
-    await give_control(gateway)
-    await assert_screens(page, "holonomic")
-    await page.set_viewport_size({"width": 1440, "height": 900})
-    await press_middle(page, page.locator("t-pad"), right=-0.6)
-    pushed = await gateway.hear(DriveFrame, lambda frame: frame.lateral > 0)
-    assert (pushed.linear, pushed.angular) == (0, 0)
-    await page.mouse.up()
-    await gateway.hear(DriveFrame, lambda frame: frame.seq > pushed.seq and frame.lateral == 0)
-    await page.keyboard.down("e")
-    right = await gateway.hear(DriveFrame, lambda frame: frame.lateral < 0)
-    assert (right.linear, right.angular) == (0, 0)
-    await page.keyboard.up("e")
-    await page.get_by_role("radio", name="Arm").check(force=True)
-    await page.get_by_role("button", name="Take control").click()
-    await give_control(gateway)
-    await expect(page.locator("t-speed-limit")).to_contain_text("0.10\u202frad/s")
-    await press_middle(page, page.get_by_role("button", name="Lift, up"))
-    jogged = await gateway.hear(
-        DriveFrame, lambda frame: frame.device == "arm" and any(frame.joints)
-    )
-    assert jogged.joints == [0.0, pytest.approx(0.1), 0.0]
-    await page.mouse.up()
     assert page.errors == []
 
 

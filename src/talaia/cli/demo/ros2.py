@@ -1,6 +1,7 @@
 """``talaia demo``: a simulated vehicle and observatory, their gateways, the hub, its dashboard.
 
 Beside them the observatory once more, which lives through its nights at high speed when asked to.
+Long, because each robot of the demo is described, started and waited for here.
 """
 
 from __future__ import annotations

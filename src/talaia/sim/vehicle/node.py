@@ -1,4 +1,7 @@
-"""The vehicle as ROS 2 topics: takes commands in one thread, lets the world go on in another."""
+"""The vehicle as ROS 2 topics: takes commands in one thread, lets the world go on in another.
+
+Long, because what both threads share under one lock is read best side by side.
+"""
 
 from __future__ import annotations
 
