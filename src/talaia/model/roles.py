@@ -75,6 +75,7 @@ class SignalRole(StrEnum):
     BATTERY_VOLTAGE = "battery.voltage"
     BATTERY_CURRENT = "battery.current"
     VEHICLE_SPEED = "vehicle.speed"
+    VEHICLE_SIDEWAYS_SPEED = "vehicle.sideways_speed"
     VEHICLE_TURN_RATE = "vehicle.turn_rate"
     VEHICLE_POSITION = "vehicle.position"
 
@@ -274,6 +275,7 @@ SIGNAL_FITS: dict[SignalRole, SignalFit] = {
     SignalRole.BATTERY_VOLTAGE: _number_fit("V", "mV"),
     SignalRole.BATTERY_CURRENT: _number_fit("A"),
     SignalRole.VEHICLE_SPEED: _number_fit("m/s", "km/h"),
+    SignalRole.VEHICLE_SIDEWAYS_SPEED: _number_fit("m/s", "km/h"),
     SignalRole.VEHICLE_TURN_RATE: _number_fit("rad/s", "°/s"),
     SignalRole.VEHICLE_POSITION: SignalFit((SignalType.POSITION,)),
 }

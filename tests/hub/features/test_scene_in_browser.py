@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
 from talaia.sim.vehicle.description.floor_map import RESOLUTION
-from talaia.sim.vehicle.description.urdf import ROBOT_DESCRIPTION
+from talaia.sim.vehicle.description.urdf import make_urdf
 from talaia.sim.vehicle.world import World
 from talaia.wire import frames
 from talaia.wire.frames import TapMessage, TapSchema, TapSubscription, TopicEntry, TopicList
@@ -97,7 +97,7 @@ def house_messages(world: World, ranges) -> dict[str, object]:
             time_increment=0.0, scan_time=0.1, range_min=0.12, range_max=8.0, ranges=ranges,
             intensities=np.zeros(0, np.float32),
         ),
-        "/robot_description": TYPES[KINDS["/robot_description"]](data=ROBOT_DESCRIPTION),
+        "/robot_description": TYPES[KINDS["/robot_description"]](data=make_urdf()),
         "/map": TYPES[KINDS["/map"]](
             header=header("odom"), info=info, data=grid.cells.reshape(-1)
         ),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from talaia.sim.vehicle.drives.kinematics import side_rates
 from talaia.sim.vehicle.self_check import HealthLevel, MotorHeat, check_vehicle
 from talaia.sim.vehicle.sensors import Battery
-from talaia.sim.vehicle.world import Motion
 
 pytestmark = pytest.mark.pure
 
@@ -14,8 +14,15 @@ pytestmark = pytest.mark.pure
 def checked(*, charge=0.97, speed=0.0, heat=None, camera=True, stopped=False):
     found = check_vehicle(
         battery=Battery(charge),
-        motion=Motion(0, 0, 0, speed, 0, 0, 0, 0, 0),
-        heat=heat or (MotorHeat(), MotorHeat()),
+        motors={
+            side: (motor, rate)
+            for side, motor, rate in zip(
+                ("left", "right"),
+                heat or (MotorHeat(), MotorHeat()),
+                side_rates(speed, 0.0),
+                strict=True,
+            )
+        },
         camera=camera,
         stopped=stopped,
     )

@@ -3149,6 +3149,7 @@ export type SignalRole =
   | "battery.voltage"
   | "battery.current"
   | "vehicle.speed"
+  | "vehicle.sideways_speed"
   | "vehicle.turn_rate"
   | "vehicle.position";
 

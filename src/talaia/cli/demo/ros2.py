@@ -1,6 +1,7 @@
 """``talaia demo``: a simulated vehicle and observatory, their gateways, the hub, its dashboard.
 
 Beside them the observatory once more, which lives through its nights at high speed when asked to.
+Long, because each robot of the demo is described, started and waited for here.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import importlib.util
+import re
 import time
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,11 +28,12 @@ from talaia.cli.demo.session import (
 )
 from talaia.cli.demo.time_lapse import main as time_lapse
 from talaia.cli.demo.time_lapse.lapse_site import TIME_LAPSE, lapse_site
-from talaia.cli.errors import PartMissing
+from talaia.cli.errors import CliError, PartMissing
 from talaia.cli.local_machine import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.detection import DetectionSource
+from talaia.model.twins.twin_topics import device_text, twins_of
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
 from talaia.model.yaml_text.save import save_into_text
 from talaia.objects.availability import detection_availability
@@ -42,7 +45,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-VEHICLE, OBSERVATORY = "agv", "observatory"
+VEHICLE, OBSERVATORY, TWIN = "agv", "observatory", "twin"
 # What is added to the vehicle's example where the libraries for it are there.
 RECORDING = """
 # The topics of all signals, on demand and around STOP; any camera on demand.
@@ -87,6 +90,9 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         help="how many vehicles, each in a house of its own (default: 1)",
     )
     parser.add_argument("--no-camera", action="store_true", help="simulate without pictures")
+    parser.add_argument(
+        "--twin", action="store_true", help="a digital twin beside the (first) vehicle"
+    )
     parser.add_argument("--no-observatory", action="store_true", help="only the vehicle")
     parser.add_argument(
         "--no-time-lapse", action="store_true", help="without the nights at high speed"
@@ -109,6 +115,8 @@ async def _start_robots(
     for robot in robots:
         name = f"simulated {robot.name}"
         parts.append(await start_talaia(name, robot.words, data / robot.log, robot.environment))
+    if options.twin:
+        parts.append(await _start_twin(robots[0], options.seed, data))
     settings = Settings(
         data=data, host="127.0.0.1", port=port, plain=True, database_url=Settings.url_from()
     )
@@ -123,8 +131,8 @@ async def _start_robots(
         log = data / f"gateway{suffix}.log"
         name = f"gateway of the {robot.name}"
         parts.append(await start_talaia(name, words, log, robot.environment, restart=True))
-    # The order of `parts`: robots and hub, which say "ready", then the gateways.
-    ready = len(robots) + 1
+    # The order of `parts`: robots, twin and hub, which say "ready", then the gateways.
+    ready = len(robots) + options.twin + 1
     await asyncio.gather(
         *(part.wait_line("ready", READY_S) for part in parts[:ready]),
         *(part.wait_line("linked to", READY_S) for part in parts[ready:]),
@@ -195,6 +203,7 @@ def _start_vehicle(options: argparse.Namespace, data: Path, number: int = 1) -> 
         # Without them its gateway would not start: what is to be recorded must be.
         text += RECORDING if find_spec("mcap") and find_spec("av") else ""
         text = _without_detections(text) if options.no_camera else text
+        text = _with_twin(text) if options.twin and number == 1 else text
         write_description(description, text if number == 1 else _renamed(text, site, number))
     here = ros_domain.domain_environment(world)
     log = f"sim{suffix}.log"
@@ -205,6 +214,27 @@ def _renamed(text: str, site: str, number: int) -> str:
     """Give one of several vehicles a name of its own."""
     described = load_site(text)
     return save_into_text(text, replace(described, site=site, name=f"{described.name} {number}"))
+
+
+def _with_twin(text: str) -> str:
+    """Add a twin of the vehicle's base, and let pages see where it is."""
+    device = device_text(TWIN, "base")
+    # After the first device, which is what it is of.
+    text = re.sub(r"\n\n(?=  \w+:\n)", f"\n\n{device}\n", text, count=1)
+    return text.replace(
+        "\ntopics:\n", f"\ntopics:\n  - {{pattern: /{TWIN}/odom, right: view}}\n", 1
+    )
+
+
+async def _start_twin(robot: _Robot, seed: int, data: Path) -> ChildProcess:
+    """Start it in the vehicle's house, so that walls stop both."""
+    if not twins_of(read_site(robot.description)):
+        raise CliError(
+            f"{robot.description.name} was changed in an earlier run and has no twin; add what "
+            f"`talaia twin {robot.description} --print` prints, or run without --twin"
+        )
+    words = ["twin", str(robot.description), "--domain", str(robot.domain), "--house", str(seed)]
+    return await start_talaia("digital twin", words, data / "twin.log", robot.environment)
 
 
 def _without_detections(text: str) -> str:

@@ -290,6 +290,10 @@ class SignalRoles:
             first_named(self._number_signals("m/s", "km/h"), "speed"),
         )
         self._assign_role(
+            SignalRole.VEHICLE_SIDEWAYS_SPEED,
+            _read_from(self._number_signals("m/s", "km/h"), "nav_msgs/msg/Odometry", "linear.y"),
+        )
+        self._assign_role(
             SignalRole.VEHICLE_TURN_RATE,
             _read_from(self._number_signals("rad/s", "°/s"), "nav_msgs/msg/Odometry", "angular.z"),
             first_named(self._number_signals("rad/s", "°/s"), "turn_rate", "turn"),

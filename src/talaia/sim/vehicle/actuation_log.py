@@ -17,6 +17,8 @@ __all__ = ["ActuationLog"]
 class ActuationLog:
     """One JSON object a line: ``wall_ns``, ``monotonic_ns``, ``source``, ``v`` m/s, ``w`` rad/s.
 
+    ``lateral`` (m/s) and ``steering`` (rad) stand there where they are not zero.
+
     A line is in the file when `write_change` returns, so that another program may follow it.
 
     Args:
@@ -44,6 +46,8 @@ class ActuationLog:
             "v": change.speed,
             "w": change.turn,
         }
+        more = {"lateral": change.lateral, "steering": change.steering}
+        line |= {name: value for name, value in more.items() if value != 0}
         self._file.write(json.dumps(line) + "\n")
 
     def close(self) -> None:

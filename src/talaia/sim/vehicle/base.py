@@ -7,21 +7,28 @@ a goal > wandering. A command from outside ends both for good; they must be aske
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from talaia.clock import MS
+from talaia.sim.vehicle.drives.kinematics import (
+    MAX_SPEED,
+    MAX_STEERING,
+    MAX_TURN,
+    STEERING_RATE,
+    DriveKind,
+    Velocity,
+    limit_velocity,
+    steering_for,
+    turn_of,
+)
 
 if TYPE_CHECKING:
     from talaia.sim.vehicle.autonomy.goal import Goal
 
 __all__ = ["MAX_SPEED", "MAX_TURN", "STANDSTILL_NS", "Base", "Change", "MotionSource", "Ramp"]
 
-MAX_SPEED = 0.22
-"""m/s, as a TurtleBot3."""
-MAX_TURN = 2.84
-"""rad/s, as a TurtleBot3."""
 STANDSTILL_NS = 500 * MS
 """So long after the last command the vehicle stands still."""
 BRAKING_NS = 80 * MS
@@ -41,6 +48,7 @@ class MotionSource(StrEnum):
     """What moved the vehicle, or stopped it."""
 
     TWIST = "cmd_vel"
+    STEERING = "ackermann_cmd"
     KEY = "control"
     WANDER = "wander"
     GOAL = "goal_pose"
@@ -50,21 +58,39 @@ class MotionSource(StrEnum):
 
 @dataclass(frozen=True)
 class Change:
-    """A new wanted velocity: ``speed`` in m/s, ``turn`` in rad/s."""
+    """A new wanted velocity.
+
+    Attributes:
+        speed: forward (m/s).
+        turn: counter-clockwise (rad/s).
+        lateral: to the left (m/s), of a base that moves sideways.
+        steering: angle of the wheels (rad), of a base whose wheels steer.
+
+    """
 
     source: MotionSource
     speed: float
     turn: float
+    lateral: float = 0.0
+    steering: float = 0.0
 
 
 class Base:
     """Decides the wanted velocity.
 
     Every method that may change it returns the change, or None when all stays as it was.
+
+    Args:
+        wandering: it drives about by itself from the start.
+        drive: what its wheels allow.
+
     """
 
-    def __init__(self, *, wandering: bool = False) -> None:
+    def __init__(
+        self, *, wandering: bool = False, drive: DriveKind = DriveKind.DIFFERENTIAL
+    ) -> None:
         """Start standing still."""
+        self._drive = drive
         # The velocity that is wanted now, and what asked for it.
         self._wanted = Change(MotionSource.TIME_OUT, 0.0, 0.0)
         # Monotonic time of the last command from outside; none while no time-out is due.
@@ -77,6 +103,11 @@ class Base:
         self._goal: Goal | None = None
 
     @property
+    def wanted(self) -> Change:
+        """The velocity that is wanted now, and what asked for it."""
+        return self._wanted
+
+    @property
     def speed(self) -> float:
         """Wanted, forward (m/s)."""
         return self._wanted.speed
@@ -85,6 +116,16 @@ class Base:
     def turn(self) -> float:
         """Wanted, counter-clockwise (rad/s)."""
         return self._wanted.turn
+
+    @property
+    def steers(self) -> bool:
+        """Whether its wheels steer."""
+        return self._drive is DriveKind.ACKERMANN
+
+    @property
+    def drives_itself(self) -> bool:
+        """Whether it can wander and go to a goal: that needs turns on the spot."""
+        return not self.steers
 
     @property
     def wandering(self) -> bool:
@@ -101,24 +142,35 @@ class Base:
         """Whether STOP is latched."""
         return self._stopped
 
-    def set_velocity(self, now_ns: int, speed: float, turn: float) -> Change | None:
+    def set_velocity(
+        self, now_ns: int, speed: float, turn: float, *, lateral: float = 0.0
+    ) -> Change | None:
         """Take a velocity from outside, cut to the vehicle's limits.
 
         A value that is not finite is no velocity; such a command stands for standing still.
         """
-        # NaN would pass the bounds below.
-        if not (math.isfinite(speed) and math.isfinite(turn)):
-            speed = turn = 0.0
-        speed = min(max(speed, -MAX_SPEED), MAX_SPEED)
-        turn = min(max(turn, -MAX_TURN), MAX_TURN)
-        return self._accept_command(now_ns, Change(MotionSource.TWIST, speed, turn))
+        wanted = Velocity(speed, turn, lateral)
+        return self._accept_command(now_ns, self._make_change(MotionSource.TWIST, wanted))
+
+    def steer_wheels(self, now_ns: int, speed: float, steering: float) -> Change | None:
+        """Take a speed and an angle of the wheels from outside; without effect on other bases."""
+        if not self.steers:
+            return None
+        if not (math.isfinite(speed) and math.isfinite(steering)):
+            speed, steering = 0.0, self._wanted.steering
+        speed = limit_velocity(self._drive, Velocity(speed, 0.0)).speed
+        steering = min(max(steering, -MAX_STEERING), MAX_STEERING)
+        turn = turn_of(speed, steering)
+        return self._accept_command(
+            now_ns, Change(MotionSource.STEERING, speed, turn, steering=steering)
+        )
 
     def press_key(self, now_ns: int, key: str) -> Change | None:
         """Take a key of the CloudConnect contract. Other keys change nothing."""
         asked = KEYS.get(key)
         if asked is None:
             return None
-        return self._accept_command(now_ns, Change(MotionSource.KEY, *asked))
+        return self._accept_command(now_ns, self._make_change(MotionSource.KEY, Velocity(*asked)))
 
     def set_wander_velocity(self, speed: float, turn: float) -> Change | None:
         """Take where wandering would go; without effect unless it is on."""
@@ -127,8 +179,13 @@ class Base:
         return self._want_velocity(Change(MotionSource.WANDER, speed, turn))
 
     def set_goal(self, goal: Goal) -> bool:
-        """Take where it is to drive by itself; says whether that was accepted. STOP refuses it."""
-        if self._stopped or not all(map(math.isfinite, (goal.x, goal.y, goal.yaw))):
+        """Take where it is to drive by itself; says whether that was accepted.
+
+        STOP refuses it, and so does a base that cannot turn on the spot.
+        """
+        if self._stopped or not self.drives_itself:
+            return False
+        if not all(map(math.isfinite, (goal.x, goal.y, goal.yaw))):
             return False
         self._wandering = False
         self._commanded_ns = None
@@ -144,9 +201,12 @@ class Base:
         return self._want_velocity(Change(MotionSource.GOAL, *(velocity or (0.0, 0.0))))
 
     def switch_wandering(self, *, on: bool) -> tuple[bool, Change | None]:
-        """Turn wandering on or off; says whether that was accepted. STOP refuses it."""
+        """Turn wandering on or off; says whether that was accepted.
+
+        STOP refuses it, and so does a base that cannot turn on the spot.
+        """
         if on:
-            if self._stopped:
+            if self._stopped or not self.drives_itself:
                 return False, None
             self._wandering = True
             self._goal = None
@@ -162,7 +222,7 @@ class Base:
         self._wandering = False
         self._goal = None
         self._commanded_ns = None
-        return self._want_velocity(Change(MotionSource.STOP, 0.0, 0.0))
+        return self._want_velocity(self._make_change(MotionSource.STOP, Velocity(0.0, 0.0)))
 
     def pass_time(self, now_ns: int) -> Change | None:
         """Notice that the last command is too old."""
@@ -172,7 +232,15 @@ class Base:
         if now_ns - self._commanded_ns < STANDSTILL_NS - BRAKING_NS:
             return None
         self._commanded_ns = None
-        return self._want_velocity(Change(MotionSource.TIME_OUT, 0.0, 0.0))
+        return self._want_velocity(self._make_change(MotionSource.TIME_OUT, Velocity(0.0, 0.0)))
+
+    def _make_change(self, source: MotionSource, asked: Velocity) -> Change:
+        """Make of a velocity what the wheels can do of it; where none is asked they stay turned."""
+        speed, turn, lateral = limit_velocity(self._drive, asked)
+        if not self.steers:
+            return Change(source, speed, turn, lateral)
+        steering = steering_for(Velocity(speed, turn), self._wanted.steering)
+        return Change(source, speed, turn_of(speed, steering), steering=steering)
 
     def _accept_command(self, now_ns: int, change: Change) -> Change | None:
         if self._stopped:
@@ -186,9 +254,8 @@ class Base:
         # A time-out at standstill changes nothing and is not logged. The same velocity from another
         # source is: the log says who moves the vehicle.
         before, self._wanted = self._wanted, change
-        if (before.speed, before.turn) == (change.speed, change.turn) and (
-            before.source == change.source or change.source is MotionSource.TIME_OUT
-        ):
+        same = replace(before, source=change.source) == change
+        if same and (before.source == change.source or change.source is MotionSource.TIME_OUT):
             return None
         return change
 
@@ -206,13 +273,25 @@ class Ramp:
         """Start standing still."""
         self.speed = 0.0
         self.turn = 0.0
+        self.lateral = 0.0
+        # Angle of steered wheels (rad).
+        self.steering = 0.0
 
-    def follow_velocity(self, seconds: float, speed: float, turn: float) -> None:
-        """Move both towards what is wanted (m/s, rad/s) for a while."""
-        self.speed = _step_towards(self.speed, speed, self.SPEED_UP * seconds, self.BRAKE * seconds)
+    def follow_velocity(
+        self, seconds: float, speed: float, turn: float, *, lateral: float = 0.0
+    ) -> None:
+        """Move all towards what is wanted (m/s, rad/s) for a while."""
+        faster, slower = self.SPEED_UP * seconds, self.BRAKE * seconds
+        self.speed = _step_towards(self.speed, speed, faster, slower)
+        self.lateral = _step_towards(self.lateral, lateral, faster, slower)
         self.turn = _step_towards(
             self.turn, turn, self.TURN_UP * seconds, self.TURN_BRAKE * seconds
         )
+
+    def turn_wheels(self, seconds: float, steering: float) -> None:
+        """Turn steered wheels towards an angle (rad) for a while."""
+        most = STEERING_RATE * seconds
+        self.steering = _step_towards(self.steering, steering, most, most)
 
 
 def _step_towards(value: float, goal: float, faster: float, slower: float) -> float:

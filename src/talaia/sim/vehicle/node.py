@@ -1,4 +1,7 @@
-"""The vehicle as ROS 2 topics: takes commands in one thread, lets the world go on in another."""
+"""The vehicle as ROS 2 topics: takes commands in one thread, lets the world go on in another.
+
+Long, because what both threads share under one lock is read best side by side.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Float64MultiArray, String
 from std_srvs.srv import SetBool
 
 from talaia.sim.vehicle.autonomy.goal import Goal, choose_goal_velocity
 from talaia.sim.vehicle.base import Base, Change, Ramp
+from talaia.sim.vehicle.description.urdf import make_urdf
+from talaia.sim.vehicle.drives.drivetrain import Drivetrain
+from talaia.sim.vehicle.drives.kinematics import DriveKind, turn_of
 from talaia.sim.vehicle.publishers import RELIABLE, VehiclePublishers
-from talaia.sim.vehicle.self_check import MotorHeat, check_vehicle, wheel_rates
+from talaia.sim.vehicle.self_check import MotorHeat, check_vehicle
 from talaia.sim.vehicle.sensors import Battery
 from talaia.sim.vehicle.wander import Wander
 
@@ -30,10 +36,18 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.sim.vehicle.actuation_log import ActuationLog
     from talaia.sim.vehicle.camera_process import CameraProcess
+    from talaia.sim.vehicle.drives.jogged_arm import JoggedArm
     from talaia.sim.vehicle.world import Motion, World
 
-__all__ = ["TICK_S", "Inputs", "Loop"]
+try:  # not on PyPI; there where ROS itself is installed
+    from ackermann_msgs.msg import AckermannDriveStamped
+except ImportError:
+    AckermannDriveStamped = None
 
+__all__ = ["ARM_TOPIC", "TICK_S", "Inputs", "Loop"]
+
+ARM_TOPIC = "/arm_velocity_controller/commands"
+"""As controllers of ROS 2 take velocities of joints."""
 TICK_S = 0.02
 """Control period: odometry and inertia are published as often."""
 LATE_S = 0.25
@@ -54,14 +68,23 @@ class Inputs:
         lock: shared with `Loop`.
         log: is told of every change, at the moment it is accepted.
         clock: dates the commands.
+        arm: is moved by velocities of its joints; None where there is none.
 
     """
 
     def __init__(
-        self, node: Node, *, base: Base, lock: threading.Lock, log: ActuationLog, clock: Clock
+        self,
+        node: Node,
+        *,
+        base: Base,
+        lock: threading.Lock,
+        log: ActuationLog,
+        clock: Clock,
+        arm: JoggedArm | None = None,
     ) -> None:
         """Create the subscriptions."""
         self._base = base
+        self._arm = arm
         self._lock = lock
         self._log = log
         self._clock = clock
@@ -72,6 +95,12 @@ class Inputs:
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(node)
         node.create_subscription(Twist, "/cmd_vel", self._on_twist, RELIABLE)
+        if base.steers and AckermannDriveStamped is not None:
+            node.create_subscription(
+                AckermannDriveStamped, "/ackermann_cmd", self._on_steering, RELIABLE
+            )
+        if arm is not None:
+            node.create_subscription(Float64MultiArray, ARM_TOPIC, self._on_arm, RELIABLE)
         node.create_subscription(String, "/control", self._on_key, RELIABLE)
         node.create_subscription(Bool, "/stop", self._on_stop, RELIABLE)
         node.create_subscription(PoseStamped, "/goal_pose", self._on_goal, RELIABLE)
@@ -110,20 +139,37 @@ class Inputs:
     def _on_twist(self, message: Message) -> None:
         # Before the lock is waited for.
         now = self._clock.monotonic_ns()
+        linear, turn = message.linear, message.angular.z
+        self._apply_change(lambda: self._base.set_velocity(now, linear.x, turn, lateral=linear.y))
+
+    def _on_steering(self, message: Message) -> None:
+        now = self._clock.monotonic_ns()
+        wanted = message.drive
         self._apply_change(
-            lambda: self._base.set_velocity(now, message.linear.x, message.angular.z)
+            lambda: self._base.steer_wheels(now, wanted.speed, wanted.steering_angle)
         )
+
+    def _on_arm(self, message: Message) -> None:
+        now = self._clock.monotonic_ns()
+        with self._lock:
+            if self._arm is not None:
+                self._arm.set_velocities(now, message.data)
 
     def _on_key(self, message: Message) -> None:
         now = self._clock.monotonic_ns()
         self._apply_change(lambda: self._base.press_key(now, message.data))
 
     def _on_stop(self, message: Message) -> None:
+        with self._lock:
+            if self._arm is not None:
+                self._arm.latch_stop(engaged=message.data)
         self._apply_change(lambda: self._base.latch_stop(engaged=message.data))
 
     def _on_goal(self, message: Message) -> None:
         with self._lock:
-            self._base.set_goal(_floor_pose(message.pose))
+            accepted = self._base.set_goal(_floor_pose(message.pose))
+        if not accepted:
+            logger.warning("a goal was refused: STOP is latched, or it cannot turn on the spot")
 
     def _on_placement(self, message: Message) -> None:
         self.placed = _floor_pose(message.pose.pose)
@@ -133,7 +179,9 @@ class Inputs:
             accepted, change = self._base.switch_wandering(on=request.data)
             self._log.write_change(change)
         response.success = accepted
-        if not accepted:
+        if not accepted and not self._base.drives_itself:
+            response.message = "refused: wandering turns on the spot, and steered wheels do not"
+        elif not accepted:
             response.message = "refused: STOP is latched; release it first"
         else:
             response.message = "wandering" if request.data else "not wandering"
@@ -160,6 +208,8 @@ class Loop:
         seed: for wandering.
         eye: is told where the vehicle is; None where there is no camera.
         inputs: says where somebody has put the vehicle.
+        drive: which wheels it has.
+        arm: is on its deck; touched under ``lock`` only.
 
     """
 
@@ -175,8 +225,12 @@ class Loop:
         seed: int,
         eye: CameraProcess | None = None,
         inputs: Inputs | None = None,
+        drive: DriveKind = DriveKind.DIFFERENTIAL,
+        arm: JoggedArm | None = None,
     ) -> None:
         """Create the publishers."""
+        self._drive, self._arm = drive, arm
+        self._drivetrain = Drivetrain(drive)
         self._inputs = inputs
         self._node = node
         self._world = world
@@ -188,7 +242,7 @@ class Loop:
         self._ramp = Ramp()
         self._wander = Wander(seed)
         self._battery = Battery()
-        self._heat = (MotorHeat(), MotorHeat())
+        self._heat = {motor: MotorHeat() for motor in self._drivetrain.motors}
         # Of the simulated time.
         self._checked_s = 0.0
         self._eye = eye
@@ -220,12 +274,14 @@ class Loop:
         # Only what `Inputs` changes, too: physics and publishing hold up no command.
         with self._lock:
             self._log.write_change(self._base.pass_time(self._clock.monotonic_ns()))
-            wanted = (self._base.speed, self._base.turn)
+            wanted = self._base.wanted
             wandering, stopped = self._base.wandering, self._base.stopped
         self._place_vehicle()
-        self._ramp.follow_velocity(seconds, *wanted)
-        motion = self._world.step(seconds, self._ramp.speed, self._ramp.turn)
+        motion = self._move_body(seconds, wanted)
+        joints = self._drivetrain.pass_time(seconds, motion, self._ramp.steering)
         with self._lock:
+            if self._arm is not None:
+                joints += self._arm.pass_time(self._clock.monotonic_ns(), seconds)
             if (goal := self._base.goal) is not None:
                 velocity = choose_goal_velocity(motion, goal)
                 self._log.write_change(self._base.set_goal_velocity(velocity))
@@ -235,11 +291,13 @@ class Loop:
         self._battery.drain_battery(seconds, motion.speed, motion.turn)
         stamp = self._node.get_clock().now().to_msg()
         if tick == 0:
-            self._reports.publish_description(stamp)
+            self._reports.publish_description(
+                stamp, make_urdf(self._drive, arm=self._arm is not None)
+            )
         self._reports.publish_motion(stamp, motion)
         # The slower reports take turns, so that no round is much longer than another.
         if tick % 2 == 1:
-            self._reports.publish_joints(stamp, motion)
+            self._reports.publish_joints(stamp, joints)
         if tick % 5 == 0:
             self._look_around(stamp, wandering=wandering)
         if tick % 5 == 2:
@@ -256,6 +314,16 @@ class Loop:
             self._told_wandering = wandering
             self._reports.publish_wandering(on=wandering)
 
+    def _move_body(self, seconds: float, wanted: Change) -> Motion:
+        ramp = self._ramp
+        ramp.follow_velocity(seconds, wanted.speed, wanted.turn, lateral=wanted.lateral)
+        turn = ramp.turn
+        if self._drive is DriveKind.ACKERMANN:
+            ramp.turn_wheels(seconds, wanted.steering)
+            # Only wheels that roll turn it: held by a wall it does not turn.
+            turn = turn_of(self._world.current_motion().speed, ramp.steering)
+        return self._world.step(seconds, ramp.speed, turn, lateral=ramp.lateral)
+
     def _place_vehicle(self) -> None:
         if self._inputs is None or (placed := self._inputs.placed) is None:
             return
@@ -265,12 +333,12 @@ class Loop:
 
     def _check_health(self, stamp: object, motion: Motion, *, stopped: bool) -> None:
         seconds, self._checked_s = self._seconds - self._checked_s, self._seconds
-        for motor, rate in zip(self._heat, wheel_rates(motion), strict=True):
-            motor.pass_time(seconds, rate)
+        rates = dict(zip(self._heat, self._drivetrain.rates(motion), strict=True))
+        for name, motor in self._heat.items():
+            motor.pass_time(seconds, rates[name])
         found = check_vehicle(
             battery=self._battery,
-            motion=motion,
-            heat=self._heat,
+            motors={name: (motor, rates[name]) for name, motor in self._heat.items()},
             camera=None if self._eye is None else not self._eye.lost,
             stopped=stopped,
         )

@@ -22,15 +22,16 @@ from sensor_msgs.msg import (
 from std_msgs.msg import Bool, Float64, String
 
 from talaia.sim.vehicle.description.floor_map import RESOLUTION
-from talaia.sim.vehicle.description.urdf import ROBOT_DESCRIPTION
-from talaia.sim.vehicle.self_check import wheel_rates
 from talaia.sim.vehicle.sensors import Battery, on_earth, room_temperature
 from talaia.sim.vehicle.world import LIDAR_RANGE, SONAR_FIELD, SONAR_RANGE, Motion, World
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     from rclpy.node import Node
 
+    from talaia.sim.vehicle.drives.drivetrain import JointReading
     from talaia.sim.vehicle.self_check import HealthStatus
 
 try:  # a robot's own Python may lack it
@@ -91,9 +92,9 @@ class VehiclePublishers:
         self._measured = {"ultrasonic1": 0.0, "ultrasonic2": 0.0, "ultrasonic3": 0.0}
         self._prepare_messages()
 
-    def publish_description(self, stamp: Message) -> None:
+    def publish_description(self, stamp: Message, urdf: str) -> None:
         """Publish what is told once: the vehicle's form and the map of the house."""
-        self._description.publish(String(data=ROBOT_DESCRIPTION))
+        self._description.publish(String(data=urdf))
         found = self._world.floor_map
         grid = OccupancyGrid()
         grid.header.stamp = grid.info.map_load_time = stamp
@@ -137,12 +138,13 @@ class VehiclePublishers:
             transform.transform.rotation = pose.orientation
             self._transform.publish(self._transform_message)
 
-    def publish_joints(self, stamp: Message, motion: Motion) -> None:
-        """Publish the wheels' angles and rates."""
+    def publish_joints(self, stamp: Message, joints: Sequence[JointReading]) -> None:
+        """Publish the angles and rates of wheels and arm."""
         message = self._joints_message
         message.header.stamp = stamp
-        message.position = [motion.left, motion.right]
-        message.velocity = list(wheel_rates(motion))
+        message.name = [joint.name for joint in joints]
+        message.position = [joint.position for joint in joints]
+        message.velocity = [joint.velocity for joint in joints]
         self._joints.publish(message)
 
     def publish_scan(self, stamp: Message, ranges: np.typing.NDArray[np.float32]) -> None:
@@ -238,7 +240,7 @@ class VehiclePublishers:
         # Squares of the noise in `publish_motion`.
         imu.angular_velocity_covariance = [4e-6, 0, 0, 0, 4e-6, 0, 0, 0, 4e-6]
         imu.linear_acceleration_covariance = [4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 4e-4]
-        self._joints_message = JointState(name=["wheel_left_joint", "wheel_right_joint"])
+        self._joints_message = JointState()
         self._joints_message.header.frame_id = "base_link"
         if TFMessage is not None:
             base = TransformStamped(child_frame_id="base_link")

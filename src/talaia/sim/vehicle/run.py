@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.sim.startup import Start, join_ros, needing_ros, run_robot
+from talaia.sim.vehicle.drives.kinematics import DriveKind
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,6 +46,20 @@ def make_parser() -> argparse.ArgumentParser:
         default=0.0,
         help="rolling friction of the wheels, N per m/s (default 0; 40 costs 9 %% of the speed)",
     )
+    parser.add_argument(
+        "--drive",
+        choices=[kind.value for kind in DriveKind],
+        default=DriveKind.DIFFERENTIAL.value,
+        help="its wheels: two that turn it on the spot (default), four that move it sideways too "
+        "(Twist with linear.y), or steered ones (Twist, and AckermannDriveStamped on "
+        "/ackermann_cmd where ackermann_msgs is installed)",
+    )
+    parser.add_argument(
+        "--arm",
+        action="store_true",
+        help="a small arm of three joints on it, moved by velocities on "
+        "/arm_velocity_controller/commands (Float64MultiArray)",
+    )
     parser.add_argument("--wander", action="store_true", help="drive about from the start")
     return parser
 
@@ -64,6 +79,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         make_parser().error("--camera-rate: expected a number from 0.1 to 60")
     if not 0.0 <= options.friction <= 1000.0:
         make_parser().error("--friction: expected a number from 0 to 1000")
+    if options.wander and options.drive == DriveKind.ACKERMANN:
+        make_parser().error("--wander: turns on the spot, and steered wheels do not")
     # It reports at length which accelerators it does without.
     logging.getLogger("OpenGL").setLevel(logging.WARNING)
     return run_robot("sim vehicle", options.domain, lambda start: _run_vehicle(options, start))
@@ -78,6 +95,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
         from talaia.sim.vehicle.actuation_log import ActuationLog
         from talaia.sim.vehicle.base import Base
         from talaia.sim.vehicle.camera_process import CameraProcess
+        from talaia.sim.vehicle.drives.jogged_arm import JoggedArm
         from talaia.sim.vehicle.world import World
 
     clock = SystemClock()
@@ -92,10 +110,12 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
     join_ros(start.stack)
     node = rclpy.create_node("vehicle", enable_rosout=False, start_parameter_services=False)
     start.stack.callback(node.destroy_node)
-    base = Base(wandering=options.wander)
-    # Of `base`: commands come in one thread, and time passes in another.
+    drive = DriveKind(options.drive)
+    base = Base(wandering=options.wander, drive=drive)
+    arm = JoggedArm() if options.arm else None
+    # Of `base` and `arm`: commands come in one thread, and time passes in another.
     lock = threading.Lock()
-    inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock)
+    inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock, arm=arm)
     loop = shell.Loop(
         node,
         world=world,
@@ -106,6 +126,8 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
         seed=options.seed,
         eye=eye,
         inputs=inputs,
+        drive=drive,
+        arm=arm,
     )
     way = eye.wait_ready() if eye else None
     inputs.start()

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
-from talaia.sim.vehicle.world import World
-
 if TYPE_CHECKING:
-    from talaia.sim.vehicle.sensors import Battery
-    from talaia.sim.vehicle.world import Motion
+    from collections.abc import Mapping
 
-__all__ = ["HealthLevel", "HealthStatus", "MotorHeat", "check_vehicle", "wheel_rates"]
+    from talaia.sim.vehicle.sensors import Battery
+
+__all__ = ["HealthLevel", "HealthStatus", "MotorHeat", "check_vehicle"]
 
 # Of a charge of 1.
 _LOW, _EMPTY = 0.2, 0.1
@@ -59,28 +58,25 @@ class MotorHeat:
         self.celsius += (goal - self.celsius) * -math.expm1(-seconds / self._SLOW_S)
 
 
-def wheel_rates(motion: Motion) -> tuple[float, float]:
-    """Give how fast the left and the right wheel turn (rad/s)."""
-    aside = motion.turn * World.WHEEL_BASE / 2
-    return (
-        (motion.speed - aside) / World.WHEEL_RADIUS,
-        (motion.speed + aside) / World.WHEEL_RADIUS,
-    )
-
-
 def check_vehicle(
     *,
     battery: Battery,
-    motion: Motion,
-    heat: tuple[MotorHeat, MotorHeat],
+    motors: Mapping[str, tuple[MotorHeat, float]],
     camera: bool | None,
     stopped: bool,
 ) -> list[HealthStatus]:
-    """Judge all parts; ``camera`` tells whether it draws, None where there is none."""
+    """Judge all parts.
+
+    Args:
+        battery: its charge.
+        motors: the warmth of each and how fast it turns (rad/s), by where it is.
+        camera: whether it draws; None where there is none.
+        stopped: STOP is latched.
+
+    """
     # By parts, the first word: pages show them as a tree.
     found = [_check_battery(battery)]
-    for side, motor, rate in zip(("left", "right"), heat, wheel_rates(motion), strict=True):
-        found.append(_check_motor(side, motor, rate))
+    found += [_check_motor(side, motor, rate) for side, (motor, rate) in motors.items()]
     if camera is not None:
         message = "draws" if camera else "its process has ended; there are no more pictures"
         level = HealthLevel.OK if camera else HealthLevel.ERROR

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from talaia.sim.vehicle import furniture, house, occupants
 from talaia.sim.vehicle.description.floor_map import draw_map
+from talaia.sim.vehicle.drives.kinematics import TRACK, WHEEL_RADIUS
 from talaia.sim.vehicle.scene import HULL_GROUP, SceneBuilder
 from talaia.sim.vehicle.vehicle import (
     BODY,
@@ -55,7 +56,7 @@ class Motion:
         y: metres, to the left of that.
         yaw: heading (rad, -pi..pi).
         speed: forward (m/s).
-        slip: to its left (m/s); nothing but a collision makes it differ from zero.
+        slip: to its left (m/s); without wheels that move it sideways only a collision does that.
         turn: counter-clockwise (rad/s).
         acceleration: forward (m/s²).
         left: angle the left wheel has turned (rad).
@@ -89,8 +90,8 @@ class World:
 
     """
 
-    WHEEL_RADIUS = 0.033
-    WHEEL_BASE = 0.16
+    WHEEL_RADIUS = WHEEL_RADIUS
+    WHEEL_BASE = TRACK
 
     def __init__(
         self,
@@ -131,18 +132,18 @@ class World:
         self._groups[HULL_GROUP] = 1
         mujoco.mj_forward(self.model, self._data)
 
-    def step(self, seconds: float, speed: float, turn: float) -> Motion:
+    def step(self, seconds: float, speed: float, turn: float, *, lateral: float = 0.0) -> Motion:
         """Let time pass while the motors pull towards the wanted velocities.
 
         Args:
             seconds: how long; fractions of a physics step are carried over to the next call.
             speed: wanted, forward (m/s).
             turn: wanted, counter-clockwise (rad/s).
+            lateral: wanted, to the left (m/s); with none the wheels' grip holds it.
 
         """
         data = self._data
-        # Sideways nothing is wanted: the wheels' grip sees to that.
-        data.ctrl[:] = (speed, 0.0, turn)
+        data.ctrl[:] = (speed, lateral, turn)
         self._pending += seconds
         # The small term keeps a sum of rounded fractions from losing a step.
         steps = int(self._pending / STEP_S + 1e-6)

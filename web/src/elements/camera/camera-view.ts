@@ -100,6 +100,16 @@ export class CameraView extends LitElement {
         font-size: 2.5rem;
         color: var(--t-muted);
       }
+      /* Where there is little room, the numbers over the picture lie below these words. */
+      @container (max-width: 30rem) {
+        div:not(.aged) > .veil {
+          align-content: start;
+          padding-block-start: calc(var(--t-touch) + 2 * var(--t-space-2));
+        }
+        div:not(.aged) > .veil t-icon {
+          font-size: 1.5rem;
+        }
+      }
       /* Stripes over an old picture: grey alone is easily missed on a grey scene. */
       .heading {
         font-weight: var(--t-weight-strong);

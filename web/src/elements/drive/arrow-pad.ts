@@ -92,6 +92,13 @@ export class ArrowPad extends LitElement {
         inline-size: 1.6rem;
         block-size: 1.6rem;
       }
+      /* Wider than the others: up from the letter of its key. */
+      .sideLeft svg,
+      .sideRight svg {
+        inline-size: 1.35rem;
+        block-size: 1.35rem;
+        margin-block-end: 0.5rem;
+      }
       .key {
         position: absolute;
         inset: auto 0.3rem 0.1rem auto;
@@ -104,6 +111,10 @@ export class ArrowPad extends LitElement {
       @media (pointer: coarse) {
         .key {
           display: none;
+        }
+        .sideLeft svg,
+        .sideRight svg {
+          margin-block-end: 0;
         }
       }
     `,

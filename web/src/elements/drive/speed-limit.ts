@@ -110,18 +110,20 @@ export class SpeedLimit extends LitElement {
   /** How they are shown; null: in m/s and rad/s. */
   @property({ attribute: false }) shownSpeed: ShownUnitShape | null = null;
   @property({ attribute: false }) shownTurn: ShownUnitShape | null = null;
+  /** What a full push means, where it is neither of the two. */
+  @property() means = "";
   @property({ type: Boolean }) disabled = false;
 
   @query("input") private readonly slider!: HTMLInputElement;
 
   override render(): TemplateResult {
     const percent = Math.round(this.level * 100);
-    const speed = shownText({ unit: "m/s", decimals: 2, shown: this.shownSpeed }, this.speed * this.level);
-    const turn = shownText({ unit: "rad/s", decimals: 2, shown: this.shownTurn }, this.turn * this.level);
+    const speed = this.speed > 0 ? shownText({ unit: "m/s", decimals: 2, shown: this.shownSpeed }, this.speed * this.level) : this.means;
+    const turn = this.turn > 0 ? shownText({ unit: "rad/s", decimals: 2, shown: this.shownTurn }, this.turn * this.level) : "";
     return html`
       <div class="head">
         <span>Full push is <strong>${percent}&#8239;%</strong></span>
-        <span class="means">${this.speed > 0 ? speed : ""}${this.turn > 0 ? ` · ${turn}` : ""}</span>
+        <span class="means">${[speed, turn].filter((text) => text !== "").join(" · ")}</span>
       </div>
       <div class="row">
         <button
@@ -139,7 +141,7 @@ export class SpeedLimit extends LitElement {
           max="100"
           step="10"
           aria-label="Speed of a full push, per cent of the limit"
-          aria-valuetext=${`${String(percent)} per cent${this.speed > 0 ? `, ${speed}` : ""}`}
+          aria-valuetext=${`${String(percent)} per cent${speed === "" ? "" : `, ${speed}`}`}
           .value=${String(percent)}
           ?disabled=${this.disabled}
           @input=${this.onSlide}

@@ -13,6 +13,8 @@ import type { CommandButton } from "../observatory/roles.js";
 const AXIS = /^(linear|angular)_([xyz])$/;
 /** One joint alone may be a gripper, a head or a valve. */
 const FEWEST_JOINTS = 2;
+/** What a base rolls on and steers by is no arm, though it has both ends. */
+const OF_A_BASE = /wheel|steer|caster/i;
 
 export interface ArmParts {
   readonly device: DeviceShape;
@@ -39,8 +41,8 @@ export function armParts(device: DeviceShape): ArmParts | null {
   };
 }
 
-function isJoint({ type, unit, minimum, maximum }: SignalShape): boolean {
-  return type === "number" && ["rad", "°", "m", "mm"].includes(unit) && minimum !== null && maximum !== null && minimum < maximum;
+function isJoint({ id, type, unit, minimum, maximum }: SignalShape): boolean {
+  return type === "number" && !OF_A_BASE.test(id) && ["rad", "°", "m", "mm"].includes(unit) && minimum !== null && maximum !== null && minimum < maximum;
 }
 
 /** Each of its numbers is an axis that goes both ways and stands at rest where nothing is said. */

@@ -87,7 +87,7 @@ export class JointJog extends LitElement {
         ${repeat(joints, ({ id }) => id, (joint, index) => this.renderJoint(joint, index, joints.length, !machine.mayDrive))}
       </div>
       <p class="trouble" role="alert">${this.lockReason || seat.problem || (refusal === "" ? "" : `Gateway: ${refusal}`)}</p>
-      <t-speed-limit .level=${machine.speedLevel} .speed=${0} .turn=${0} @t-level=${this.onSpeedLevel}></t-speed-limit>
+      <t-speed-limit .level=${machine.speedLevel} .means=${speedWords(joints, machine.speedLevel)} @t-level=${this.onSpeedLevel}></t-speed-limit>
       <p class="note">A joint moves while its button is held, and comes to rest when it is let go. S halts, Escape is STOP.</p>
     `;
   }
@@ -140,6 +140,17 @@ export class JointJog extends LitElement {
   private readonly onSpeedLevel = (event: CustomEvent<number>): void => {
     this.seat?.setLevel(event.detail);
   };
+}
+
+/** How fast the fastest joint moves at a full push; of joints that slide, beside those that turn. */
+function speedWords(joints: readonly DrivenJointShape[], level: number): string {
+  const ofKind = (slides: boolean): readonly string[] => {
+    const limits = joints.filter((joint) => joint.slides === slides).map(({ max_speed: limit }) => limit);
+    if (limits.length === 0) return [];
+    const text = shownText({ unit: slides ? "m/s" : "rad/s", decimals: 2, shown: null }, Math.max(...limits) * level);
+    return [new Set(limits).size > 1 ? `up to ${text}` : text];
+  };
+  return [...ofKind(false), ...ofKind(true)].join(" · ");
 }
 
 declare global {

@@ -82,10 +82,6 @@ export class DrivePad extends LitElement {
         align-items: center;
         justify-content: space-between;
         gap: var(--t-space-2);
-        grid-area: aside;
-      }
-      :host(:not([hand="both"])) .aside {
-        grid-area: aside;
       }
       .hint {
         ${quietText}
@@ -131,6 +127,9 @@ export class DrivePad extends LitElement {
         }
         :host(:not([hand="both"])) t-lease {
           grid-area: lease;
+        }
+        :host(:not([hand="both"])) .aside {
+          grid-area: aside;
         }
         :host(:not([hand="both"])) t-speed-limit {
           grid-area: speed;
@@ -191,7 +190,7 @@ export class DrivePad extends LitElement {
   override willUpdate(): void {
     this.observeSignals();
     this.followLock();
-    const channels = [this.signalWithUnit("m/s"), this.signalWithUnit("rad/s")].flatMap((signal) => signal?.channels ?? []);
+    const channels = [this.speedSignal, this.sidewaysSignal, this.turnSignal].flatMap((signal) => signal?.channels ?? []);
     this.live.observeChannels(this.site, channels);
   }
 
@@ -240,7 +239,7 @@ export class DrivePad extends LitElement {
         <summary>Keys and gamepad</summary>
         <p>
           Hold W&nbsp;A&nbsp;D&nbsp;X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, +
-          and − change the speed, Escape is STOP.${sideways ? " Q and E move to the left and right without turning." : ""}
+          and − change the speed, Escape is STOP.${steers ? " A and D steer, also while it stands; let go, the wheels stay turned until you drive on." : ""}${sideways ? " Q and E move to the left and right without turning." : ""}
           Gamepad: hold a shoulder button and push the left stick or the cross${sideways ? ", the right stick for sideways" : ""};
           the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.
         </p>
@@ -293,20 +292,37 @@ export class DrivePad extends LitElement {
   }
 
   private measuredMotion(): Motion {
-    return { linear: this.freshValue("m/s"), angular: this.freshValue("rad/s") };
+    return { linear: this.freshValue(this.speedSignal), angular: this.freshValue(this.turnSignal), lateral: this.freshValue(this.sidewaysSignal) };
   }
 
-  /** The device's first signal in this unit; a stale one counts as none. */
-  private freshValue(unit: string): number {
-    const signal = this.signalWithUnit(unit);
+  /** A stale one counts as none. */
+  private freshValue(signal: SignalShape | undefined): number {
     const channel = signal?.channels[0];
     if (!signal || channel === undefined) return Number.NaN;
     const fresh = this.live.freshnessOf(channel, signal.max_age) === "live";
     return fresh ? (this.live.readingOf(channel)?.value ?? Number.NaN) : Number.NaN;
   }
 
-  private signalWithUnit(unit: string): SignalShape | undefined {
-    return this.device?.signals.find((signal) => signal.type === "number" && signal.unit === unit);
+  private get speedSignal(): SignalShape | undefined {
+    return this.measuringSignal("vehicle.speed", "m/s") ?? this.plainSignal("m/s");
+  }
+
+  private get turnSignal(): SignalShape | undefined {
+    return this.measuringSignal("vehicle.turn_rate", "rad/s") ?? this.plainSignal("rad/s");
+  }
+
+  private get sidewaysSignal(): SignalShape | undefined {
+    return this.measuringSignal("vehicle.sideways_speed", "m/s");
+  }
+
+  /** Beside what is asked stands what is in the same unit. */
+  private measuringSignal(role: SignalShape["role"], unit: string): SignalShape | undefined {
+    return this.device?.signals.find((signal) => signal.role === role && signal.unit === unit);
+  }
+
+  /** The device's first number in this unit that is nothing else. */
+  private plainSignal(unit: string): SignalShape | undefined {
+    return this.device?.signals.find((signal) => signal.type === "number" && signal.unit === unit && !signal.role.startsWith("vehicle."));
   }
 
   private observeSignals(): void {

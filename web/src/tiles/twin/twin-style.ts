@@ -27,7 +27,15 @@ export const twinStyle = css`
   .columns {
     display: grid;
     grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr));
+    align-items: start;
     gap: var(--t-space-4);
+  }
+  /* As large as on the page that drives the robot, where there is room for both. */
+  @media (min-width: 52rem) {
+    .hands {
+      --t-pad-size: 10.75rem;
+      --t-arrows-size: 9.75rem;
+    }
   }
   .switch {
     display: flex;

@@ -31,6 +31,10 @@ describe("an arm is known by what it has", () => {
     expect(parts?.poses.map(({ id }) => id)).toEqual(["to_arm_home", "to_arm_ready"]);
   });
 
+  test("wheels that steer have both ends, and are no arm", () => {
+    expect(armParts({ ...ARM, signals: [joint("steering_left_position"), joint("steering_right_position"), joint("caster")] })).toBeNull();
+  });
+
   test("one joint makes no arm, and what drives or is an instrument is none", () => {
     expect(armParts({ ...ARM, signals: [joint("valve")] })).toBeNull();
     expect(armParts({ ...ARM, kind: "telescope" })).toBeNull();

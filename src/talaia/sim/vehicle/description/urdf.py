@@ -8,10 +8,19 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["ROBOT_DESCRIPTION"]
+from talaia.sim.vehicle.drives.jogged_arm import ARM_JOINTS
+from talaia.sim.vehicle.drives.kinematics import (
+    MAX_STEERING,
+    STEERING_RATE,
+    TRACK,
+    WHEEL_RADIUS,
+    WHEELBASE,
+    DriveKind,
+)
+
+__all__ = ["make_urdf"]
 
 _LIDAR_AT = 0.19
-_WHEEL_AT, _WHEEL_RADIUS = 0.08, 0.033
 
 
 def _cylinder(radius: float, length: float, xyz: str, material: str, *, rpy: str = "0 0 0") -> str:
@@ -23,42 +32,99 @@ def _cylinder(radius: float, length: float, xyz: str, material: str, *, rpy: str
 """
 
 
-def _joint(name: str, kind: str, child: str, xyz: str, *, more: str = "") -> str:
+def _joint(
+    name: str, kind: str, child: str, xyz: str, *, more: str = "", parent: str = "base_link"
+) -> str:
     return f"""  <joint name="{name}" type="{kind}">
-    <parent link="base_link"/>
+    <parent link="{parent}"/>
     <child link="{child}"/>
     <origin xyz="{xyz}" rpy="0 0 0"/>{more}
   </joint>
 """
 
 
-def _make_urdf() -> str:
-    decks = "".join(
-        _cylinder(0.13, 0.012, f"0 0 {height}", "deck") for height in (0.045, 0.095, 0.145)
-    )
-    mast = _cylinder(0.012, 0.20, "0 0 0.28", "deck")
-    wheels = "".join(
-        f'  <link name="wheel_{side}_link">\n'
-        + _cylinder(_WHEEL_RADIUS, 0.02, "0 0 0", "tyre", rpy=f"{math.pi / 2:.6f} 0 0")
+def _limit(low: float, high: float, speed: float) -> str:
+    return f'<limit lower="{low}" upper="{high}" effort="2" velocity="{speed}"/>'
+
+
+def _wheel(name: str) -> str:
+    return (
+        f'  <link name="{name}_link">\n'
+        + _cylinder(WHEEL_RADIUS, 0.02, "0 0 0", "tyre", rpy=f"{math.pi / 2:.6f} 0 0")
         # So that one sees it turn.
         + """    <visual>
       <geometry><box size="0.05 0.021 0.008"/></geometry>
       <material name="hub"/>
     </visual>
+  </link>
 """
-        + "  </link>\n"
-        for side in ("left", "right")
     )
-    joints = "".join(
-        _joint(
-            f"wheel_{side}_joint",
-            "continuous",
-            f"wheel_{side}_link",
-            f"0 {sign * _WHEEL_AT} {_WHEEL_RADIUS}",
-            more='\n    <axis xyz="0 1 0"/>',
+
+
+def _rolling(name: str, xyz: str, *, parent: str = "base_link") -> str:
+    more = '\n    <axis xyz="0 1 0"/>'
+    return _wheel(name) + _joint(
+        f"{name}_joint", "continuous", f"{name}_link", xyz, more=more, parent=parent
+    )
+
+
+def _wheels(drive: DriveKind) -> str:
+    sides = (("left", TRACK / 2), ("right", -TRACK / 2))
+    ends = (("front", WHEELBASE / 2), ("rear", -WHEELBASE / 2))
+    if drive is DriveKind.HOLONOMIC:
+        return "".join(
+            _rolling(f"mecanum_{end}_{side}", f"{x} {y} {WHEEL_RADIUS}")
+            for end, x in ends
+            for side, y in sides
         )
-        for side, sign in (("left", 1), ("right", -1))
+    # The frame of a base with steered wheels lies between its rear ones, as odometry counts there.
+    rear = "".join(_rolling(f"wheel_{side}", f"0 {y} {WHEEL_RADIUS}") for side, y in sides)
+    if drive is DriveKind.DIFFERENTIAL:
+        return rear
+    limit = _limit(-MAX_STEERING, MAX_STEERING, STEERING_RATE)
+    front = "".join(
+        f'  <link name="steering_{side}_link"/>\n'
+        + _joint(
+            f"steering_{side}_joint",
+            "revolute",
+            f"steering_{side}_link",
+            f"{WHEELBASE} {y} {WHEEL_RADIUS}",
+            more=f'\n    <axis xyz="0 0 1"/>\n    {limit}',
+        )
+        + _rolling(f"wheel_front_{side}", "0 0 0", parent=f"steering_{side}_link")
+        for side, y in sides
     )
+    return rear + front
+
+
+def _arm() -> str:
+    """Make the arm: each joint at the end of the link before it."""
+    text, parent, at = "", "base_link", "-0.07 0 0.151"
+    for joint, axis, length in zip(
+        ARM_JOINTS, ("0 0 1", "0 1 0", "0 1 0"), (0.03, 0.14, 0.12), strict=True
+    ):
+        link = joint.name.replace("_joint", "_link")
+        limit = _limit(joint.low, joint.high, joint.max_speed)
+        form = _cylinder(0.018, length, f"0 0 {length / 2}", "hub")
+        text += f'  <link name="{link}">\n{form}  </link>\n'
+        text += _joint(
+            joint.name,
+            "revolute",
+            link,
+            at,
+            more=f'\n    <axis xyz="{axis}"/>\n    {limit}',
+            parent=parent,
+        )
+        parent, at = link, f"0 0 {length}"
+    return text
+
+
+def make_urdf(drive: DriveKind = DriveKind.DIFFERENTIAL, *, arm: bool = False) -> str:
+    """Give the form of a vehicle with these wheels; the frame of its base is ``base_link``."""
+    decks = "".join(
+        _cylinder(0.13, 0.012, f"0 0 {height}", "deck") for height in (0.045, 0.095, 0.145)
+    )
+    mast = _cylinder(0.012, 0.20, "0 0 0.28", "deck")
     return f"""<?xml version="1.0"?>
 <robot name="house_vehicle">
   <material name="deck"><color rgba="0.12 0.12 0.13 1"/></material>
@@ -76,13 +142,9 @@ def _make_urdf() -> str:
       <material name="deck"/>
     </visual>
   </link>
-{wheels}{joints}\
+{_wheels(drive)}{_arm() if arm else ""}\
 {_joint("scan_joint", "fixed", "base_scan", f"0 0 {_LIDAR_AT}")}\
 {_joint("imu_joint", "fixed", "imu_link", "0 0 0.05")}\
 {_joint("camera_joint", "fixed", "camera_link", "0.035 0 0.375")}\
 </robot>
 """
-
-
-ROBOT_DESCRIPTION = _make_urdf()
-"""Of the vehicle; the frame of its base is ``base_link``."""
