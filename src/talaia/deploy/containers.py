@@ -34,7 +34,7 @@ __all__ = [
     "hub_service",
     "hub_words",
     "install_steps",
-    "postgresql_services",
+    "postgresql_service",
     "write_compose_file",
     "write_dockerfile",
     "write_steps",
@@ -160,10 +160,11 @@ def write_compose_file(
     volumes: dict[str, object] = {"hub-data": {}, "link": {}, "gateway-data": {}}
     hub, enrol = hub_service(hosts, {"ports": [f"{port}:8443"]}), enrol_service(site, port)
     if database is not DatabaseKind.SQLITE:
-        added = _mariadb_services() if database is DatabaseKind.MARIADB else postgresql_services()
-        services |= added
         if database is DatabaseKind.MARIADB:
+            services |= _mariadb_services()
             services["phpmyadmin"] = _phpmyadmin_service()
+        else:
+            services["database"] = postgresql_service()
         volumes["database"] = {}
         secrets = {name: {"file": f"./secrets/{name}"} for name in _secret_files(database)}
         # Both open the database.
@@ -349,31 +350,30 @@ def _phpmyadmin_service() -> dict[str, object]:
     )
 
 
-def postgresql_services() -> dict[str, object]:
+def postgresql_service(networks: Sequence[str] = ()) -> dict[str, object]:
     """Write the database, where it is PostgreSQL."""
-    return {
-        "database": base_service(
-            {
-                "image": IMAGES["postgresql"],
-                "user": DATABASE_USER,
-                "environment": {
-                    "POSTGRES_DB": "talaia",
-                    "POSTGRES_USER": "talaia",
-                    "POSTGRES_PASSWORD_FILE": "/run/secrets/database_password",
-                },
-                "secrets": ["database_password"],
-                "volumes": ["database:/var/lib/postgresql/data"],
-                "healthcheck": {
-                    "test": ["CMD", "pg_isready", "-U", "talaia", "-d", "talaia"],
-                    "interval": "5s",
-                    "timeout": "5s",
-                    "retries": 24,
-                },
+    return base_service(
+        {
+            "image": IMAGES["postgresql"],
+            "user": DATABASE_USER,
+            "environment": {
+                "POSTGRES_DB": "talaia",
+                "POSTGRES_USER": "talaia",
+                "POSTGRES_PASSWORD_FILE": "/run/secrets/database_password",
             },
-            "2g",
-            ["/var/run/postgresql"],
-        )
-    }
+            "secrets": ["database_password"],
+            "volumes": ["database:/var/lib/postgresql/data"],
+            "healthcheck": {
+                "test": ["CMD", "pg_isready", "-U", "talaia", "-d", "talaia"],
+                "interval": "5s",
+                "timeout": "5s",
+                "retries": 24,
+            },
+            **({"networks": list(networks)} if networks else {}),
+        },
+        "2g",
+        ["/var/run/postgresql"],
+    )
 
 
 def _literal_text(value: object) -> object:
