@@ -116,8 +116,8 @@ def _several_text(choice: DeployOptions) -> str:
 
 {choice.hubs} hubs (`{names[0]}` to `{names[-1]}`) are one: one of them leads, the others hand \
 through and take over. HAProxy (`haproxy.cfg`) lets TLS pass through to any that is ready. All \
-have the volume `hub-data`: `seal.key`, the certificate, recordings, pictures and imports are there. \
-On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
+have the volume `hub-data`, where `seal.key`, the certificate, recordings, pictures and imports \
+are. On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
 Kubernetes (below), or several machines by hand (docs/how-to/scale.md of Talaia).
 
 A new version, hub by hub:

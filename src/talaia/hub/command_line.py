@@ -90,6 +90,14 @@ def _make_parser() -> argparse.ArgumentParser:
         " X-Forwarded headers are believed, and nobody else's; may repeat",
     )
     parser.add_argument(
+        "--proxy-protocol",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a load balancer that lets TLS pass, and says by the PROXY"
+        " protocol (version 2) who comes; connections from there begin with it; may repeat",
+    )
+    parser.add_argument(
         "--notify-network",
         action="append",
         default=[],
@@ -230,6 +238,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         key=options.tls_key,
         hosts=tuple(options.allow_host),
         proxies=_read_networks("--proxy", options.proxy),
+        balancers=_read_networks("--proxy-protocol", options.proxy_protocol),
         notify_networks=_read_networks("--notify-network", options.notify_network),
         cluster=cluster,
         cluster_name=options.cluster_name[:200],
