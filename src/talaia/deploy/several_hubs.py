@@ -127,7 +127,8 @@ def write_balancer_config(hubs: Sequence[str]) -> str:
 # Made by `talaia generate --hubs {len(hubs)}`.
 global
   log stdout format raw local0 notice
-  maxconn 20000
+  # Two for each connection; where the system allows less, HAProxy makes do with that.
+  fd-hard-limit 50000
 
 defaults
   mode tcp

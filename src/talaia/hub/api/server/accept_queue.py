@@ -71,6 +71,8 @@ class AcceptQueue:
         self._tls = tls
         # Shaking hands now. Kept, since the loop holds tasks only weakly, and ended by `close`.
         self._arriving: set[asyncio.Task[None]] = set()
+        # The balancer's last connection did not begin as it must.
+        self._misheard = False
         # Takes connections in, from `open` to `close`.
         self._task: asyncio.Task[None] | None = None
 
@@ -158,10 +160,14 @@ class AcceptQueue:
             async with asyncio.timeout(_HEADER_S):
                 asker = await receive_asker(loop, connection)
         except NoProxyHeader as error:
-            _LOG.warning("%s: %s", address, error)
+            # Its health checks come twice a second: said once, until it does better.
+            if not self._misheard:
+                _LOG.warning("connections from %s are closed: %s", address, error)
+            self._misheard = True
             return False
         except (OSError, TimeoutError):
             return False
+        self._misheard = False
         self._count_arrival(connection, address if asker is None else asker[0], asker)
         return True
 
