@@ -213,7 +213,8 @@ class GeneratedHubs:
 
     def _own_text(self, name: str, text: str) -> str:
         """Give the text of a container as it is on this machine."""
-        alone = {"/data": str(self.data), "0.0.0.0": "127.0.0.1", "8443": str(self.ports[name])}
+        alone = {"/data": str(self.data), "8443": str(self.ports[name])}
+        alone["0.0.0.0"] = "127.0.0.1"  # noqa: S104 - replaced, not bound
         return alone.get(text, text.replace("/run/secrets", f"{self.folder}/secrets"))
 
     def _rewrite(self, name: str, *changes: tuple[str, str]) -> None:
