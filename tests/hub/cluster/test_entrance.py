@@ -2,8 +2,11 @@
 
 import asyncio
 
+import msgspec
+
 from talaia.hub.cluster import entrance
 from talaia.hub.cluster.entrance import Entrance
+from talaia.hub.cluster.frames import FrameKind, TunnelFrame
 
 
 async def never() -> dict:
@@ -17,9 +20,15 @@ def scope_of(kind: str, path: str) -> dict:
 async def test_sockets_go_in_groups_pages_before_gateways_and_requests_stay(monkeypatch) -> None:
     monkeypatch.setattr(entrance, "_GROUP_PAUSE_S", 0.0)
     closed: list[str] = []
+    ended: list[bytes] = []
 
-    async def post(*_words: object) -> None:
-        pass
+    async def post(name, _lane, frame) -> None:
+        # The lead lets each socket in at once.
+        if frame.kind is FrameKind.OPEN:
+            payload = msgspec.msgpack.encode({"type": "websocket.accept"})
+            door.receive_frame(name, TunnelFrame(FrameKind.LAST, name.number, 0, payload))
+        elif frame.kind is FrameKind.END:
+            ended.append(frame.payload)
 
     door = Entrance(find_lead=lambda: "lead", post=post)
 
@@ -48,6 +57,8 @@ async def test_sockets_go_in_groups_pages_before_gateways_and_requests_stay(monk
     # A hundred in twenty groups.
     assert max(sizes) <= 5
     assert closed == ["/ws"] * 50 + ["/gateway/link"] * 50
+    # At the lead, what they held is free at once.
+    assert ended == [b"the hub ends"] * 100
     assert not download.done()
     download.cancel()
     await asyncio.gather(download, return_exceptions=True)

@@ -103,7 +103,8 @@ class Entrance:
             if first:
                 await asyncio.sleep(_GROUP_PAUSE_S)
             for tunnel in sockets[first : first + size]:
-                tunnel.break_off(reason)
+                # The lead is told, too: what a page holds there is free before it comes again.
+                await tunnel.end_tunnel(reason)
 
     async def _hand_through(
         self, tunnel: TunnelEnd, scope: Scope, receive: Receive, send: Send
