@@ -118,17 +118,20 @@ async def test_whoever_comes_through_haproxy_is_back_after_a_hub_died_and_one_wa
             *("-m", "talaia", "gateway", str(site), "--key-file", str(key)),
             *("--data", str(tmp_path / "gateway")),
         )
-        viewer = Viewer(hubs)
+        viewers = []
         try:
+            first = await hub_of_gateway(hubs)
+            # Only now: a site is known once its gateway has come.
+            viewers.append(viewer := Viewer(hubs))
             await viewer.until_sees(3)
-            await hubs.end_hub(await hub_of_gateway(hubs), signal.SIGKILL)
+            await hubs.end_hub(first, signal.SIGKILL)
             killed_at = viewer.newest
             await viewer.until_sees(killed_at + 5)
             ended = await hub_of_gateway(hubs)
             assert await hubs.end_hub(ended, signal.SIGTERM) == 0
             await viewer.until_sees(viewer.newest + 5)
         finally:
-            await viewer.close()
+            await asyncio.gather(*(viewer.close() for viewer in viewers))
             gateway.terminate()
             await gateway.wait()
         numbers = await stored_numbers(hubs)
