@@ -12,7 +12,7 @@ import websockets
 from async_program import start_program
 from patience import until_answered
 
-from talaia.wire.browser import Subscribe, Values
+from talaia.wire.browser import RequestError, Subscribe, Values
 from talaia.wire.columns import unpack_columns
 
 from .databases import database_with_tables
@@ -70,12 +70,13 @@ class Viewer:
                 page = await self._hubs.page()
                 asked = Subscribe(sub=1, site="agv", channels=["base/count"], every_ms=0)
                 await page.say(asked)
-                while True:
-                    values = await page.hear(Values)
+                # A site is known once its gateway has said what it is.
+                while isinstance(values := await page.hear((Values, RequestError)), Values):
                     self.newest = max([self.newest, *unpack_columns(values).value.tolist()])
                     now = time.monotonic()
                     self.dark_s.append(now - last)
                     last = now
+                await page.close()
             await asyncio.sleep(0.1)
 
 
@@ -121,7 +122,6 @@ async def test_whoever_comes_through_haproxy_is_back_after_a_hub_died_and_one_wa
         viewers = []
         try:
             first = await hub_of_gateway(hubs)
-            # Only now: a site is known once its gateway has come.
             viewers.append(viewer := Viewer(hubs))
             await viewer.until_sees(3)
             await hubs.end_hub(first, signal.SIGKILL)
