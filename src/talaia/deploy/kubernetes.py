@@ -70,7 +70,7 @@ def write_manifests(hubs: int, hosts: Iterable[str], version: str) -> dict[str, 
 class _Dumper(yaml.SafeDumper):
     """Writes what stands in two places twice, and without names of its own."""
 
-    def ignore_aliases(self, _data: object) -> bool:  # type: ignore[override]
+    def ignore_aliases(self, _data: object) -> bool:
         return True
 
 

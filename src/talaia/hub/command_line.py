@@ -81,22 +81,7 @@ def _make_parser() -> argparse.ArgumentParser:
         metavar="NAME",
         help="another host name under which this hub is reached; may repeat",
     )
-    parser.add_argument(
-        "--proxy",
-        action="append",
-        default=[],
-        metavar="ADDRESS",
-        help="address or network of a reverse proxy that ends TLS before this hub; its"
-        " X-Forwarded headers are believed, and nobody else's; may repeat",
-    )
-    parser.add_argument(
-        "--proxy-protocol",
-        action="append",
-        default=[],
-        metavar="ADDRESS",
-        help="address or network of a load balancer that lets TLS pass, and says by the PROXY"
-        " protocol (version 2) who comes; connections from there begin with it; may repeat",
-    )
+    _add_proxies(parser)
     parser.add_argument(
         "--notify-network",
         action="append",
@@ -139,6 +124,25 @@ def _make_parser() -> argparse.ArgumentParser:
     _add_neighbours(parser)
     add_log_options(parser)
     return parser
+
+
+def _add_proxies(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--proxy",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a reverse proxy that ends TLS before this hub; its"
+        " X-Forwarded headers are believed, and nobody else's; may repeat",
+    )
+    parser.add_argument(
+        "--proxy-protocol",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a load balancer that lets TLS pass, and says by the PROXY"
+        " protocol (version 2) who comes; connections from there begin with it; may repeat",
+    )
 
 
 def _add_neighbours(parser: argparse.ArgumentParser) -> None:

@@ -70,7 +70,7 @@ class AcceptQueue:
         self._protocol = protocol
         self._tls = tls
         # Shaking hands now. Kept, since the loop holds tasks only weakly, and ended by `close`.
-        self._arriving: set[asyncio.Task[None]] = set()
+        self._arriving: set[asyncio.Task[None] | asyncio.Task[bool]] = set()
         # The balancer's last connection did not begin as it must.
         self._misheard = False
         # Takes connections in, from `open` to `close`.
