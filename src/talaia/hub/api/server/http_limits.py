@@ -79,10 +79,11 @@ class HubProtocol(HttpToolsProtocol):
         """Hand the connection over."""
         # A socket stays open for days; its own limits hold from now on.
         self._disarm_timer()
-        if self.asker is not None:
-            self.ws_protocol_class = functools.partial(
-                self.ws_protocol_class,  # type: ignore[arg-type]
-                asker=self.asker,
+        if self.asker is not None and self.ws_protocol_class is not None:
+            # uvicorn only calls it, to make a protocol.
+            self.ws_protocol_class = functools.partial(  # type: ignore[assignment]
+                self.ws_protocol_class,
+                asker=self.asker,  # type: ignore[call-arg]
             )
         super().handle_websocket_upgrade()
 
