@@ -35,8 +35,8 @@ ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 # builds http-ece (which has no wheel), and uv. In one file that travels in the wheel.
 IMAGES = ROOT / "src/talaia/deploy/images.lock"
 IMAGE_EXTRAS = (
-    "hub", "arrow", "mariadb", "postgresql", "objects", "gateway", "ros2", "recording", "camera",
-    "observatory",
+    "hub", "arrow", "mariadb", "postgresql", "cluster", "objects", "gateway", "ros2", "recording",
+    "camera", "observatory",
 )  # fmt: skip
 OTHER_GROUPS = {"build": "setuptools\n", "uv": "uv\n"}
 COMPILE = (

@@ -59,6 +59,9 @@ TESTED_WITH = {
 # which wants every test, gets them. Without them these tests skip, and say so.
 JUDGES = {
     "prometheus": "/usr/bin/prometheus",
+    # Before several hubs, and behind them.
+    "haproxy": "/usr/sbin/haproxy",
+    "nats-server": "/usr/sbin/nats-server",
     # A provider of sign-ins (OpenID Connect).
     "glewlwyd": "/usr/bin/glewlwyd",
     "astrometry.net": "/usr/bin/solve-field",

@@ -24,6 +24,7 @@ from talaia.deploy.systemd import gateway_unit, hub_unit, quoted_argument
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
+SYSTEM_PATH = "/usr/local/bin:/usr/bin:/usr/sbin"
 HOSTILE = [
     "a b",
     "x'; rm -rf / #",
@@ -62,6 +63,167 @@ def test_compose_itself_accepts_the_project(database: DatabaseKind, tmp_path: Pa
     for secret in (tmp_path / "secrets").glob("*"):
         assert secret.read_text() not in text
     assert all(each["restart"] for each in kept["services"].values())
+
+
+def several_hubs(folder: Path, *more: str) -> Path:
+    words = ["generate", str(EXAMPLE), "--to", str(folder), "--hubs", "3", *more]
+    assert main(words) == 0
+    return folder
+
+
+def manifests_of(folder: Path) -> list[dict]:
+    return [
+        manifest
+        for path in sorted((folder / "kubernetes").iterdir())
+        for manifest in yaml.safe_load_all(path.read_text())
+    ]
+
+
+def test_compose_haproxy_nats_and_kustomize_accept_the_files_of_several_hubs(
+    tmp_path: Path,
+) -> None:
+    several_hubs(tmp_path)
+    compose, haproxy = shutil.which("docker-compose"), shutil.which("haproxy", path=SYSTEM_PATH)
+    nats, kubectl = shutil.which("nats-server", path=SYSTEM_PATH), shutil.which("kubectl")
+    # Names of containers are none here, and neither is the folder of their secrets.
+    balancer = tmp_path / "here.cfg"
+    text = (tmp_path / "haproxy.cfg").read_text()
+    balancer.write_text(re.sub(r" hub-\d:8443", " 127.0.0.1:8443", text))
+    bus = tmp_path / "here.conf"
+    text = (tmp_path / "secrets/nats.conf").read_text()
+    bus.write_text(text.replace("/run/secrets", str(tmp_path / "secrets")))
+    for words in (
+        [compose or "docker-compose", "config", "--quiet"],
+        [haproxy or "haproxy", "-c", "-q", "-f", str(balancer)],
+        [nats or "nats-server", "-t", "-c", str(bus)],
+        # Kubernetes' own; the rest of its judgement is a cluster's.
+        [kubectl or "kubectl", "kustomize", "kubernetes"],
+    ):
+        if not Path(words[0]).is_absolute():
+            missing(words[0])
+        said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert said.returncode == 0, said.stdout + said.stderr
+        assert "WARNING" not in said.stderr, said.stderr
+
+
+def test_several_hubs_are_bounded_share_one_folder_and_have_no_port_but_the_balancers(
+    tmp_path: Path,
+) -> None:
+    several_hubs(tmp_path)
+    project = yaml.safe_load((tmp_path / "compose.yaml").read_text())
+    services = project["services"]
+    hubs = {name: each for name, each in services.items() if name.startswith("hub-")}
+    assert list(hubs) == ["hub-1", "hub-2", "hub-3"]
+    for name, service in services.items():
+        assert service["cap_drop"] == ["ALL"], name
+        assert service["read_only"], name
+        assert service["mem_limit"], name
+        assert "build" in service or not service["user"].startswith("0"), name
+    assert {name for name, each in services.items() if "ports" in each} == {"haproxy"}
+    assert {name for name, each in services.items() if each.get("networks") == ["back"]} == {
+        *("database", "nats", "enrol")
+    }
+    assert project["networks"]["back"]["internal"]
+    assert all(each["volumes"] == ["hub-data:/data"] for each in hubs.values())
+    assert all("healthcheck" in services[name] for name in (*hubs, "haproxy", "nats", "database"))
+    balancer = (tmp_path / "haproxy.cfg").read_text()
+    assert "\n  mode tcp\n" in balancer
+    assert "GET /api/ready" in balancer
+    assert not re.search(r"(?m)^ *(stick|cookie|bind .* ssl)", balancer)
+    assert "\nnats-py==" in (tmp_path / "locks/hub.txt").read_text()
+
+
+def test_no_secret_stands_anywhere_but_in_its_own_file(tmp_path: Path) -> None:
+    several_hubs(tmp_path)
+    words = {(tmp_path / "secrets/database_password").read_text()}
+    words |= {re.findall(r":([^:@]+)@", (tmp_path / "secrets/cluster_url").read_text())[0]}
+    words |= {
+        line
+        for path in (tmp_path / "secrets").glob("*_key.pem")
+        for line in path.read_text().splitlines()
+        if not line.startswith("---")
+    }
+    assert len(words) > 4
+    for path in tmp_path.rglob("*"):
+        if path.is_file() and path.parent.name != "secrets":
+            text = path.read_text()
+            assert not any(word in text for word in words), path
+
+
+def test_pods_are_bounded_probed_and_get_their_secrets_by_name(tmp_path: Path) -> None:
+    manifests = manifests_of(several_hubs(tmp_path))
+    kinds = [each["kind"] for each in manifests]
+    assert {"PodDisruptionBudget", "NetworkPolicy", "Namespace", "Kustomization"} <= set(kinds)
+    assert "Secret" not in kinds
+    owners = [each for each in manifests if each["kind"] in {"Deployment", "StatefulSet"}]
+    assert len(owners) == 3
+    named = set()
+    for owner in owners:
+        pod = owner["spec"]["template"]["spec"]
+        assert owner["spec"]["selector"]["matchLabels"].items() <= (
+            owner["spec"]["template"]["metadata"]["labels"].items()
+        )
+        assert pod["securityContext"]["runAsNonRoot"]
+        assert pod["securityContext"]["seccompProfile"] == {"type": "RuntimeDefault"}
+        assert not pod["automountServiceAccountToken"]
+        volumes = {each["name"]: each for each in pod["volumes"]}
+        named |= {each["secret"]["secretName"] for each in volumes.values() if "secret" in each}
+        volumes |= {
+            each["metadata"]["name"]: each for each in owner["spec"].get("volumeClaimTemplates", [])
+        }
+        for container in pod["containers"]:
+            bounds = container["securityContext"]
+            assert bounds["readOnlyRootFilesystem"]
+            assert not bounds["allowPrivilegeEscalation"]
+            assert bounds["capabilities"] == {"drop": ["ALL"]}
+            assert {"cpu", "memory"} == container["resources"]["requests"].keys()
+            assert "readinessProbe" in container
+            assert {each["name"] for each in container["volumeMounts"]} == volumes.keys()
+    told = (tmp_path / "README.md").read_text()
+    assert all(f"create secret generic {name} " in told for name in named)
+    hub = next(each for each in owners if each["metadata"]["name"] == "hub")
+    assert hub["spec"]["replicas"] == 3
+    container = hub["spec"]["template"]["spec"]["containers"][0]
+    assert container["livenessProbe"]["httpGet"]["path"] == "/api/health"
+    assert container["readinessProbe"]["httpGet"]["path"] == "/api/ready"
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        (["--hubs", "1"], "--hubs: expected 2 to 9, found 1; leave it out for one hub"),
+        (["--hubs", "0"], "--hubs: expected 2 to 9, found 0"),
+        (["--hubs", "100"], "--hubs: expected 2 to 9, found 100"),
+        (["--hubs", "3", "--database", "sqlite"], "with PostgreSQL, not sqlite"),
+        (["--hubs", "3", "--database", "mariadb"], "with PostgreSQL, not mariadb"),
+    ],
+)
+def test_a_number_of_hubs_that_cannot_be_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: list[str], told: str
+) -> None:
+    assert main(["generate", str(EXAMPLE), "--to", str(tmp_path / "no"), *more]) == 2
+    assert told in capsys.readouterr().err
+    assert not (tmp_path / "no").exists()
+
+
+def test_one_hub_becomes_three_with_the_passwords_that_its_database_knows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["generate", str(EXAMPLE), "--to", str(tmp_path)]
+    assert main([*words, "--database", "postgresql"]) == 0
+    kept = (tmp_path / "secrets/database_password").read_text()
+    several_hubs(tmp_path, "--force")
+    for name in ("database_password", "database_url", "kubernetes_database_url"):
+        assert kept in (tmp_path / "secrets" / name).read_text()
+    # Of files that were made together none is made anew alone.
+    (tmp_path / "secrets/nats_key.pem").unlink()
+    assert main([*words, "--hubs", "3", "--force"]) == 2
+    assert "no secrets/nats_key.pem, which were made together" in capsys.readouterr().err
+    # Another database knows none of the passwords that are kept.
+    other = ["generate", str(EXAMPLE), "--to", str(tmp_path / "other")]
+    assert main(other) == 0
+    assert main([*other, "--hubs", "3", "--force"]) == 2
+    assert "was made for mariadb, and its secrets are kept" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("database", DatabaseKind)

@@ -196,7 +196,7 @@ class Peer:
                         self.heard.remove(message)
                         return message
                 if self.close_code is not None:
-                    raise AssertionError(f"closed ({self.close_code}) before {kind.__name__}")
+                    raise AssertionError(f"closed ({self.close_code}) before {kind}")
                 await self._news.wait()
 
     async def closed(self) -> int:

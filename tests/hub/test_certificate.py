@@ -8,6 +8,7 @@ import hashlib
 import logging
 import ssl
 import stat
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from cryptography import x509
@@ -201,3 +202,29 @@ async def test_renewed_certificate_is_shown_without_a_restart(
             cert
         )
         assert await shown_by(running.port) != before
+
+
+def test_hubs_that_share_a_folder_agree_on_one_certificate_whatever_their_machines_are_called(
+    tmp_path, monkeypatch
+) -> None:
+    def started_on(machine: str, *hosts: str) -> str:
+        monkeypatch.setattr("socket.gethostname", lambda: machine)
+        settings = Settings(data=tmp_path, cluster=("nats://n",), hosts=hosts)
+        return certificate_fingerprint(own_certificate(settings, NOW).cert)
+
+    first = started_on("pod-1", "hub.example")
+    assert started_on("pod-2", "hub.example") == first
+    # A name that one alone has is added once, and the others keep to it.
+    second = started_on("pod-3", "hub.example", "other.example")
+    assert second != first
+    assert started_on("pod-1", "hub.example") == second
+
+
+def test_hubs_that_start_at_once_in_one_folder_have_one_key(tmp_path) -> None:
+    settings = Settings(data=tmp_path, cluster=("nats://n",))
+    with ThreadPoolExecutor(8) as pool:
+        made = list(pool.map(lambda _: own_certificate(settings, NOW), range(8)))
+    assert len({key_hash(each.cert) for each in made}) == 1
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(made[0].cert, made[0].key)
+    assert {path.name for path in (tmp_path / "tls").iterdir()} == {"cert.pem", "key.pem"}

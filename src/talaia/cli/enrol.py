@@ -14,7 +14,7 @@ from talaia.cli.keys import is_good, make_key
 from talaia.gateway.key_file import KeyFile
 from talaia.gateway.settings import HubAddress
 from talaia.hub import accounts
-from talaia.hub.certificate import key_hash, own_certificate
+from talaia.hub.certificate import certificate_of, key_hash, own_certificate
 from talaia.hub.settings import Settings
 
 if TYPE_CHECKING:
@@ -54,6 +54,13 @@ def main(argv: Sequence[str]) -> int:
     return _write_key_file(settings, options)
 
 
+def _find_certificate(settings: Settings, now: dt.datetime) -> Path:
+    # The hub's own, as it is: here nobody knows all names by which it is reached, and one made
+    # anew without them would be in its place.
+    found = certificate_of(settings).cert
+    return found if found.exists() else own_certificate(settings, now).cert
+
+
 def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
     address = HubAddress.from_text(options.hub, allow_plain=options.allow_plain)
@@ -63,7 +70,7 @@ def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
         return 0
     # The gateway knows the hub by this key, so nobody else can pose as it, and no authority is
     # needed. Without encryption there is none to know it by.
-    pin = "" if address.plain else key_hash(own_certificate(settings, now).cert)
+    pin = "" if address.plain else key_hash(_find_certificate(settings, now))
     content = KeyFile(key="", site=options.site, hub=address.url, fingerprint=pin)
     asyncio.run(make_key(settings, options.to, content))
     print(f"{options.to}: the key of the gateway of {options.site}", file=sys.stderr)

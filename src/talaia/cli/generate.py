@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import re
 import secrets
 import shutil
@@ -15,6 +16,7 @@ from talaia.cli.errors import CliError
 from talaia.cli.own_wheel import pack_own_wheel
 from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.project import (
+    BUS_SECRETS,
     DeployOptions,
     File,
     make_deployment,
@@ -22,6 +24,7 @@ from talaia.deploy.project import (
     pin_images,
 )
 from talaia.deploy.ros_image import ROS_DISTROS
+from talaia.deploy.several_hubs import FEWEST_HUBS, MOST_HUBS
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
 
@@ -52,8 +55,9 @@ def main(argv: Sequence[str]) -> int:
         )
     if options.wheel is not None and not options.wheel.is_file():
         raise CliError(f"--wheel {options.wheel}: there is no such file")
+    database = _choose_database(options)
     choice = DeployOptions(
-        database=DatabaseKind(options.database),
+        database=database,
         port=options.port,
         hosts=tuple(options.allow_host),
         version=__version__,
@@ -61,16 +65,69 @@ def main(argv: Sequence[str]) -> int:
         setup=options.ros_setup,
         ros_distro=options.ros_distro,
         arch=options.arch,
+        hubs=options.hubs or 1,
     )
+    password = _kept_password(options.to, choice) if options.force else ""
     # The text as it is, with its comments: the copy is what a person goes on to edit.
+    text = options.site.read_text()
     files = make_deployment(
-        site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24)
+        site, text, choice, lambda: secrets.token_urlsafe(24), password=password
     )
     files = _pin_images(files, options.pin)
     _write_files(options.to, files, force=options.force)
     _bring_wheel(options.to / "wheels", options.wheel)
     print(f"{options.to}: {len(files)} files; README.md there says how to start", file=sys.stderr)
     return 0
+
+
+def _choose_database(options: argparse.Namespace) -> DatabaseKind:
+    if options.hubs is None:
+        return DatabaseKind(options.database or DatabaseKind.MARIADB)
+    if not FEWEST_HUBS <= options.hubs <= MOST_HUBS:
+        raise CliError(
+            f"--hubs: expected {FEWEST_HUBS} to {MOST_HUBS}, found {options.hubs}; "
+            "leave it out for one hub"
+        )
+    if options.database not in {None, DatabaseKind.POSTGRESQL.value}:
+        raise CliError(
+            f"--hubs: several hubs are written with PostgreSQL, not {options.database}; "
+            "leave --database out"
+        )
+    if importlib.util.find_spec("cryptography") is None:
+        raise CliError(
+            "--hubs needs cryptography, which is not installed; pip install 'talaia[hub]'"
+        )
+    return DatabaseKind.POSTGRESQL
+
+
+def _kept_password(folder: Path, choice: DeployOptions) -> str:
+    """Give the database's password of a folder that is written anew; empty: it has none.
+
+    Raises:
+        CliError: what is kept there does not fit what is to be written.
+
+    """
+    try:
+        url = (folder / "secrets/database_url").read_text()
+        password = (folder / "secrets/database_password").read_text()
+    except FileNotFoundError:
+        url = password = ""
+    except (OSError, UnicodeDecodeError) as error:
+        raise CliError(f"{folder}/secrets cannot be read: {error}") from error
+    kind = choice.database.value
+    if url and choice.database is not DatabaseKind.SQLITE and not url.startswith(f"{kind}://"):
+        raise CliError(
+            f"{folder} was made for {url.partition(':')[0]}, and its secrets are kept; choose "
+            f"another folder for {kind}, and move what is stored there"
+        )
+    there = [name for name in BUS_SECRETS if (folder / name).exists()]
+    if choice.hubs > 1 and there and len(there) < len(BUS_SECRETS):
+        lacking = next(name for name in BUS_SECRETS if name not in there)
+        raise CliError(
+            f"{folder} has {there[0]} and no {lacking}, which were made together; remove "
+            f"{', '.join(there)}"
+        )
+    return password
 
 
 def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
@@ -113,8 +170,14 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--database",
         choices=[database.value for database in DatabaseKind],
-        default=DatabaseKind.MARIADB.value,
-        help="where accounts and history are kept (mariadb)",
+        help="where accounts and history are kept (mariadb; of several hubs postgresql)",
+    )
+    parser.add_argument(
+        "--hubs",
+        type=int,
+        metavar="N",
+        help=f"{FEWEST_HUBS} to {MOST_HUBS} hubs as one, of which each takes over from another: "
+        "behind HAProxy, on NATS and PostgreSQL, as a compose project and for Kubernetes (one hub)",
     )
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(

@@ -21,11 +21,20 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
 __all__ = [
+    "DATABASE_USER",
+    "IMAGES",
     "TABLES_PORT",
     "TABLES_SECRET",
     "USER",
     "DatabaseKind",
+    "base_service",
+    "dump_project",
+    "enrol_service",
+    "gateway_service",
+    "hub_service",
+    "hub_words",
     "install_steps",
+    "postgresql_service",
     "write_compose_file",
     "write_dockerfile",
     "write_steps",
@@ -44,7 +53,7 @@ _HEALTH = (
 # Docker keeps logs without end unless it is told otherwise.
 _SMALL = {"max-size": "10m", "max-file": "3"}
 # The databases' own user in both images: as root they would need capabilities to become it.
-_DATABASE_USER = "999:999"
+DATABASE_USER = "999:999"
 # The one of phpMyAdmin's Apache, which its image is also tried with.
 _WEB_USER = "33:33"
 # What phpMyAdmin seals its cookies with, as its image wants it.
@@ -149,33 +158,13 @@ def write_compose_file(
     services: dict[str, object] = {}
     secrets: dict[str, object] = {}
     volumes: dict[str, object] = {"hub-data": {}, "link": {}, "gateway-data": {}}
-    hub = _hub_service(port, hosts)
-    # It makes the key and ends; `on-failure` tries again only until that has worked.
-    enrol = _base_service(
-        {
-            "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
-            "command": [
-                "enrol",
-                site,
-                "--data",
-                "/data",
-                "--to",
-                "/link/gateway.key",
-                "--hub",
-                f"wss://127.0.0.1:{port}",
-            ],
-            "restart": "on-failure",
-            # The hub's certificate is there, whose hash goes into the key file.
-            "volumes": ["hub-data:/data", "link:/link"],
-            "depends_on": {"hub": {"condition": "service_healthy"}},
-        },
-        "1g",
-    )
+    hub, enrol = hub_service(hosts, {"ports": [f"{port}:8443"]}), enrol_service(site, port)
     if database is not DatabaseKind.SQLITE:
-        added = _mariadb_services() if database is DatabaseKind.MARIADB else _postgresql_services()
-        services |= added
         if database is DatabaseKind.MARIADB:
+            services |= _mariadb_services()
             services["phpmyadmin"] = _phpmyadmin_service()
+        else:
+            services["database"] = postgresql_service()
         volumes["database"] = {}
         secrets = {name: {"file": f"./secrets/{name}"} for name in _secret_files(database)}
         # Both open the database.
@@ -184,13 +173,17 @@ def write_compose_file(
             service["secrets"] = ["database_url"]
         hub["depends_on"] = {"database": {"condition": "service_healthy"}}
     # In the order in which they start, for whoever reads the file.
-    services |= {"hub": hub, "enrol": enrol, "gateway": _gateway_service(ros_domain, arch)}
+    services |= {"hub": hub, "enrol": enrol, "gateway": gateway_service(ros_domain, arch)}
     # Secrets only where there is a database: compose refuses a list of none.
     project: dict[str, object] = {"services": services, "volumes": volumes}
     if secrets:
         project["secrets"] = secrets
-    # Never folded: each value stays on its line.
-    return yaml.safe_dump(_literal_text(project), sort_keys=False, width=1_000_000)
+    return dump_project(project)
+
+
+def dump_project(project: Mapping[str, object]) -> str:
+    """Write a compose project: each value on a line of its own, none taken for a variable."""
+    return yaml.safe_dump(_literal_text(dict(project)), sort_keys=False, width=1_000_000)
 
 
 def _secret_files(database: DatabaseKind) -> list[str]:
@@ -198,7 +191,7 @@ def _secret_files(database: DatabaseKind) -> list[str]:
     return ["database_password", *root, "database_url"]
 
 
-def _base_service(
+def base_service(
     more: Mapping[str, object], memory: str, writable: Iterable[str] = ()
 ) -> dict[str, object]:
     """Write what all services have: no capabilities, bounds, and nothing that can be written.
@@ -225,16 +218,21 @@ def _base_service(
     }
 
 
-def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
-    words = ["hub", "--data", "/data", "--host", "0.0.0.0", "--port", "8443"]  # noqa: S104 - a server
+def hub_words(hosts: Iterable[str], data: str = "/data") -> list[str]:
+    """Write the words of a hub in a container."""
+    words = ["hub", "--data", data, "--host", "0.0.0.0", "--port", "8443"]  # noqa: S104 - a server
     # The first is what the health check dials; without it the hub would refuse its own host.
     for host in ("127.0.0.1", *hosts):
         words += ["--allow-host", host]
-    return _base_service(
+    return words
+
+
+def hub_service(hosts: Iterable[str], more: Mapping[str, object]) -> dict[str, object]:
+    """Write a hub; ``more`` is what this one has besides."""
+    return base_service(
         {
             "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
-            "command": words,
-            "ports": [f"{port}:8443"],
+            "command": hub_words(hosts),
             "volumes": ["hub-data:/data"],
             "stop_grace_period": "15s",
             "healthcheck": {
@@ -244,18 +242,37 @@ def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
                 "retries": 6,
                 "start_period": "30s",
             },
+            **more,
         },
         "4g",
     )
 
 
-def _gateway_service(ros_domain: int | None, arch: str) -> dict[str, object]:
+def enrol_service(site: str, port: int, hub: str = "hub") -> dict[str, object]:
+    """Write what makes the gateway's key and ends; it is tried again only until that has worked."""
+    address = f"wss://127.0.0.1:{port}"
+    words = ["enrol", site, "--data", "/data", "--to", "/link/gateway.key", "--hub", address]
+    return base_service(
+        {
+            "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
+            "command": words,
+            "restart": "on-failure",
+            # The hub's certificate is there, whose hash goes into the key file.
+            "volumes": ["hub-data:/data", "link:/link"],
+            "depends_on": {hub: {"condition": "service_healthy"}},
+        },
+        "1g",
+    )
+
+
+def gateway_service(ros_domain: int | None, arch: str) -> dict[str, object]:
+    """Write the gateway, in the host's own network."""
     words = ["gateway", "/etc/talaia/site.yaml", "--key-file", "/link/gateway.key"]
     # A volume: its spool, and the place that it was handed down, outlive the container.
     words += ["--data", "/data"]
     if ros_domain is not None:
         words += ["--ros-domain", str(ros_domain)]
-    return _base_service(
+    return base_service(
         {
             "build": {"context": ".", "dockerfile": "gateway.Dockerfile"},
             **({"platform": f"linux/{arch}"} if arch else {}),
@@ -279,10 +296,10 @@ def _gateway_service(ros_domain: int | None, arch: str) -> dict[str, object]:
 
 def _mariadb_services() -> dict[str, object]:
     return {
-        "database": _base_service(
+        "database": base_service(
             {
                 "image": IMAGES["mariadb"],
-                "user": _DATABASE_USER,
+                "user": DATABASE_USER,
                 "environment": {
                     "MARIADB_DATABASE": "talaia",
                     "MARIADB_USER": "talaia",
@@ -310,7 +327,7 @@ def _phpmyadmin_service() -> dict[str, object]:
 
     Whoever signs in there gives the database's own name and password.
     """
-    return _base_service(
+    return base_service(
         {
             "image": IMAGES["phpmyadmin"],
             "profiles": ["phpmyadmin"],
@@ -333,30 +350,30 @@ def _phpmyadmin_service() -> dict[str, object]:
     )
 
 
-def _postgresql_services() -> dict[str, object]:
-    return {
-        "database": _base_service(
-            {
-                "image": IMAGES["postgresql"],
-                "user": _DATABASE_USER,
-                "environment": {
-                    "POSTGRES_DB": "talaia",
-                    "POSTGRES_USER": "talaia",
-                    "POSTGRES_PASSWORD_FILE": "/run/secrets/database_password",
-                },
-                "secrets": ["database_password"],
-                "volumes": ["database:/var/lib/postgresql/data"],
-                "healthcheck": {
-                    "test": ["CMD", "pg_isready", "-U", "talaia", "-d", "talaia"],
-                    "interval": "5s",
-                    "timeout": "5s",
-                    "retries": 24,
-                },
+def postgresql_service(networks: Sequence[str] = ()) -> dict[str, object]:
+    """Write the database, where it is PostgreSQL."""
+    return base_service(
+        {
+            "image": IMAGES["postgresql"],
+            "user": DATABASE_USER,
+            "environment": {
+                "POSTGRES_DB": "talaia",
+                "POSTGRES_USER": "talaia",
+                "POSTGRES_PASSWORD_FILE": "/run/secrets/database_password",
             },
-            "2g",
-            ["/var/run/postgresql"],
-        )
-    }
+            "secrets": ["database_password"],
+            "volumes": ["database:/var/lib/postgresql/data"],
+            "healthcheck": {
+                "test": ["CMD", "pg_isready", "-U", "talaia", "-d", "talaia"],
+                "interval": "5s",
+                "timeout": "5s",
+                "retries": 24,
+            },
+            **({"networks": list(networks)} if networks else {}),
+        },
+        "2g",
+        ["/var/run/postgresql"],
+    )
 
 
 def _literal_text(value: object) -> object:

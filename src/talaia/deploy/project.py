@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,9 +12,19 @@ from talaia.deploy.containers import (
     write_compose_file,
     write_dockerfile,
 )
+from talaia.deploy.kubernetes import write_manifests
 from talaia.deploy.locks import BUILD, UV, write_lock
+from talaia.deploy.options import DeployOptions
 from talaia.deploy.readme import write_readme
 from talaia.deploy.ros_image import message_packages, write_ros_dockerfile
+from talaia.deploy.several_hubs import (
+    NATS_PORT,
+    SECRET_FOLDER,
+    hub_names,
+    write_balancer_config,
+    write_bus_config,
+    write_compose_of_several,
+)
 from talaia.deploy.systemd import gateway_unit, hub_unit
 from talaia.model.closed_lists import DeviceKind
 from talaia.model.connection import Ros1Connection, Ros2Connection
@@ -24,7 +35,18 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["DeployOptions", "File", "make_deployment", "named_images", "pin_images"]
+__all__ = ["BUS_SECRETS", "DeployOptions", "File", "make_deployment", "named_images", "pin_images"]
+
+# Made together, of one authority and one password: one alone of another making fits none.
+BUS_SECRETS = (
+    "secrets/cluster_url",
+    "secrets/nats.conf",
+    "secrets/internal_ca.pem",
+    "secrets/nats_cert.pem",
+    "secrets/nats_key.pem",
+    "secrets/database_cert.pem",
+    "secrets/database_key.pem",
+)
 
 # Where a recipe or a compose file names an image of others.
 _IMAGE = re.compile(r"^(?P<before>FROM | +image: )(?P<name>\S+)$", re.MULTILINE)
@@ -47,33 +69,13 @@ class File(NamedTuple):
     mode: int = 0o644
 
 
-class DeployOptions(NamedTuple):
-    """What a person chose.
-
-    Attributes:
-        database: where accounts and history are kept.
-        port: of the dashboard.
-        hosts: names under which the dashboard is reached.
-        version: of Talaia, for the images.
-        program: absolute path of ``talaia`` on a robot's own computer.
-        setup: absolute path of a ROS installation's ``setup.bash``; empty for none.
-        ros_distro: the distribution whose image the gateway's is made from; empty takes the wheels.
-        arch: of the gateway's machine as Docker calls it (``arm64``); empty is the builder's own.
-
-    """
-
-    database: DatabaseKind
-    port: int
-    hosts: tuple[str, ...]
-    version: str
-    program: str
-    setup: str = ""
-    ros_distro: str = ""
-    arch: str = ""
-
-
 def make_deployment(
-    site: Site, description: str, choice: DeployOptions, random: Callable[[], str]
+    site: Site,
+    description: str,
+    choice: DeployOptions,
+    random: Callable[[], str],
+    *,
+    password: str = "",
 ) -> dict[str, File]:
     """Make a deployment of a site.
 
@@ -82,15 +84,17 @@ def make_deployment(
         description: its text, which is copied as it stands.
         choice: see `DeployOptions`.
         random: gives another secret word at each call, of letters and digits only.
+        password: of the database, where it has one already; empty makes one.
 
     """
-    domain = site.ros2.domain if site.ros2 is not None else None
     database = choice.database
     # Nobody adds to an image later: it gives files of every form. Each database has an extra of
     # its name, with the driver.
     extras = ["hub", "arrow"]
     if database is not DatabaseKind.SQLITE:
         extras.append(database.value)
+    if choice.hubs > 1:
+        extras.append("cluster")
     gateway_extras = _gateway_extras(site, choice)
     looks = [
         stream.detect for device in site.devices.values() for stream in device.streams.values()
@@ -98,18 +102,9 @@ def make_deployment(
     if any(detect is not None and detect.at is DetectAt.HUB for detect in looks):
         extras.append("objects")
     files = {
-        "README.md": File(write_readme(site, database, choice.port, choice.setup)),
+        "README.md": File(write_readme(site, choice)),
         "site.yaml": File(description),
-        "compose.yaml": File(
-            write_compose_file(
-                site.site,
-                database=database,
-                port=choice.port,
-                hosts=choice.hosts,
-                ros_domain=domain,
-                arch=choice.arch,
-            )
-        ),
+        "compose.yaml": File(_compose_file(site, choice)),
         "hub.Dockerfile": File(write_dockerfile("hub", extras, choice.version)),
         "locks/hub.txt": File(write_lock(extras)),
         # Small, and the same for both images: whichever builds something takes it.
@@ -119,18 +114,20 @@ def make_deployment(
         # Keeps the folder, which the images' COPY needs.
         "wheels/.keep": File(""),
         # Neither passwords nor units go to the builder.
-        ".dockerignore": File("secrets\nsystemd\n"),
+        ".dockerignore": File("secrets\nsystemd\nkubernetes\n"),
         ".gitignore": File("secrets/\n"),
         f"systemd/talaia-gateway-{site.site}.service": File(
             gateway_unit(site.site, choice.program, choice.setup)
         ),
-        "systemd/talaia-hub.service": File(hub_unit(choice.program, choice.port, choice.hosts)),
     }
+    if choice.hubs == 1:
+        unit = hub_unit(choice.program, choice.port, choice.hosts)
+        files["systemd/talaia-hub.service"] = File(unit)
     # Only there a recipe brings a Python of its own.
     if choice.ros_distro:
         files["locks/uv.txt"] = File(write_lock([UV]))
     if database is not DatabaseKind.SQLITE:
-        password = random()
+        password = password or random()
         # Compose hands these on as they are, and in its container each is read by another user;
         # here nobody but the owner comes into their folder.
         files["secrets/database_password"] = File(password, 0o644)
@@ -143,7 +140,55 @@ def make_deployment(
         url = f"{database.value}://talaia:{password}@database/talaia"
         # The hub's user in its container reads it, and only that container has it.
         files["secrets/database_url"] = File(url, 0o644)
+    if choice.hubs > 1:
+        files |= _files_of_several(choice, password, random())
     return files
+
+
+def _compose_file(site: Site, choice: DeployOptions) -> str:
+    domain = site.ros2.domain if site.ros2 is not None else None
+    if choice.hubs > 1:
+        return write_compose_of_several(
+            site.site,
+            hubs=choice.hubs,
+            port=choice.port,
+            hosts=choice.hosts,
+            ros_domain=domain,
+            arch=choice.arch,
+        )
+    return write_compose_file(
+        site.site,
+        database=choice.database,
+        port=choice.port,
+        hosts=choice.hosts,
+        ros_domain=domain,
+        arch=choice.arch,
+    )
+
+
+def _files_of_several(choice: DeployOptions, password: str, bus_password: str) -> dict[str, File]:
+    """Write what several hubs need besides: HAProxy, NATS, certificates and manifests."""
+    # Only here: what a single hub's folder is made by needs no library of cryptography.
+    from talaia.deploy.internal_tls import make_server_pairs
+
+    authority, pairs = make_server_pairs(("nats", "database"), dt.datetime.now(dt.UTC))
+    checked = f"sslmode=verify-full&sslrootcert={SECRET_FOLDER}/internal_ca.pem"
+    # As the others: read by another user in its container, and here nobody enters their folder.
+    secrets = {
+        "cluster_url": f"tls://talaia:{bus_password}@nats:{NATS_PORT}",
+        "nats.conf": write_bus_config(bus_password),
+        "internal_ca.pem": authority,
+        **{f"{name}_cert.pem": pair.certificate for name, pair in pairs.items()},
+        **{f"{name}_key.pem": pair.key for name, pair in pairs.items()},
+        # There the database is on another machine.
+        "kubernetes_database_url": f"postgresql://talaia:{password}@database/talaia?{checked}",
+    }
+    manifests = write_manifests(choice.hubs, choice.hosts, choice.version)
+    return {
+        "haproxy.cfg": File(write_balancer_config(hub_names(choice.hubs))),
+        **{f"secrets/{name}": File(text, 0o644) for name, text in secrets.items()},
+        **{f"kubernetes/{name}": File(text) for name, text in manifests.items()},
+    }
 
 
 def named_images(files: Mapping[str, File]) -> list[str]:

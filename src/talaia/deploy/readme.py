@@ -6,8 +6,10 @@ import re
 from typing import TYPE_CHECKING
 
 from talaia.deploy.containers import TABLES_PORT, DatabaseKind
+from talaia.deploy.several_hubs import hub_names
 
 if TYPE_CHECKING:
+    from talaia.deploy.options import DeployOptions
     from talaia.model.site import Site
 
 __all__ = ["write_readme"]
@@ -22,8 +24,9 @@ def _plain_text(text: str) -> str:
     return _MARKS.sub(r"\\\1", shown)
 
 
-def write_readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
+def write_readme(site: Site, choice: DeployOptions) -> str:
     """Write the page of one deployment."""
+    database, port, setup = choice.database, choice.port, choice.setup
     secrets = (
         ""
         if database is DatabaseKind.SQLITE
@@ -37,6 +40,8 @@ def write_readme(site: Site, database: DatabaseKind, port: int, setup: str) -> s
         if database is DatabaseKind.MARIADB
         else ""
     )
+    several = choice.hubs > 1
+    first_hub = hub_names(choice.hubs)[0] if several else "hub  "
     ros = (
         "The unit reads `" + setup.replace("`", "") + "` first.\n"
         if setup
@@ -54,13 +59,13 @@ A Talaia control room for the site `{site.site}`, made by `talaia generate`.
 
 ```sh
 docker compose up --build --detach
-docker compose logs hub          # shows the link with which the first admin is made
+docker compose logs {first_hub}        # shows the link with which the first admin is made
 ```
 
 The dashboard is at https://localhost:{port}. Its certificate is its own: compare the \
 fingerprint your browser shows with the one in the hub's log, or give it yours (`--tls-cert`, \
 `--tls-key`).
-{secrets}{table_note}
+{secrets}{table_note}{_several_text(choice) if several else ""}
 The gateway runs in the host's network, where DDS finds the robot. Its key is made at the \
 first start, by the service `enrol`, and kept in the volume `link`. To make another, remove \
 that volume.
@@ -86,5 +91,69 @@ The key file is `/etc/talaia/{site.site}/gateway.key`, owned by the user `talaia
 
 ## Keep it
 
-`docker compose exec hub talaia backup --help` copies accounts and history while they are in use.
+{_keep_text(choice)}
+"""
+
+
+def _keep_text(choice: DeployOptions) -> str:
+    if choice.hubs > 1:
+        return (
+            "Back up the database with its own tools (`pg_dump`), and the volume `hub-data`: "
+            "`seal.key`, the certificate, recordings and pictures are there."
+        )
+    return (
+        "`docker compose exec hub talaia backup --help` copies accounts and history while they are "
+        "in use."
+    )
+
+
+def _several_text(choice: DeployOptions) -> str:
+    """Say what several hubs are, here and in Kubernetes."""
+    names = hub_names(choice.hubs)
+    create = "kubectl -n talaia create secret generic"
+    return f"""
+### Several hubs
+
+{choice.hubs} hubs (`{names[0]}` to `{names[-1]}`) are one: one of them leads, the others hand \
+through and take over. HAProxy (`haproxy.cfg`) lets TLS pass through to any that is ready. All \
+have the volume `hub-data`, where `seal.key`, the certificate, recordings, pictures and imports \
+are. On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
+Kubernetes (below), or several machines by hand (docs/how-to/scale.md of Talaia).
+
+A new version, hub by hub:
+
+```sh
+docker compose build
+for hub in {" ".join(names)}; do docker compose up --detach --no-deps --wait "$hub"; done
+```
+
+From one hub on PostgreSQL to several: `talaia generate … --hubs {choice.hubs} --force` into the \
+folder of before, `docker compose stop hub`, then `docker compose up --build --detach \
+--remove-orphans`. Passwords, database and data folder stay.
+
+### In Kubernetes
+
+`kubernetes/` has plain manifests. Secrets are made of the files here, and stand in none of them:
+
+```sh
+# The image, to a registry of yours; name that in kubernetes/kustomization.yaml.
+docker build -f hub.Dockerfile -t registry.example/talaia-hub:{choice.version} .
+docker push registry.example/talaia-hub:{choice.version}
+kubectl apply -f kubernetes/namespace.yaml
+{create} talaia-hub --from-file=database_url=secrets/kubernetes_database_url \\
+  --from-file=secrets/cluster_url --from-file=secrets/internal_ca.pem
+{create} talaia-nats --from-file=secrets/nats.conf \\
+  --from-file=secrets/nats_cert.pem --from-file=secrets/nats_key.pem
+{create} talaia-database --from-file=secrets/database_password \\
+  --from-file=secrets/database_cert.pem --from-file=secrets/database_key.pem
+kubectl apply -k kubernetes
+# Shows the link with which the first admin is made.
+kubectl -n talaia logs --prefix --selector app.kubernetes.io/name=hub
+```
+
+The claim `hub-data` is for all hubs at once (`ReadWriteMany`: NFS, CephFS, a cloud's file store); \
+where that is not the default class, name one in `hubs.yaml`. The database is one pod with one \
+disk: for one that outlives its machine, put the URL of yours into the secret `talaia-hub`, and \
+take `database.yaml` out of `kustomization.yaml`. Gateways are not in the cluster but with their \
+robots: enrol each with a code from the page Gateways.
 """

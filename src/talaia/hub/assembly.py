@@ -75,6 +75,9 @@ class AssembledHub:
             state.session for live in self.core.sites for state, _ in live.current.leases.values()
         )
 
+    async def hand_over(self) -> None:
+        """Do nothing: a hub that is alone has nobody to send its pages and gateways to."""
+
 
 def _features_among(parts: Iterable[object]) -> Iterator[Feature]:
     for part in parts:

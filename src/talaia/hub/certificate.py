@@ -10,7 +10,8 @@ import datetime as dt
 import hashlib
 import ipaddress
 import logging
-import os
+import secrets
+import socket
 import stat
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,6 +21,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec, ed25519, rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from talaia.hub.auth.key_file import read_or_make_key
 from talaia.hub.errors import CannotStart
 
 if TYPE_CHECKING:
@@ -85,11 +87,18 @@ def own_certificate(settings: Settings, now: dt.datetime) -> Certificate:
     folder = found.cert.parent
     # A name that was added since makes it due, too.
     names = {"localhost", "127.0.0.1", "::1", *settings.host_names}
+    if settings.cluster:
+        # Several hubs may share the folder, and so this certificate: the names of their machines
+        # would have each of them make it anew, again and again.
+        names = {*names} - {socket.gethostname().lower()} | {
+            name.lower() for name in settings.hosts
+        }
     try:
         if not _is_good(found, names, now):
             # Made with its rights: a chmod afterwards would leave it open for a moment.
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            _make(found, names, now)
+            # Another hub's names stay, for the same reason.
+            _make(found, names | (_covered_names(found) if settings.cluster else set()), now)
         # Copied from a backup, they may have lost their rights.
         folder.chmod(0o700)
         found.key.chmod(0o600)
@@ -201,15 +210,23 @@ def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
         return False
     try:
         found, key = _read_cert(own.cert), _read_key(own.key)
-        said = found.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    except (CannotStart, x509.ExtensionNotFound):
+    except CannotStart:
         # Ours, and unreadable: it is made anew rather than keep the hub from starting.
         return False
     if _public_key(found.public_key()) != _public_key(key.public_key()):
         return False
     # Names that are covered and wanted no more do no harm until the next renewal.
-    covered = {str(name.value).lower() for name in said}
-    return found.not_valid_after_utc - now > _RENEW and set(names) <= covered
+    return found.not_valid_after_utc - now > _RENEW and set(names) <= _covered_names(own)
+
+
+def _covered_names(own: Certificate) -> set[str]:
+    """Give the names in a certificate of ours; none where it cannot be read."""
+    try:
+        found = _read_cert(own.cert).extensions
+        said = found.get_extension_for_class(x509.SubjectAlternativeName).value
+    except (CannotStart, x509.ExtensionNotFound):
+        return set()
+    return {str(name.value).lower() for name in said}
 
 
 def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
@@ -234,8 +251,9 @@ def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
         # Ed25519 has its hash built in, and cryptography refuses another one.
         .sign(key, None if isinstance(key, ed25519.Ed25519PrivateKey) else hashes.SHA256())
     )
-    # Written aside: a hub that is killed here leaves the certificate of before whole.
-    fresh = own.cert.with_suffix(".new")
+    # Written aside: a hub that is killed here leaves the certificate of before whole. Named by
+    # chance: another hub may be making it, too, in a folder that both have.
+    fresh = own.cert.with_suffix(f".{secrets.token_hex(8)}")
     fresh.write_bytes(cert.public_bytes(serialization.Encoding.PEM))
     fresh.replace(own.cert)
 
@@ -247,6 +265,7 @@ def _key_of(own: Certificate) -> _Key:
             return _read_key(own.key)
         except CannotStart as error:
             _LOG.warning("a new key is made, gateways must enrol again: %s", error)
+            own.key.unlink(missing_ok=True)
     # P-256 is the curve that every browser takes.
     key = ec.generate_private_key(ec.SECP256R1())
     secret = key.private_bytes(
@@ -254,11 +273,10 @@ def _key_of(own: Certificate) -> _Key:
         serialization.PrivateFormat.PKCS8,
         serialization.NoEncryption(),
     )
-    # With O_EXCL it is a new file, with these rights from the start, and no link is followed.
-    own.key.unlink(missing_ok=True)
-    with open(os.open(own.key, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(secret)
-    return key
+    # A new file, with its rights from the start; of hubs that start at once in one folder, one
+    # makes it and the others take it.
+    read_or_make_key(own.key, secret)
+    return _read_key(own.key)
 
 
 def _alternative_name(name: str) -> x509.GeneralName:

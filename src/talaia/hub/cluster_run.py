@@ -93,6 +93,7 @@ class ClusterHub:
         self._pages = Pages(static_dir())
         self._loop: asyncio.AbstractEventLoop | None = None
         self._taken = asyncio.Event()
+        self._leaving = False
         self._closing = asyncio.Event()
         self._closed = asyncio.Event()
         self.ended = asyncio.Event()
@@ -125,6 +126,20 @@ class ClusterHub:
     def cached_bytes(self) -> int:
         """Give the memory of what may be asked for again (bytes)."""
         return 0 if self._leading is None else self._leading.cached_bytes()
+
+    async def hand_over(self) -> None:
+        """Send those who are in to other hubs; nobody new comes from now on."""
+        self._leaving = True
+        if self.ended.is_set():
+            return
+        if self._lock.held:
+            # All links change when the lead does. They are told at once, wherever they came in, so
+            # that none goes to another hub and from there back to this one.
+            await self._member.leave_others()
+        else:
+            # It would lead for a moment, and everybody would have to come a second time.
+            await asyncio.to_thread(self._lock.stop_looking)
+            await self._member.hand_over()
 
     # ── its seat among the others ──
 
@@ -195,7 +210,7 @@ class ClusterHub:
             await answer(scope, receive, send)
 
     def _is_ready(self) -> bool:
-        if self._closing.is_set() or self.ended.is_set():
+        if self._leaving or self.ended.is_set():
             return False
         return self._leading is not None or self._member.find_lead() is not None
 
@@ -246,6 +261,7 @@ class ClusterHub:
         try:
             yield
         finally:
+            self._leaving = True
             self._closing.set()
             await self._member.leave_others()
             # What it leads is written and closed before another one may begin.

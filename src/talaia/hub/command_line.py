@@ -81,14 +81,7 @@ def _make_parser() -> argparse.ArgumentParser:
         metavar="NAME",
         help="another host name under which this hub is reached; may repeat",
     )
-    parser.add_argument(
-        "--proxy",
-        action="append",
-        default=[],
-        metavar="ADDRESS",
-        help="address or network of a reverse proxy that ends TLS before this hub; its"
-        " X-Forwarded headers are believed, and nobody else's; may repeat",
-    )
+    _add_proxies(parser)
     parser.add_argument(
         "--notify-network",
         action="append",
@@ -146,6 +139,25 @@ def _add_robot_log(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=200_000,
         help="of each site so many of those lines are kept; then the oldest go (200000)",
+    )
+
+
+def _add_proxies(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--proxy",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a reverse proxy that ends TLS before this hub; its"
+        " X-Forwarded headers are believed, and nobody else's; may repeat",
+    )
+    parser.add_argument(
+        "--proxy-protocol",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or network of a load balancer that lets TLS pass, and says by the PROXY"
+        " protocol (version 2) who comes; connections from there begin with it; may repeat",
     )
 
 
@@ -211,6 +223,10 @@ def _add_cluster(parser: argparse.ArgumentParser) -> None:
         help="address of NATS (nats:// or tls://, with user and password if it asks), by which"
         " several hubs on one database are one; may repeat for the servers of one NATS",
     )
+    said = (
+        "file that holds the addresses of NATS, so that no password stands in a list of processes"
+    )
+    parser.add_argument("--cluster-file", type=Path, metavar="FILE", help=said)
     said = "name of this hub among several (the machine's name and the port)"
     parser.add_argument("--cluster-name", default="", metavar="NAME", help=said)
     said = "certificate authorities of NATS (PEM); else the system's"
@@ -231,7 +247,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
     if options.alerts is not None and not options.alerts.is_dir():
         raise CannotStart(f"--alerts: {options.alerts} is no folder", "name one, or leave it out")
     database_url = Settings.url_from(os.environ)
-    cluster = _read_cluster(options.cluster, database_url)
+    addresses = options.cluster or _read_cluster_file(options.cluster_file)
+    cluster = _read_cluster(addresses, database_url)
     return Settings(
         data=options.data,
         host=options.host,
@@ -241,6 +258,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         key=options.tls_key,
         hosts=tuple(options.allow_host),
         proxies=_read_networks("--proxy", options.proxy),
+        balancers=_read_networks("--proxy-protocol", options.proxy_protocol),
         notify_networks=_read_networks("--notify-network", options.notify_network),
         cluster=cluster,
         cluster_name=options.cluster_name[:200],
@@ -267,6 +285,22 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         audit_hub=options.audit_hub,
         simulated_sites=tuple(options.simulated_site),
     )
+
+
+def _read_cluster_file(file: Path | None) -> list[str]:
+    if file is None:
+        return []
+    try:
+        found = file.read_text().split()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CannotStart(
+            f"--cluster-file {file} cannot be read: {reason}", "name a file of NATS's addresses"
+        ) from error
+    # A hub that took itself for alone would be refused by the others' lock, and say nothing of it.
+    if not found:
+        raise CannotStart(f"--cluster-file {file} is empty", "write the addresses of NATS there")
+    return found
 
 
 def _read_cluster(addresses: Sequence[str], database_url: str) -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.dead_peers import drop_dead_peers
 from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.api.server.large_messages import HubSocketProtocol
+from talaia.hub.api.server.proxy_protocol import Balancers
 from talaia.hub.api.server.silent_connections import SilentConnections, defer_silent
 from talaia.hub.app import build_hub
 from talaia.hub.auth.tokens import mask_tokens
@@ -51,7 +52,7 @@ from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:
     import ssl
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Awaitable, Callable, Iterator, Sequence
 
     from starlette.types import ASGIApp
 
@@ -101,15 +102,36 @@ class ServedHub(Protocol):
         """Give the memory of what may be asked for again (bytes)."""
         ...
 
+    async def hand_over(self) -> None:
+        """Send those who are in to other hubs, where there are others."""
+        ...
+
 
 class HubServer(uvicorn.Server):
     """uvicorn, which leaves signals and accepting to us and says when it is ready."""
 
     def __init__(
-        self, config: uvicorn.Config, on_ready: Callable[[], None], proxies: Sequence[Network] = ()
+        self,
+        config: uvicorn.Config,
+        on_ready: Callable[[], None],
+        proxies: Sequence[Network] = (),
+        *,
+        balancers: Sequence[Network] = (),
+        hand_over: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
-        """Call ``on_ready`` once requests are taken; behind ``proxies`` there are many."""
+        """Serve.
+
+        Args:
+            config: uvicorn's own.
+            on_ready: called once requests are taken.
+            proxies: behind each of them there are many.
+            balancers: they say first who comes.
+            hand_over: sends those who are in to other hubs, before all are let go.
+
+        """
         super().__init__(config)
+        self._balancers = Balancers(balancers)
+        self._hand_over = hand_over
         # Counted over all listening sockets.
         self._silent = SilentConnections(proxies)
         # Called once, when the doors are open: whoever started the hub may rely on it then.
@@ -130,7 +152,13 @@ class HubServer(uvicorn.Server):
         if not self.started:
             return
         for listener in sockets or ():
-            doorway = AcceptQueue(listener, self._make_protocol, self.config.ssl, self._silent)
+            doorway = AcceptQueue(
+                listener,
+                self._make_protocol,
+                self.config.ssl,
+                self._silent,
+                balancers=self._balancers,
+            )
             doorway.open()
             self._doorways.append(doorway)
         self._on_ready()
@@ -140,6 +168,11 @@ class HubServer(uvicorn.Server):
         # First, so that nobody comes in while the others are being let go.
         for doorway in self._doorways:
             await doorway.close()
+        # What dials from now on is refused, and goes to another hub.
+        for listener in sockets or ():
+            listener.close()
+        if self._hand_over is not None:
+            await self._hand_over()
         await super().shutdown(sockets)
 
     def _make_protocol(self) -> asyncio.Protocol:
@@ -182,7 +215,13 @@ def server_of(hub: ServedHub, on_ready: Callable[[], None] = lambda: None) -> Hu
         timeout_graceful_shutdown=1,
         timeout_keep_alive=30,
     )
-    return HubServer(config, on_ready, settings.proxies)
+    return HubServer(
+        config,
+        on_ready,
+        settings.proxies,
+        balancers=settings.balancers,
+        hand_over=hub.hand_over,
+    )
 
 
 def serve_hub(settings: Settings, log_level: str = "info", log_format: str = "auto") -> int:

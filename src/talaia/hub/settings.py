@@ -30,6 +30,7 @@ class Settings:
         cert: certificate chain (PEM); none makes one in ``data``.
         hosts: names besides localhost and ``host`` under which the hub is reached.
         proxies: reverse proxies that end TLS before this hub; their headers are believed.
+        balancers: load balancers that let TLS pass; by the PROXY protocol they say who comes.
         cluster: addresses of NATS, by which several hubs are one; none: this hub is alone.
         cluster_name: of this hub among them; empty: the machine's name and the port.
         cluster_ca: authorities of NATS's certificate (PEM); none takes the system's.
@@ -79,6 +80,7 @@ class Settings:
     key: Path | None = None  # of ``cert``; both are given, or neither
     hosts: tuple[str, ...] = ()
     proxies: tuple[Network, ...] = ()
+    balancers: tuple[Network, ...] = ()
     cluster: tuple[str, ...] = ()
     cluster_name: str = ""
     cluster_ca: Path | None = None

@@ -23,6 +23,9 @@ __all__ = ["Entrance", "NoLead"]
 _LOG = logging.getLogger(__name__)
 # 1012: the server restarts (RFC 6455's registry); pages and gateways connect again at once.
 _RESTARTS = 1012
+# A hub that ends sends its sockets away in so many groups at the most, one after each pause (s),
+# and no group is smaller than this: the hubs that they go to have time for each.
+_GROUPS, _GROUP_PAUSE_S, _SMALLEST_GROUP = 20, 0.25, 4
 # All at once of one hub; each costs memory at both ends.
 _MOST_OPEN = 20_000
 
@@ -86,6 +89,22 @@ class Entrance:
         for name, tunnel in list(self._open.items()):
             if name.hub != but:
                 tunnel.break_off(reason)
+
+    async def hand_over(self, reason: str) -> None:
+        """Send all sockets to other hubs, a few at a time; requests are answered to their end."""
+        # Those of pages first: whoever drives sees at once that the way changes, and the robot's
+        # own link stays until a hub that goes on has the page.
+        sockets = sorted(
+            (tunnel for tunnel in self._open.values() if tunnel.kind == "websocket"),
+            key=lambda tunnel: tunnel.name in self._gateways,
+        )
+        size = max(_SMALLEST_GROUP, -(-len(sockets) // _GROUPS))
+        for first in range(0, len(sockets), size):
+            if first:
+                await asyncio.sleep(_GROUP_PAUSE_S)
+            for tunnel in sockets[first : first + size]:
+                # The lead is told, too: what a page holds there is free before it comes again.
+                await tunnel.end_tunnel(reason)
 
     async def _hand_through(
         self, tunnel: TunnelEnd, scope: Scope, receive: Receive, send: Send

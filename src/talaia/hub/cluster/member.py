@@ -120,6 +120,12 @@ class ClusterMember:
         # At once: who waits for a lead need not wait for the next beat.
         await self._say_notice()
 
+    async def hand_over(self) -> None:
+        """Say that this hub ends, and send whoever came to it to the others."""
+        self._leaving = True
+        await self._say_notice()
+        await self.entrance.hand_over("the hub ends")
+
     async def leave_others(self) -> None:
         """Say that this hub ends, and end what it answers for others."""
         self._leaving = True

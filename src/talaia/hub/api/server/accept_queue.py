@@ -14,6 +14,12 @@ import contextlib
 import logging
 from typing import TYPE_CHECKING
 
+from talaia.hub.api.server.proxy_protocol import (
+    Balancers,
+    KnowsAsker,
+    NoProxyHeader,
+    receive_asker,
+)
 from talaia.hub.api.server.silent_connections import SilentConnections, Speaks
 
 if TYPE_CHECKING:
@@ -21,6 +27,7 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Callable
 
+    from talaia.hub.api.server.proxy_protocol import Asker
     from talaia.hub.api.server.silent_connections import Arrival
 
 __all__ = ["AcceptQueue"]
@@ -29,6 +36,8 @@ _LOG = logging.getLogger(__name__)
 QUEUE = 1024  # in the kernel, which may cap it (net.core.somaxconn)
 # Who is slower holds a socket and does nothing (s).
 _HANDSHAKE_S = 15.0
+# A balancer says who comes as soon as it has connected; what it waits for takes no place (s).
+_HEADER_S = 5.0
 # Taken in before the loop is looked at: their handshakes come one after the other in its turn.
 _AT_ONCE = 4
 # Then; if this takes longer than that for the loop, the next ones wait as long as that.
@@ -47,17 +56,23 @@ class AcceptQueue:
         protocol: Callable[[], asyncio.Protocol],
         tls: ssl.SSLContext | None,
         silent: SilentConnections | None = None,
+        *,
+        balancers: Balancers | None = None,
     ) -> None:
         """Make a ``protocol`` for each connection, over ``tls`` if there is any.
 
-        ``silent`` counts those of each address that say nothing.
+        ``silent`` counts those of each address that say nothing; ``balancers`` say first from
+        where a connection comes.
         """
+        self._balancers = Balancers() if balancers is None else balancers
         self._silent = SilentConnections() if silent is None else silent
         self._listener = listener
         self._protocol = protocol
         self._tls = tls
         # Shaking hands now. Kept, since the loop holds tasks only weakly, and ended by `close`.
-        self._arriving: set[asyncio.Task[None]] = set()
+        self._arriving: set[asyncio.Task[None] | asyncio.Task[bool]] = set()
+        # The balancer's last connection did not begin as it must.
+        self._misheard = False
         # Takes connections in, from `open` to `close`.
         self._task: asyncio.Task[None] | None = None
 
@@ -101,11 +116,10 @@ class AcceptQueue:
             full = False
             # Not blocking, as the loop needs it.
             connection.settimeout(0)
-            arrival = self._silent.add_arrival(peer[0], loop.time())
-            if arrival is None:
-                connection.close()
+            if self._balancers.is_listed(peer[0]):
+                self._hear_balancer(connection, peer[0])
             else:
-                self._take_in(connection, arrival)
+                self._count_arrival(connection, peer[0])
             taken += 1
             if taken < _AT_ONCE:
                 continue
@@ -127,8 +141,48 @@ class AcceptQueue:
         finally:
             loop.remove_reader(self._listener)
 
-    def _take_in(self, connection: socket.socket, arrival: Arrival) -> None:
-        task = arrival.task = asyncio.create_task(self._shake_hands(connection, arrival))
+    def _hear_balancer(self, connection: socket.socket, address: str) -> None:
+        """Hear who comes, and take that one in."""
+        task = asyncio.create_task(self._ask_balancer(connection, address))
+        self._arriving.add(task)
+
+        def end_asking(_: object) -> None:
+            self._arriving.discard(task)
+            # Cancelled, or nothing of use was said: nobody has it.
+            if task.cancelled() or not task.result():
+                connection.close()
+
+        task.add_done_callback(end_asking)
+
+    async def _ask_balancer(self, connection: socket.socket, address: str) -> bool:
+        loop = asyncio.get_running_loop()
+        try:
+            async with asyncio.timeout(_HEADER_S):
+                asker = await receive_asker(loop, connection)
+        except NoProxyHeader as error:
+            # Its health checks come twice a second: said once, until it does better.
+            if not self._misheard:
+                _LOG.warning("connections from %s are closed: %s", address, error)
+            self._misheard = True
+            return False
+        except (OSError, TimeoutError):
+            return False
+        self._misheard = False
+        self._count_arrival(connection, address if asker is None else asker[0], asker)
+        return True
+
+    def _count_arrival(
+        self, connection: socket.socket, address: str, asker: Asker | None = None
+    ) -> None:
+        arrival = self._silent.add_arrival(address, asyncio.get_running_loop().time())
+        if arrival is None:
+            connection.close()
+        else:
+            self._take_in(connection, arrival, asker)
+
+    def _take_in(self, connection: socket.socket, arrival: Arrival, asker: Asker | None) -> None:
+        shaking = self._shake_hands(connection, arrival, asker)
+        task = arrival.task = asyncio.create_task(shaking)
         self._arriving.add(task)
 
         def end_arrival(_: object) -> None:
@@ -139,12 +193,22 @@ class AcceptQueue:
 
         task.add_done_callback(end_arrival)
 
-    async def _shake_hands(self, connection: socket.socket, arrival: Arrival) -> None:
+    async def _shake_hands(
+        self, connection: socket.socket, arrival: Arrival, asker: Asker | None
+    ) -> None:
         """Shake hands; what fails there is the other side's matter."""
+
+        def make_protocol() -> asyncio.Protocol:
+            protocol = self._protocol()
+            # Before anything comes: requests are counted by it.
+            if asker is not None and isinstance(protocol, KnowsAsker):
+                protocol.asker = asker
+            return protocol
+
         with contextlib.suppress(OSError, TimeoutError):
             loop = asyncio.get_running_loop()
             arrival.transport, protocol = await loop.connect_accepted_socket(
-                self._protocol,
+                make_protocol,
                 connection,
                 ssl=self._tls,
                 ssl_handshake_timeout=_HANDSHAKE_S if self._tls is not None else None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from http import HTTPStatus
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ from talaia.hub.api.server.response_headers import guarding_headers
 
 if TYPE_CHECKING:
     import asyncio
+
+    from talaia.hub.api.server.proxy_protocol import Asker
 
 __all__ = ["HubProtocol"]
 
@@ -32,10 +35,13 @@ class HubProtocol(HttpToolsProtocol):
     _head = 0  # bytes of it so far
     # A whole head has come at least once; see `silent_connections`.
     spoken = False
+    # Who comes, where a load balancer has said so; else the socket's other end.
+    asker: Asker | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for a head, but not for ever."""
         super().connection_made(transport)
+        self.client = self.asker or self.client
         self._arm_timer(HEAD_S)
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -73,6 +79,12 @@ class HubProtocol(HttpToolsProtocol):
         """Hand the connection over."""
         # A socket stays open for days; its own limits hold from now on.
         self._disarm_timer()
+        if self.asker is not None and self.ws_protocol_class is not None:
+            # uvicorn only calls it, to make a protocol.
+            self.ws_protocol_class = functools.partial(  # type: ignore[assignment]
+                self.ws_protocol_class,
+                asker=self.asker,  # type: ignore[call-arg]
+            )
         super().handle_websocket_upgrade()
 
     def send_400_response(self, msg: str) -> None:

@@ -15,6 +15,8 @@ from talaia.bounded_http import EndingSocketProtocol
 if TYPE_CHECKING:
     from uvicorn._types import ASGISendEvent
 
+    from talaia.hub.api.server.proxy_protocol import Asker
+
 __all__ = ["LARGEST_PIECE", "HubSocketProtocol"]
 
 # Bytes of a frame: so many are encrypted and written in less than 0.1 ms, a megabyte takes 2 to 3
@@ -32,11 +34,17 @@ class HubSocketProtocol(EndingSocketProtocol):
     client puts them together.
     """
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 - uvicorn's own
-        """Serve a connection."""
+    def __init__(self, *args: Any, asker: Asker | None = None, **kwargs: Any) -> None:  # noqa: ANN401 - uvicorn's own
+        """Serve a connection; ``asker`` is who comes, where that is not the socket's other end."""
         super().__init__(*args, **kwargs)
+        self._asker = asker
         # Messages of one socket are sent by several tasks: no other may begin within one.
         self._turn = asyncio.Lock()
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin."""
+        super().connection_made(transport)
+        self.client = self._asker or self.client
 
     async def send(self, message: ASGISendEvent) -> None:
         """Send a message, as ASGI has it."""
