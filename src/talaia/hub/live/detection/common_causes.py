@@ -251,7 +251,9 @@ class CommonCauses:
 
 def _shared_cause(live: LiveSite, part: str, cause: Cause, *, over: bool) -> SharedCause:
     parts = cause.signal_parts()
-    named = [f"{_name_of(live, one.address)} {one.share:.0%}" for one in parts[:_MOST_NAMED]]
+    named = [
+        f"{_name_of(live, one.address)} {100 * one.share:.0f} %" for one in parts[:_MOST_NAMED]
+    ]
     more = f" and {len(parts) - _MOST_NAMED} more" if len(parts) > _MOST_NAMED else ""
     why = cause.worst.why
     # Of a single signal its share says nothing.
