@@ -89,13 +89,17 @@ class AlarmCondition:
         self.channels = signals_of(addresses, alarm)
         self.happening: tuple[str, str] | None = None
         self._part_name = ""
+        # Of the devices of a part, by their short names.
+        self._device_names: dict[str, str] = {}
         if alarm.kind is AlarmKind.ANOMALY:
             self.happening = (alarm.signal, "")
             if alarm.device:
                 # Of all devices of a part the first names it.
                 self.happening = (addresses.parts[alarm.device][0], "")
-                devices = addresses.parts[alarm.device]
-                self._part_name = " and ".join(addresses.device_names[one] for one in devices)
+                self._device_names = {
+                    one: addresses.device_names[one] for one in addresses.parts[alarm.device]
+                }
+                self._part_name = " and ".join(self._device_names.values())
         elif alarm.kind is AlarmKind.DETECTION:
             self.happening = (alarm.stream, alarm.label)
         self._group = addresses.groups.get(alarm.signal)
@@ -135,6 +139,14 @@ class AlarmCondition:
         """Give what began last of what is bad enough."""
         bad = [one for one in seen if one.score >= self.alarm.score]
         return max(bad, key=lambda one: one.began_us, default=None)
+
+    def name_signal(self, address: str) -> str:
+        """Give what people call a signal; where several devices are meant with the device's."""
+        signal = self._signals.get(address)
+        if signal is None:
+            return address.lstrip("/")
+        device = self._device_names.get(address.partition("/")[0], "")
+        return f"{device} {signal.name}" if len(self._device_names) > 1 else signal.name
 
     def _subject_name(self) -> str:
         if self.shared:

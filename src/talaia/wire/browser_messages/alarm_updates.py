@@ -18,12 +18,14 @@ class AlarmShare(Message, frozen=True, kw_only=True, tag="alarm_share"):
 
     Attributes:
         signal: its address.
+        name: what people call it.
         share: of the whole, 0 to 1.
         on: whether it is unusual still.
 
     """
 
     signal: Name
+    name: Name
     share: Share
     on: bool = True
 

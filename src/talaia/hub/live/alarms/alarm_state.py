@@ -95,12 +95,18 @@ def alarm_news(live_alarm: LiveAlarm) -> page.AlarmUpdate:
         advice=about.advice[:500],
         signals=list(live_alarm.condition.channels) if live_alarm.condition else [],
         shares=[
-            page.AlarmShare(signal=address, share=share, on=on)
+            page.AlarmShare(
+                signal=address, name=_name_of(live_alarm, address), share=share, on=on
+            )
             for address, share, on in live_alarm.shares[:_MOST_SHARES]
         ],
         made=live_alarm.made,
         gone=alarm is None,
     )
+
+
+def _name_of(live_alarm: LiveAlarm, address: str) -> str:
+    return live_alarm.condition.name_signal(address) if live_alarm.condition else address
 
 
 def event_news(live_alarm: LiveAlarm, happened: Happened) -> page.EventUpdate:
