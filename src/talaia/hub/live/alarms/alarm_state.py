@@ -95,9 +95,7 @@ def alarm_news(live_alarm: LiveAlarm) -> page.AlarmUpdate:
         advice=about.advice[:500],
         signals=list(live_alarm.condition.channels) if live_alarm.condition else [],
         shares=[
-            page.AlarmShare(
-                signal=address, name=_name_of(live_alarm, address), share=share, on=on
-            )
+            page.AlarmShare(signal=address, name=_name_of(live_alarm, address), share=share, on=on)
             for address, share, on in live_alarm.shares[:_MOST_SHARES]
         ],
         made=live_alarm.made,

@@ -90,14 +90,15 @@ class CommonCauses:
                 shares=news.shares,
                 why=news.why,
             )
-            cause, first = causes.begin_member(part, member, self._now_us())
+            opened, first = causes.begin_member(part, member, self._now_us())
             self._events.report_anomaly(news, joined=not first)
+            self._publish_cause(live, part, opened)
         else:
             cause = causes.end_member(part, news.channel, news.detector)
             self._report_end(news, cause)
+            if cause is not None:
+                self._publish_cause(live, part, cause)
         self._unsaved.add(live.name)
-        if cause is not None:
-            self._publish_cause(live, part, cause)
 
     async def open(self) -> None:
         """Bring back what was open when the hub ended."""
