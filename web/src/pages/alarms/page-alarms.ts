@@ -74,6 +74,10 @@ export class PageAlarms extends LitElement {
       .advice {
         overflow-wrap: anywhere;
       }
+      t-signal-shares {
+        display: block;
+        margin-block: var(--t-space-2);
+      }
       .undelivered {
         color: var(--t-bad);
         font-size: var(--t-size-s);

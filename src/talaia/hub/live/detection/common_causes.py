@@ -42,7 +42,7 @@ _TICK_S = 1.0
 # Shares are told again when one moved so far, and why at most so often (µs).
 _MOVED, _TOLD_AGAIN_US = 0.1, 5_000_000
 # Signals that are named in words; the page lists all.
-_MOST_NAMED = 5
+_MOST_NAMED, _LEAST_NAMED = 5, 0.01
 
 
 class CommonCauses:
@@ -253,7 +253,9 @@ class CommonCauses:
 def _shared_cause(live: LiveSite, part: str, cause: Cause, *, over: bool) -> SharedCause:
     parts = cause.signal_parts()
     named = [
-        f"{_name_of(live, one.address)} {100 * one.share:.0f} %" for one in parts[:_MOST_NAMED]
+        f"{_name_of(live, one.address)} {100 * one.share:.0f} %"
+        for one in parts[:_MOST_NAMED]
+        if one.share >= _LEAST_NAMED
     ]
     more = f" and {len(parts) - _MOST_NAMED} more" if len(parts) > _MOST_NAMED else ""
     why = cause.worst.why
