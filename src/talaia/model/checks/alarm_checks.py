@@ -1,4 +1,7 @@
-"""Cross-checks of alarms, of a description and of those made in the page; part of `check`."""
+"""Cross-checks of alarms, of a description and of those made in the page; part of `check`.
+
+Long, because what fits every kind of alarm is checked here.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 Nothing here waits. Each sample is held against the conditions that look at it; what comes of it
 is handed on, to be written down and told.
+
+Long, because samples, detectors and time all lead to the same judgement.
 """
 
 from __future__ import annotations
