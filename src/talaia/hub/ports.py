@@ -32,9 +32,11 @@ if TYPE_CHECKING:
 __all__ = [
     "AnomalyReport",
     "AnomalySink",
+    "CauseSink",
     "ClusterSeat",
     "DetectorSink",
     "History",
+    "SharedCause",
     "SightingEvent",
     "SightingSink",
 ]
@@ -245,6 +247,8 @@ class AnomalyReport(NamedTuple):
         ended_us: when its last high score was (µs, UTC); None while it is on.
         score: 0 to 1; the greatest so far.
         why: in words, with numbers and units.
+        excess: how far beyond the bar the score is, of what is left up to 1.
+        shares: of a group: what each of its signals (by address) has to do with it.
 
     """
 
@@ -255,6 +259,8 @@ class AnomalyReport(NamedTuple):
     ended_us: int | None
     score: float
     why: str
+    excess: float = 0.0
+    shares: tuple[tuple[str, float], ...] = ()
 
 
 class AnomalySink(Protocol):
@@ -262,6 +268,37 @@ class AnomalySink(Protocol):
 
     def report_anomaly(self, news: AnomalyReport) -> None:
         """Take the news in order, on the event loop; must not wait and not raise."""
+        ...
+
+
+class SharedCause(NamedTuple):
+    """What became unusual together in a part of a site, as it stands now.
+
+    Attributes:
+        site: its short name.
+        part: its name; the first device of the part.
+        began_us: when the first of it was told of (µs, UTC, by the hub); names it.
+        score: the greatest of what goes on, 0 to 1.
+        why: in words: the signals with their shares, and why.
+        shares: address, share (0 to 1) and whether it is on, for each signal, the greatest first.
+        over: nothing of it goes on.
+
+    """
+
+    site: str
+    part: str
+    began_us: int
+    score: float
+    why: str
+    shares: tuple[tuple[str, float, bool], ...]
+    over: bool
+
+
+class CauseSink(Protocol):
+    """Who wants to hear of what became unusual together: alarms."""
+
+    def report_cause(self, news: SharedCause) -> None:
+        """Take how an episode stands; must not wait and not raise."""
         ...
 
 

@@ -12,6 +12,7 @@ The messages stand in `browser_messages`, by subject; this is the one place to i
 from __future__ import annotations
 
 from talaia.wire.browser_messages.alarm_updates import (
+    AlarmShare,
     AlarmUpdate,
     AnomalyShare,
     AnomalyUpdate,
@@ -97,6 +98,7 @@ __all__ = [
     "TOPIC_FROM_BROWSER",
     "TOPIC_TO_BROWSER",
     "TO_BROWSER",
+    "AlarmShare",
     "AlarmUpdate",
     "AnomalyShare",
     "AnomalyUpdate",

@@ -133,6 +133,22 @@ def test_an_alarm_may_be_about_a_group_and_no_other_kind_may():
     assert where == "$.alarms.unusual.signal"
 
 
+@pytest.mark.parametrize(
+    ("alarm", "key", "problem"),
+    [
+        ("device: powr", "device", "unknown device 'powr'"),
+        ("device: power", "device", "no detector of anomalies looks at any signal of power"),
+        ("device: power, signal: power/voltage", "signal", "not both"),
+    ],
+)
+def test_an_alarm_about_a_device_needs_a_device_at_which_a_detector_looks(alarm, key, problem):
+    wrong = "alarms:\n  odd: {name: O, kind: anomaly, " + alarm + "}\n"
+    found = dict(findings(wrong))
+    assert problem in found[f"$.alarms.odd.{key}"]
+    right = "services: {anomaly_detection: true}\n" + wrong
+    assert (findings(right) == []) is (alarm == "device: power")
+
+
 def test_false_alarms_that_are_borne_are_none_or_a_number_that_can_be_counted():
     assert check_site(load_site(HEAD + "services: {false_alarms_a_week: 0.5}\n")) == []
     for asked in ("0.01", "-1", "1000"):

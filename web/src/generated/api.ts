@@ -1761,6 +1761,7 @@ export interface AlarmDefinition {
   readonly name: string;
   readonly kind: AlarmKind;
   readonly signal?: string;
+  readonly device?: string;
   readonly inside?: string;
   readonly outside?: string;
   readonly margin?: number;

@@ -22,6 +22,15 @@ export interface RehearsalVerdict {
   readonly share: number;
 }
 
+/** What one of the signals that became unusual together has of it. */
+export interface AlarmShare {
+  readonly t: "alarm_share";
+  readonly signal: string;
+  readonly name: string;
+  readonly share: number;
+  readonly on: boolean;
+}
+
 /** What one signal of a group has to do with an anomaly. */
 export interface AnomalyShare {
   readonly t: "anomaly_share";
@@ -372,6 +381,7 @@ export interface AlarmUpdate {
   readonly undelivered: string;
   readonly advice: string;
   readonly signals: readonly string[];
+  readonly shares: readonly (AlarmShare)[];
   readonly made: boolean;
   readonly gone: boolean;
 }
@@ -700,7 +710,7 @@ export const DEFAULTS = {
   command_news: { message: "", progress: 0.0, who: "", blocked_by: "", acting: "", acting_s: 0.0 },
   interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0, condition: "", no_override: "", unknown: [] },
   device_news: { why: "", since_us: 0 },
-  alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
+  alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], shares: [], made: false, gone: false },
   sighting: { ended_us: 0 },
   anomaly: { on: false, from_us: 0, to_us: 0, score: 0.0, why: "", forgiven: false, confirmed: false, learning: 0, mode: "", shares: [] },
   event: { device: "", message: "", who: "", time_us: 0, good: true },

@@ -17,7 +17,7 @@ function news(alarm: string, more: Partial<AlarmUpdate> = {}): AlarmUpdate {
   return {
     t: "alarm", site: "agv", alarm, device: "base", name: alarm, kind: "limit", severity: "warning", phase: "normal",
     why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "",
-    shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false,
+    shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], shares: [], made: false, gone: false,
     ...more,
   };
 }

@@ -69,6 +69,9 @@ class DetectedThing(NamedTuple):
     many: int = 0
     confidence: float = 0.0
     why: str = ""
+    # Of several signals together: when it began, and what each of them has of it.
+    began_us: int = 0
+    shares: tuple[tuple[str, float, bool], ...] = ()
 
 
 class AlarmCondition:
@@ -85,8 +88,18 @@ class AlarmCondition:
         self.alarm = alarm
         self.channels = signals_of(addresses, alarm)
         self.happening: tuple[str, str] | None = None
+        self._part_name = ""
+        # Of the devices of a part, by their short names.
+        self._device_names: dict[str, str] = {}
         if alarm.kind is AlarmKind.ANOMALY:
             self.happening = (alarm.signal, "")
+            if alarm.device:
+                # Of all devices of a part the first names it.
+                self.happening = (addresses.parts[alarm.device][0], "")
+                self._device_names = {
+                    one: addresses.device_names[one] for one in addresses.parts[alarm.device]
+                }
+                self._part_name = " and ".join(self._device_names.values())
         elif alarm.kind is AlarmKind.DETECTION:
             self.happening = (alarm.stream, alarm.label)
         self._group = addresses.groups.get(alarm.signal)
@@ -112,6 +125,34 @@ class AlarmCondition:
         # An anomaly is unknown once its channel's value is too old; a detection has no value.
         return self.happening is None or self.alarm.kind is AlarmKind.ANOMALY
 
+    @property
+    def shared(self) -> bool:
+        """Whether it is about what becomes unusual together, and not about one signal."""
+        return self.alarm.kind is AlarmKind.ANOMALY and bool(self.alarm.device)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Channels whose samples it is judged by: with several signals detectors tell it all."""
+        return () if self.shared else self.channels
+
+    def newest_thing(self, seen: tuple[DetectedThing, ...]) -> DetectedThing | None:
+        """Give what began last of what is bad enough."""
+        bad = [one for one in seen if one.score >= self.alarm.score]
+        return max(bad, key=lambda one: one.began_us, default=None)
+
+    def name_signal(self, address: str) -> str:
+        """Give what people call a signal; where several devices are meant with the device's."""
+        signal = self._signals.get(address)
+        if signal is None:
+            return address.lstrip("/")
+        device = self._device_names.get(address.partition("/")[0], "")
+        return f"{device} {signal.name}" if len(self._device_names) > 1 else signal.name
+
+    def _subject_name(self) -> str:
+        if self.shared:
+            return self._part_name
+        return self._signals[self.alarm.signal].name if self._group is None else self._group.name
+
     def judge_condition(
         self,
         readings: Mapping[str, ConditionReading],
@@ -136,7 +177,7 @@ class AlarmCondition:
             case AlarmKind.STALE:
                 return self._judge_staleness(readings)
             case AlarmKind.ANOMALY:
-                return self._judge_anomaly(readings, seen)
+                return self._judge_anomaly(readings, seen, online=online)
             case AlarmKind.DETECTION:
                 return self._judge_detection(seen, online=online)
             case AlarmKind.EXPRESSION:
@@ -232,15 +273,26 @@ class AlarmCondition:
         return ConditionVerdict(Truth.FALSE, f"{name} is fresh")
 
     def _judge_anomaly(
-        self, readings: Mapping[str, ConditionReading], seen: tuple[DetectedThing, ...]
+        self,
+        readings: Mapping[str, ConditionReading],
+        seen: tuple[DetectedThing, ...],
+        *,
+        online: bool,
     ) -> ConditionVerdict:
-        name = self._signals[self.alarm.signal].name if self._group is None else self._group.name
+        name = self._subject_name()
+        if self.shared and (newest := self.newest_thing(seen)) is not None:
+            return ConditionVerdict(Truth.HOLDS, newest.why)
         # One that goes on counts even while the channel is silent.
         for anomaly in seen:
             if anomaly.score >= self.alarm.score:
                 return ConditionVerdict(
                     Truth.HOLDS, f"{name} is unusual: {anomaly.why}".rstrip(": ")
                 )
+        if self.shared:
+            # Whether nothing is unusual is not known while nothing comes.
+            if not online:
+                return ConditionVerdict(Truth.UNKNOWN, "the site is away")
+            return ConditionVerdict(Truth.FALSE, f"{name} is as usual")
         if all(self.current_value(channel, readings) is None for channel in self.channels):
             return self._unknown_verdict(self.channels[0], readings)
         return ConditionVerdict(Truth.FALSE, f"{name} is as usual")

@@ -28,6 +28,7 @@ __all__ = [
     "Clear",
     "Comment",
     "Event",
+    "Grow",
     "Happened",
     "NotNow",
     "Phase",
@@ -107,11 +108,19 @@ class State:
 
 
 class Raise(NamedTuple):
-    """Its condition has begun to count."""
+    """Its condition has begun to count; ``anew``: another cause, whether or not it is on."""
 
     time_us: int
     why: str
     to: tuple[str, ...] = ()
+    anew: bool = False
+
+
+class Grow(NamedTuple):
+    """What it is about has become more, or otherwise; nobody is told once more."""
+
+    time_us: int
+    why: str
 
 
 class Clear(NamedTuple):
@@ -175,7 +184,7 @@ class Retire(NamedTuple):
     who: str = ""
 
 
-Event = Raise | Remind | Clear | Acknowledge | Assign | Comment | Shelve | Unshelve | Retire
+Event = Raise | Grow | Remind | Clear | Acknowledge | Assign | Comment | Shelve | Unshelve | Retire
 
 
 class Happened(NamedTuple):
@@ -218,6 +227,8 @@ def apply_event(state: State, event: Event) -> tuple[State, tuple[Happened, ...]
     match event:
         case Raise():
             return _apply_raise(state, event)
+        case Grow():
+            return (replace(state, why=event.why) if state.on else state), ()
         case Remind():
             # It may have changed while the reminder waited to be written.
             if not state.on or _is_shelved(state, event.time_us):
@@ -261,7 +272,7 @@ def apply_event(state: State, event: Event) -> tuple[State, tuple[Happened, ...]
 
 def _apply_raise(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
     # A repeat, for instance after a restart: no new episode.
-    if state.on:
+    if state.on and not event.anew:
         return state, ()
     after = replace(
         state,

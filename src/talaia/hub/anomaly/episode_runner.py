@@ -21,7 +21,9 @@ __all__ = [
     "AnomalyBegan",
     "AnomalyEnded",
     "EpisodeRunner",
+    "excess_of",
     "score_address",
+    "shares_of",
     "signal_of",
     "tail_word",
 ]
@@ -46,6 +48,17 @@ def tail_word(word: str) -> str:
 def signal_of(address: str) -> str:
     """Give the signal's address for a channel of scores; every other address as it is."""
     return address.partition(SCORES)[0]
+
+
+def excess_of(runner: EpisodeRunner, score: float) -> float:
+    """Say how far a score is beyond its detector's bar, of what is left up to 1: 0 to 1."""
+    bar = runner.episodes.bar
+    return min(1.0, max(0.0, (score - bar) / max(1e-9, 1.0 - bar)))
+
+
+def shares_of(runner: EpisodeRunner) -> tuple[tuple[str, float], ...]:
+    """Give what each signal of a group has to do with its newest anomaly, by address."""
+    return tuple((runner.members[one.place], one.share) for one in runner.shares)
 
 
 @dataclass(frozen=True, slots=True)

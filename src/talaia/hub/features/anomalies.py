@@ -12,6 +12,7 @@ from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.detection.alarm_budget import AlarmBudgets
 from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.hub.live.detection.back_test import BackTests
+from talaia.hub.live.detection.common_causes import CommonCauses
 from talaia.hub.store.sites.detector_state import DetectorState
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ class AnomaliesFeature(Feature):
 
     Attributes:
         detectors: runs them.
+        causes: gathers what they say into episodes of one cause.
         budgets: sets their thresholds for so many false alarms.
 
     """
@@ -52,8 +54,16 @@ class AnomaliesFeature(Feature):
             fanout=core.fanout,
             clock=core.clock,
         )
+        self.causes = CommonCauses(
+            sites=core.sites,
+            detectors=self.detectors,
+            events=reporting,
+            alarms=alarms,
+            learned=DetectorState(core.database, core.clock),
+            clock=core.clock,
+        )
         # In this order: an anomaly is in the log before an alarm is raised by it.
-        self.detectors.add_listener(reporting)
+        self.detectors.add_listener(self.causes)
         self.detectors.add_listener(alarms)
         self.detectors.add_display(reporting)
         pages = AnomalyPages(
@@ -78,12 +88,18 @@ class AnomaliesFeature(Feature):
         ]
         self.tasks = [
             BackgroundTask(name="detect", run=self.detectors.run),
+            BackgroundTask(name="causes", run=self.causes.run),
             BackgroundTask(name="false alarms", run=self.budgets.run),
             BackgroundTask(name="false alarms of the past", run=self.budgets.read_past),
         ]
 
+    async def open(self) -> None:
+        """Bring back which anomalies were open."""
+        await self.causes.open()
+
     async def close(self) -> None:
         """Write down what detectors have learned."""
+        await self.causes.close()
         await self._tests.close()
         await self.budgets.close()
         await self.detectors.close()

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.database import Database
 
 __all__ = [
+    "PART_OF_ANOMALY",
     "Audit",
     "AuditEntry",
     "AuditFilter",
@@ -45,6 +46,8 @@ __all__ = [
     "chain_hash",
 ]
 
+# Kinds of lines about what joins an episode of anomalies, which has a line of its own.
+PART_OF_ANOMALY = "anomaly part"
 _LOG = logging.getLogger(__name__)
 # More are lost while the database is away: memory is bounded.
 _MOST_WAITING = 20_000
@@ -94,7 +97,7 @@ class AuditFilter:
         from_us: not before. to_us: before.
         before: only rows with a smaller number.
         devices: only about one of these; not of the site as a whole.
-        without: the beginning of kinds that are left out.
+        without: the beginning of kinds that are left out, with commas between.
         text: these words stand in the kind, the person, the device or the message, in any case.
 
     """
@@ -133,7 +136,10 @@ class AuditFilter:
         if self.devices is not None:
             said.append(audit.c.device.in_(sorted(self.devices)))
         if self.without is not None:
-            said.append(not_(audit.c.kind.startswith(self.without, autoescape=True)))
+            said += [
+                not_(audit.c.kind.startswith(kind, autoescape=True))
+                for kind in self.without.split(",")
+            ]
         if self.text:
             wanted = self.text.lower()
             columns = (audit.c.kind, audit.c.who, audit.c.device, audit.c.message)

@@ -70,6 +70,8 @@ class Alarm(Shape, frozen=True, kw_only=True):
         kind: what it watches for.
         signal: limit, state, stale, anomaly, zone: the channel, ``<device>/<signal>`` or, of a
             position, ``<device>/<signal>.x``.
+        device: anomaly, in place of a signal: all that detectors look at on this device, and on
+            those that a group of signals joins with it; what becomes unusual together is one alarm.
         inside: zone: true while the position ``signal`` (``<device>/<signal>``) is in this polygon
             of the map's zones.
         outside: zone: true while it is not in this one.
@@ -104,6 +106,7 @@ class Alarm(Shape, frozen=True, kw_only=True):
     name: str
     kind: AlarmKind
     signal: str = ""
+    device: str = ""
     inside: str = ""
     outside: str = ""
     margin: float = 0.0

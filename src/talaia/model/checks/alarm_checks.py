@@ -1,4 +1,7 @@
-"""Cross-checks of alarms, of a description and of those made in the page; part of `check`."""
+"""Cross-checks of alarms, of a description and of those made in the page; part of `check`.
+
+Long, because what fits every kind of alarm is checked here.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
+from talaia.model.alarms.cause_parts import cause_parts, watched_signals
 from talaia.model.alarms.expression import ExpressionError, parse_condition
 from talaia.model.alarms.signal_groups import groups_of
 from talaia.model.checks.identifiers import (
@@ -41,7 +45,7 @@ _OWN = {
     AlarmKind.LIMIT: {"signal", "above", "below", "hysteresis", "max_age"},
     AlarmKind.STATE: {"signal", "is_one_of", "is_not", "max_age"},
     AlarmKind.STALE: {"signal", "max_age"},
-    AlarmKind.ANOMALY: {"signal", "score", "max_age"},
+    AlarmKind.ANOMALY: {"signal", "device", "score", "max_age"},
     AlarmKind.DETECTION: {"stream", "label", "count", "confidence"},
     AlarmKind.EXPRESSION: {"expression", "max_age"},
     AlarmKind.ENCLOSURE: {"enclosure"},
@@ -60,6 +64,9 @@ class Addresses:
         streams: every camera.
         enclosures: their short names.
         groups: the groups of signals that are judged together, by their addresses.
+        parts: by device, the devices among which anomalies that come together are one.
+        watched: by device, the signals of its part at which a detector looks.
+        device_names: what people call the devices.
         kinds: what each channel is in an expression: a state compares as the text of its name.
         positions: the positions, by the address of their signal.
         map: the zones that alarms go by, and where the local frame is.
@@ -74,6 +81,12 @@ class Addresses:
             for channel in site.channels()
         }
         self.groups = {group.address: group for group in groups_of(site)[0]}
+        self.parts = cause_parts(site)
+        self.watched = {
+            device: tuple(one for one in watched_signals(site, part) if one in self.signals)
+            for device, part in self.parts.items()
+        }
+        self.device_names = {key: device.name for key, device in site.devices.items()}
         self.kinds = channel_kinds(site)
         self.enclosures = list(site.enclosures)
         self.shown_units = site.shown_units
@@ -134,6 +147,8 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
             yield from _check_zone(addresses, where, alarm)
         case AlarmKind.GATEWAY:
             pass
+        case AlarmKind.ANOMALY if alarm.device:
+            yield from _check_part(addresses, where, alarm)
         case _:
             yield from _of_signal(addresses, where, alarm)
 
@@ -150,6 +165,8 @@ def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
         signal = addresses.positions.get(alarm.signal)
         parts = () if signal is None else parts_of(signal)[:2]
         return tuple(f"{alarm.signal}.{part}" for part in parts)
+    if alarm.kind is AlarmKind.ANOMALY and alarm.device:
+        return addresses.watched.get(alarm.device, ())
     group = addresses.groups.get(alarm.signal)
     # Who may see an alarm about a group is who may see all of its signals.
     if group is not None:
@@ -220,6 +237,28 @@ def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
         yield from _check_states(where, alarm, described[alarm.signal])
     elif alarm.kind is AlarmKind.ANOMALY:
         yield from at_least(f"{where}.score", alarm.score, 0)
+
+
+def _check_part(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+    if alarm.signal:
+        yield Finding(
+            f"{where}.signal",
+            "an anomaly alarm is about a signal or about a device, not both",
+            "leave one of them out",
+        )
+    if alarm.device not in addresses.parts:
+        known = list(addresses.parts)
+        yield finding_of(UnknownWord(f"{where}.device", "device", alarm.device, known))
+        return
+    watched = addresses.watched[alarm.device]
+    if not watched:
+        problem = f"no detector of anomalies looks at any signal of {alarm.device}"
+        remedy = "write services: {anomaly_detection: true}, or anomalies: at a signal"
+        yield Finding(f"{where}.device", problem, remedy)
+    if len(watched) > _MOST:
+        problem = f"detectors look at {len(watched)} of its signals, more than {_MOST}"
+        yield Finding(f"{where}.device", problem, "name a signal or a group instead")
+    yield from at_least(f"{where}.score", alarm.score, 0)
 
 
 def _fitting_types(kind: AlarmKind) -> set[SignalType]:

@@ -10,7 +10,24 @@ from talaia.wire.browser_messages.subjects import DeviceMessage, StreamMessage
 from talaia.wire.gateway_messages.field_types import Count, Micros, Name, Sentence, Share, Word
 from talaia.wire.message import Message
 
-__all__ = ["AlarmUpdate", "AnomalyShare", "AnomalyUpdate", "SightingUpdate"]
+__all__ = ["AlarmShare", "AlarmUpdate", "AnomalyShare", "AnomalyUpdate", "SightingUpdate"]
+
+
+class AlarmShare(Message, frozen=True, kw_only=True, tag="alarm_share"):
+    """What one of the signals that became unusual together has of it.
+
+    Attributes:
+        signal: its address.
+        name: what people call it.
+        share: of the whole, 0 to 1.
+        on: whether it is unusual still.
+
+    """
+
+    signal: Name
+    name: Name
+    share: Share
+    on: bool = True
 
 
 class AlarmUpdate(DeviceMessage, frozen=True, kw_only=True, tag="alarm"):
@@ -25,6 +42,8 @@ class AlarmUpdate(DeviceMessage, frozen=True, kw_only=True, tag="alarm"):
         shelved_until_us: it is put aside until then; 0: it is not.
         undelivered: why a message of it did not reach somebody, or may not have.
         signals: channels that it looks at.
+        shares: of an alarm about a device: the signals that became unusual together, the greatest
+            share first; also after it is over.
         made: made in the page; the description's own are changed there.
         gone: there is no such alarm any more.
 
@@ -53,6 +72,7 @@ class AlarmUpdate(DeviceMessage, frozen=True, kw_only=True, tag="alarm"):
     undelivered: Sentence = ""
     advice: Sentence = ""
     signals: Annotated[list[Word], Meta(max_length=1000)] = []
+    shares: Annotated[list[AlarmShare], Meta(max_length=100)] = []
     made: bool = False
     gone: bool = False
 

@@ -1,4 +1,4 @@
-/** Which signals of a group made an anomaly so: a bar for each, as long as its share. */
+/** Which signals made an anomaly so: a bar for each, as long as its share. */
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
@@ -10,6 +10,9 @@ import { base, plainList, quietText } from "../base/base-style.js";
 /** Bars of smaller shares would tell nothing. */
 const LEAST = 0.02;
 const MOST_ROWS = 6;
+
+/** What a signal has of an anomaly; `spreads` where one detector says how far it is off, `on` where it may be over by itself. */
+export type SignalPart = Pick<ShareShape, "signal" | "share"> & { readonly spreads?: number; readonly on?: boolean };
 
 @customElement("t-signal-shares")
 export class SignalShares extends LitElement {
@@ -58,7 +61,7 @@ export class SignalShares extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) shares: readonly ShareShape[] = [];
+  @property({ attribute: false }) shares: readonly SignalPart[] = [];
   /** Names by addresses; an address without one stands for itself. */
   @property({ attribute: false }) labels: ReadonlyMap<string, string> = new Map();
 
@@ -70,13 +73,14 @@ export class SignalShares extends LitElement {
     </ul>`;
   }
 
-  private renderShare({ signal, share, spreads }: ShareShape): TemplateResult {
+  private renderShare({ signal, share, spreads, on }: SignalPart): TemplateResult {
     const percent = formatNumber(share * 100, 0);
-    const way = spreads >= 0 ? "above" : "below";
+    const far = spreads === undefined ? "" : `${formatNumber(Math.abs(spreads), 1)} spreads ${spreads >= 0 ? "above" : "below"} its level`;
+    const text = on === false ? "as usual again" : far;
     return html`<li>
       <span class="name">${this.labels.get(signal) ?? signal}</span>
       <svg aria-hidden="true"><rect height="100%" width=${`${String(Math.round(share * 1000) / 10)}%`}></rect></svg>
-      <span class="said">${percent} % <span class="far">${formatNumber(Math.abs(spreads), 1)} spreads ${way} its level</span></span>
+      <span class="said">${percent} % ${text === "" ? nothing : html`<span class="far">${text}</span>`}</span>
     </li>`;
   }
 }

@@ -23,7 +23,7 @@ export interface AlarmField {
   readonly label: string;
   readonly hint?: string;
   readonly kinds: readonly AlarmKind[];
-  readonly sort: "number" | "text" | "words" | "signal" | "stream" | "people";
+  readonly sort: "number" | "text" | "words" | "signal" | "device" | "stream" | "people";
 }
 
 const ALL = KINDS.map(({ kind }) => kind);
@@ -31,6 +31,7 @@ const ALL = KINDS.map(({ kind }) => kind);
 /** Every field, in the order of the form, with the kinds that have it. */
 export const FIELDS: readonly AlarmField[] = [
   { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly", "zone"], sort: "signal" },
+  { name: "device", label: "Or all of a device", hint: "What becomes unusual together is one alarm", kinds: ["anomaly"], sort: "device" },
   { name: "inside", label: "Raised inside", hint: "A zone of the map, by its short name", kinds: ["zone"], sort: "text" },
   { name: "outside", label: "Raised outside", hint: "Or outside of this one", kinds: ["zone"], sort: "text" },
   { name: "margin", label: "Already so near to its edge (m)", kinds: ["zone"], sort: "number" },
@@ -120,6 +121,8 @@ export function definitionOf(fields: AlarmFields): { readonly definition: AlarmD
       said[name] = number;
     }
   }
+  // An alarm about a device is about none of its signals alone.
+  if ((said["device"] ?? "") !== "") said["signal"] = "";
   return { definition: said as unknown as AlarmDefinition };
 }
 

@@ -187,6 +187,9 @@ export class AlarmEditor extends LitElement {
       const options = [...(kind === "anomaly" ? this.groupOptions() : []), ...this.channelOptions(kind)];
       return html`<select name=${name} @change=${this.onSignalChange}>${renderOptions(options, value)}</select>`;
     }
+    if (sort === "device") {
+      return html`<select name=${name}>${renderOptions([["", "No: only this signal"], ...devices.map(({ id, name: label }) => [id, label] as const)], value)}</select>`;
+    }
     if (sort === "stream") {
       const streams = devices.flatMap((device) => device.streams.map(({ address, name: label }) => [address, label] as const));
       return html`<select name=${name}>${renderOptions(streams, value)}</select>`;

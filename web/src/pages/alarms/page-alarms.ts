@@ -30,6 +30,7 @@ import { causeQuery } from "../cause/cause-words.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/status.js";
+import "../../elements/analysis/signal-shares.js";
 import "../../elements/values/time.js";
 import "./alarm-editor.js";
 import "./alarm-history.js";
@@ -72,6 +73,10 @@ export class PageAlarms extends LitElement {
       .why,
       .advice {
         overflow-wrap: anywhere;
+      }
+      t-signal-shares {
+        display: block;
+        margin-block: var(--t-space-2);
       }
       .undelivered {
         color: var(--t-bad);
@@ -213,6 +218,9 @@ export class PageAlarms extends LitElement {
         <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" && alarm.known ? nothing : html`<span class="chip">${alarm.severity}</span>`}</div>
         <div class="name">${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</div>
         ${alarm.why === "" ? nothing : html`<div class="why">${alarm.why}</div>`}
+        ${alarm.shares.length < 2
+          ? nothing
+          : html`<t-signal-shares .shares=${alarm.shares} .labels=${new Map(alarm.shares.map(({ signal, name }) => [signal, name]))}></t-signal-shares>`}
         ${alarm.known ? nothing : html`<div class="why">It cannot be judged now: ${capitalized(alarm.unknown_why)}</div>`}
         ${alarm.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>What to do:</strong> ${alarm.advice}</div>`}
         ${alarm.undelivered === "" ? nothing : html`<div class="undelivered">Could not be delivered: ${alarm.undelivered}</div>`}

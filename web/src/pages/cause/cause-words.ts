@@ -46,6 +46,15 @@ export function knownText({ state_name, holds }: KnownShape): string {
   return `while ${state_name}${holds ? " (now)" : ""}`;
 }
 
+/** Names all that were anomalous in that minute in a choice; no address of a signal is so. */
+export const ALL = "all";
+
+/** The detectors that said so of what is chosen: one, or all that were over their bars. */
+export function subjectsOf(unusual: CauseShape["unusual"], chosen: string): CauseShape["unusual"] {
+  if (chosen === ALL) return unusual.filter(({ score, bar }) => score >= bar);
+  return unusual.filter(({ address, detector }) => `${address}~${detector}` === chosen);
+}
+
 /** By how much a score is over its bar, as a share of what is possible; below the bar 0. */
 export function excessOf({ score, bar }: CauseShape["unusual"][number]): number {
   return Math.max(0, Math.min(1, (score - bar) / Math.max(1e-9, 1 - bar)));

@@ -23,7 +23,7 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
 import { momentQuery } from "../logbook/logbook-query.js";
 import { CauseApi } from "./cause-api.js";
-import { causeQuery, excessOf, knownText, momentOf, repeatable, repeatedComment, sortEvents, verdictText, type Verdict } from "./cause-words.js";
+import { ALL, causeQuery, excessOf, knownText, momentOf, repeatable, repeatedComment, sortEvents, subjectsOf, verdictText, type Verdict } from "./cause-words.js";
 import "../../elements/analysis/sighting-card.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
@@ -187,33 +187,36 @@ export class PageCause extends LitElement {
   private renderSimilar(cause: CauseShape, similar: SimilarShape): TemplateResult {
     const verdict = repeatable(similar);
     const when = formatClock(similar.began_us, this.zone);
-    const worst = cause.unusual.find(({ score, bar }) => score >= bar);
+    const newest = subjectsOf(cause.unusual, ALL).filter((row) => row.newest);
     return html`<p>
         <a href=${`${sitePath(this.site, "cause")}?${causeQuery(similar.began_us)}`}>${when}</a>: ${similar.names.join(", ")}
         (${formatNumber(100 * similar.likeness, 0)} % in common)
       </p>
       <p class="quiet">${verdictText(similar)}</p>
-      ${verdict === null || worst === undefined || !worst.newest || !cause.may_use
+      ${verdict === null || newest.length === 0 || !cause.may_use
         ? nothing
         : html`<div class="actions">
-            <t-button kind="primary" ?disabled=${this.action.busy} @click=${this.judger(worst, verdict, repeatedComment(similar, when))}>Same as last time</t-button>
+            <t-button kind="primary" ?disabled=${this.action.busy} @click=${this.judger(newest, verdict, repeatedComment(similar, when))}>Same as last time</t-button>
           </div>`}`;
   }
 
   private renderKnow(cause: CauseShape): TemplateResult | typeof nothing {
-    const subjects = cause.unusual.map(({ address, detector, title }) => [`${address}~${detector}`, `${title} (${detector})`] as const);
-    const chosen = this.chosen === "" ? (subjects[0]?.[0] ?? "") : this.chosen;
-    const subject = cause.unusual.find(({ address, detector }) => `${address}~${detector}` === chosen);
-    if (subject === undefined) return nothing;
+    const single = cause.unusual.map(({ address, detector, title }) => [`${address}~${detector}`, `${title} (${detector})`] as const);
+    const anomalous = subjectsOf(cause.unusual, ALL).length;
+    const options = anomalous < 2 ? single : [[ALL, `all ${String(anomalous)} that were anomalous`] as const, ...single];
+    const chosen = this.chosen === "" ? (options[0]?.[0] ?? "") : this.chosen;
+    const subjects = subjectsOf(cause.unusual, chosen);
+    if (subjects.length === 0) return nothing;
+    const newest = subjects.filter((row) => row.newest);
     return html`<div class="known">
-      <t-field label="Say of"><select @change=${this.onSubject}>${renderOptions(subjects, chosen)}</select></t-field>
+      <t-field label="Say of"><select @change=${this.onSubject}>${renderOptions(options, chosen)}</select></t-field>
       ${map(
         cause.states,
-        (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subject, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,
+        (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subjects, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,
       )}
-      ${subject.newest
-        ? html`<t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "confirmed", "")}>It was real</t-button>
-            <t-button ?disabled=${this.action.busy} @click=${this.judger(subject, "forgiven", "")}>Not an anomaly</t-button>`
+      ${newest.length > 0
+        ? html`<t-button ?disabled=${this.action.busy} @click=${this.judger(newest, "confirmed", "")}>It was real</t-button>
+            <t-button ?disabled=${this.action.busy} @click=${this.judger(newest, "forgiven", "")}>Not an anomaly</t-button>`
         : html`<span class="quiet">Only its newest anomaly can be judged; this is none of it.</span>`}
     </div>`;
   }
@@ -307,16 +310,18 @@ export class PageCause extends LitElement {
     this.chosen = (event.target as HTMLSelectElement).value;
   };
 
-  private judger({ address, detector, title }: Unusual, verdict: Verdict, comment: string): () => void {
+  private judger(subjects: readonly Unusual[], verdict: Verdict, comment: string): () => void {
     const said = verdict === "confirmed" ? "was real" : "was none";
     return () => {
-      this.act("say what it was", (api) => api.judgeNewest(verdict, { address, detector, comment }), `Said: the newest anomaly of ${title} ${said}.`);
+      const judge = (api: CauseApi): Promise<unknown> => forEach(subjects, ({ address, detector }) => api.judgeNewest(verdict, { address, detector, comment }));
+      this.act("say what it was", judge, `Said: the newest anomaly of ${titlesOf(subjects)} ${said}.`);
     };
   }
 
-  private knower({ address, detector, title }: Unusual, { address: stateOf, title: stateTitle, value, name }: CauseShape["states"][number]): () => void {
+  private knower(subjects: readonly Unusual[], { address: stateOf, title: stateTitle, value, name }: CauseShape["states"][number]): () => void {
     return () => {
-      this.act("keep that it is known", (api) => api.addKnown({ address, detector, state: stateOf, value, comment: "" }), `Known: nobody is told of ${title} while ${stateTitle} is ${name}.`);
+      const keep = (api: CauseApi): Promise<unknown> => forEach(subjects, ({ address, detector }) => api.addKnown({ address, detector, state: stateOf, value, comment: "" }));
+      this.act("keep that it is known", keep, `Known: nobody is told of ${titlesOf(subjects)} while ${stateTitle} is ${name}.`);
     };
   }
 
@@ -338,6 +343,15 @@ export class PageCause extends LitElement {
       done,
     );
   }
+}
+
+/** One after the other: what went before a failure was said, and the page shows it. */
+async function forEach(subjects: readonly Unusual[], say: (subject: Unusual) => Promise<unknown>): Promise<void> {
+  for (const subject of subjects) await say(subject);
+}
+
+function titlesOf(subjects: readonly Unusual[]): string {
+  return [...new Set(subjects.map(({ title }) => title))].join(", ");
 }
 
 declare global {

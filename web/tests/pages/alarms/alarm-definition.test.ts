@@ -15,6 +15,12 @@ test("a form says a definition, with only the keys of its kind", () => {
   expect(definitionOf({ kind: "limit", above: "eleven" })).toEqual({ wrong: "above" });
 });
 
+test("an alarm about a device is about none of its signals alone", () => {
+  const said = definitionOf({ name: "Odd", kind: "anomaly", signal: "power/voltage", device: "power" });
+  expect(said).toMatchObject({ definition: { device: "power", signal: "" } });
+  expect(definitionOf({ name: "Odd", kind: "anomaly", signal: "power/voltage" })).toMatchObject({ definition: { device: "", signal: "power/voltage" } });
+});
+
 test("a definition fills the form, and comes back as it was", () => {
   const definition = { name: "Door", kind: "state", severity: "info", record: false, signal: "a/door", is_one_of: ["open", "ajar"], is_not: [], delay: 2, clear_delay: 0, max_age: null, unknown_after: 60, advice: "Shut it.", repeat: 60, escalate: [{ who: "eve", after: 300 }], remind: null } as const;
   expect(definitionOf(alarmFields(definition))).toEqual({ definition });

@@ -25,7 +25,7 @@ from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.permissions import Right, sees_signal
 from talaia.hub.live.detection.known_anomalies import MOST_KNOWN, KnownAnomaly, new_key
-from talaia.hub.store.audit import AuditFilter
+from talaia.hub.store.audit import PART_OF_ANOMALY, AuditFilter
 from talaia.model.alarms.signal_groups import group_named
 from talaia.model.site import SignalType
 
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 __all__ = ["CausePages"]
 
-_BEGAN = "anomaly began"
+_BEGAN = f"anomaly began,{PART_OF_ANOMALY} began"
 _VERDICTS = ("anomaly confirmed", "anomaly forgiven", "anomaly known")
 # Rows of the log that are looked through for an episode like this one, and points of a score.
 _MOST_ROWS, _POINTS = 1000, 500

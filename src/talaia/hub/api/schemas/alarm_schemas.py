@@ -41,6 +41,7 @@ class AlarmDefinition(Schema):
     name: _Name
     kind: AlarmKind
     signal: _Name = ""
+    device: _Name = ""
     inside: _Name = ""
     outside: _Name = ""
     margin: _Number = 0.0

@@ -24,7 +24,7 @@ from talaia.hub.api.sites.shared_commands import list_shared_commands
 from talaia.hub.api.sites.site_views import describe_site, list_devices, summarise_site
 from talaia.hub.auth.permissions import Right, sees_site
 from talaia.hub.live.detection.sightings import KIND as SIGHTING
-from talaia.hub.store.audit import AuditFilter
+from talaia.hub.store.audit import PART_OF_ANOMALY, AuditFilter
 from talaia.model.units.conversion import shown_units
 
 if TYPE_CHECKING:
@@ -177,8 +177,9 @@ class SitePages:
             device=device,
             text=text,
             good=good,
-            # A note stands at the moment that it is about, and not where somebody wrote it.
-            without=_NOTE,
+            # A note stands at the moment that it is about, and not where somebody wrote it. What
+            # joins an episode of anomalies is listed when somebody asks for anomalies.
+            without=_NOTE if kind else f"{_NOTE},{PART_OF_ANOMALY}",
             # Rows of other devices do not count for ``limit`` and ``more``, either.
             devices=devices,
         )

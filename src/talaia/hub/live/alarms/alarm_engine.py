@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from talaia.hub.alarms.state_machine import Happened
     from talaia.hub.live.pages.page_connections import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.ports import AnomalyReport, SightingEvent
+    from talaia.hub.ports import AnomalyReport, SharedCause, SightingEvent
     from talaia.hub.store.alarms.alarm_states import AlarmStore
     from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
     from talaia.model.site import Site
@@ -196,6 +196,14 @@ class AlarmEngine:
         seen = DetectedThing(score=news.score, why=news.why)
         which, over = (news.began_us, news.detector), news.ended_us is not None
         self._handle_happening(news.site, (news.channel, ""), which, seen, over=over)
+
+    def report_cause(self, news: SharedCause) -> None:
+        """Take what became unusual together; see `talaia.hub.ports.CauseSink`."""
+        seen = DetectedThing(
+            score=news.score, why=news.why, began_us=news.began_us, shares=news.shares
+        )
+        which, over = (news.began_us, ""), news.over
+        self._handle_happening(news.site, (news.part, ""), which, seen, over=over)
 
     def report_sighting(self, news: SightingEvent) -> None:
         """Take what a detector of objects says; see `talaia.hub.ports.SightingSink`."""

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 __all__ = ["LiveAlarm", "alarm_news", "device_of", "event_news", "ghost_alarm"]
 
 
+# The rest has so little of it that nobody looks for it here.
+_MOST_SHARES = 100
+
+
 # Compared by identity: it is a key of dicts, and a queue may hold two of one name.
 @dataclass(slots=True, eq=False)
 class LiveAlarm:
@@ -46,6 +50,10 @@ class LiveAlarm:
     condition: AlarmCondition | None = None
     problem: str = ""
     undelivered: str = ""
+    # Of several signals together: which episode it was raised for, and what each has of it.
+    cause_us: int = 0
+    cause_why: str = ""
+    shares: tuple[tuple[str, float, bool], ...] = ()
     # Why it cannot be judged, as pages were last told; empty: they know it as judged.
     shown_unknown: str = ""
     # When people were last told; the first look sets the time, so it may begin with 0.
@@ -86,9 +94,17 @@ def alarm_news(live_alarm: LiveAlarm) -> page.AlarmUpdate:
         undelivered=live_alarm.undelivered[:500],
         advice=about.advice[:500],
         signals=list(live_alarm.condition.channels) if live_alarm.condition else [],
+        shares=[
+            page.AlarmShare(signal=address, name=_name_of(live_alarm, address), share=share, on=on)
+            for address, share, on in live_alarm.shares[:_MOST_SHARES]
+        ],
         made=live_alarm.made,
         gone=alarm is None,
     )
+
+
+def _name_of(live_alarm: LiveAlarm, address: str) -> str:
+    return live_alarm.condition.name_signal(address) if live_alarm.condition else address
 
 
 def event_news(live_alarm: LiveAlarm, happened: Happened) -> page.EventUpdate:

@@ -2,6 +2,8 @@
 
 Nothing here waits. Each sample is held against the conditions that look at it; what comes of it
 is handed on, to be written down and told.
+
+Long, because samples, detectors and time all lead to the same judgement.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from talaia.hub.alarms.conditions import (
     Truth,
 )
 from talaia.hub.alarms.reminders import first_told
-from talaia.hub.alarms.state_machine import Clear, Raise, State, Unshelve
+from talaia.hub.alarms.state_machine import Clear, Grow, Raise, State, Unshelve
 from talaia.hub.live.alarms.alarm_state import LiveAlarm, device_of
 from talaia.hub.live.pages.conflate import conflate, pick
 from talaia.hub.store.alarms.notification_outbox import About
@@ -174,7 +176,7 @@ class SiteAlarms:
         self._addresses = tuple(channel.address for channel in live.channels)
         self._lookers = {}
         for live_alarm in self.alarms.values():
-            for address in live_alarm.condition.channels if live_alarm.condition else ():
+            for address in live_alarm.condition.inputs if live_alarm.condition else ():
                 # Every address is in the list: a condition is made only where `alarm_findings`
                 # finds nothing.
                 at = number[address]
@@ -201,11 +203,33 @@ class SiteAlarms:
                 to = first_told(live_alarm.alarm) if live_alarm.alarm is not None else ()
                 event = Raise(self._now_us(), edge.why, to)
             self._enqueue(live_alarm, event)
+        self._follow_cause(live_alarm, raised=edge is not None)
         # Of what is not known, without its age, which grows by itself.
         unknown = "" if live_alarm.watch.known else live_alarm.watch.why.partition(" is ")[0]
         if unknown != live_alarm.shown_unknown:
             live_alarm.shown_unknown = unknown
             self._publish(live_alarm)
+
+    def _follow_cause(self, live_alarm: LiveAlarm, *, raised: bool) -> None:
+        """Let an alarm about several signals grow with what goes on; another cause is told anew."""
+        condition = live_alarm.condition
+        if condition is None or not condition.shared or condition.happening is None:
+            return
+        going = tuple(self._seen.get(condition.happening, {}).values())
+        thing = condition.newest_thing(going)
+        if thing is None or not live_alarm.watch.on:
+            return
+        before, now_us = live_alarm.cause_us, self._now_us()
+        changed = live_alarm.shares != thing.shares
+        live_alarm.cause_us, live_alarm.shares = thing.began_us, thing.shares
+        if not raised and before and before != thing.began_us:
+            to = first_told(live_alarm.alarm) if live_alarm.alarm is not None else ()
+            self._enqueue(live_alarm, Raise(now_us, thing.why, to, anew=True))
+        elif not raised and live_alarm.cause_why != thing.why:
+            self._enqueue(live_alarm, Grow(now_us, thing.why))
+        elif changed and not raised:
+            self._publish(live_alarm)
+        live_alarm.cause_why = thing.why
 
     def _condition_verdict(
         self, live: LiveSite, live_alarm: LiveAlarm, now: int
@@ -216,7 +240,7 @@ class SiteAlarms:
         # Of a device out of reach no value counts, however young; the first test spares the split.
         readings = {
             address: ConditionReading(value, text, (now - arrived) / SECOND)
-            for address in condition.channels
+            for address in condition.inputs
             if (found := self._values.get(address)) is not None
             # A loop over one item: it binds names within a comprehension.
             for value, text, arrived in (found,)

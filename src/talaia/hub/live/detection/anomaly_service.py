@@ -21,7 +21,13 @@ import numpy as np
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
-from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded, score_address
+from talaia.hub.anomaly.episode_runner import (
+    AnomalyBegan,
+    AnomalyEnded,
+    excess_of,
+    score_address,
+    shares_of,
+)
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.guarded import GuardedDetector
 from talaia.hub.anomaly.runner import DetectorRunner
@@ -427,6 +433,8 @@ def _report_of(
         ended_us=None if isinstance(turn, AnomalyBegan) else turn.ended_us,
         score=turn.score,
         why=turn.why,
+        excess=excess_of(runner, turn.score),
+        shares=shares_of(runner),
     )
 
 

@@ -13,12 +13,15 @@ from talaia.hub.live.gateways.doubles.held_stops import HeldStops
 from talaia.hub.live.gateways.gateway_log import GatewayLog
 from talaia.hub.live.gateways.gateway_words import event_words, is_described, with_known_names
 from talaia.hub.live.pages.interlock_news import interlock_news
+from talaia.hub.store.audit import PART_OF_ANOMALY
 from talaia.model.alarms.signal_groups import group_named
 from talaia.wire import browser as page, frames
 from talaia.wire.browser_messages.relay import relay_message
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from talaia.clock import Clock
     from talaia.hub.anomaly.episode_runner import EpisodeRunner
     from talaia.hub.live.alarms.alarm_engine import AlarmEngine
@@ -214,8 +217,17 @@ class RobotEvents:
             )
         )
 
-    def report_anomaly(self, news: AnomalyReport) -> None:
-        """Tell of an anomaly that began or ended; see `AnomalySink`."""
+    def report_anomaly(
+        self, news: AnomalyReport, *, joined: bool = False, among: Sequence[str] = ()
+    ) -> None:
+        """Tell of an anomaly that began or ended.
+
+        Args:
+            news: what a detector says.
+            joined: it is a part of an episode that has a line of its own.
+            among: addresses of what else was unusual in the episode that ends with it.
+
+        """
         live = self._sites.find_site(news.site)
         if live is None:
             return
@@ -223,9 +235,13 @@ class RobotEvents:
         kind, time_us = "anomaly began", news.began_us
         if news.ended_us is not None:
             kind, time_us = "anomaly ended", news.ended_us
+        # A kind of its own: the logbook has one line for an episode, and these when asked for.
+        kind = kind.replace("anomaly", PART_OF_ANOMALY) if joined else kind
+        others = ", ".join(_place_of(live.description, one)[1] for one in among)
+        message = f"{name}: {news.why}" + (f"; with {others}" if others else "")
         good = news.ended_us is not None
         self.report_event(
-            live, kind, device=device, message=f"{name}: {news.why}", good=good, time_us=time_us
+            live, kind, device=device, message=message[:500], good=good, time_us=time_us
         )
 
     def report_detector(self, site: str, watched: EpisodeRunner) -> None:
