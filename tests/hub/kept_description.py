@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi.routing import iter_route_contexts
 
 from talaia.hub.api.openapi import describe_api
 
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+
 # By what is described; as text, so that whoever changes a description has one of their own.
 _kept: dict[frozenset[str], str] = {}
 
 
-def kept_description(app) -> dict[str, Any]:
+def kept_description(app: FastAPI) -> dict[str, Any]:
     """Describe an application as `describe_api` does, which computes seconds."""
     routes = frozenset(
         f"{sorted(context.methods or ())} {context.path}"
@@ -21,4 +24,5 @@ def kept_description(app) -> dict[str, Any]:
     )
     if routes not in _kept:
         _kept[routes] = json.dumps(describe_api(app))
-    return json.loads(_kept[routes])
+    described: dict[str, Any] = json.loads(_kept[routes])
+    return described
