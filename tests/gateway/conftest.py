@@ -80,9 +80,12 @@ async def peer_in(domain: int, script: Path = HERE / "robot_peer.py") -> AsyncIt
     process = await start_program(str(script), ROS_DOMAIN_ID=str(domain))
     one = Peer(process)
     reading = asyncio.ensure_future(one.read())
-    await one.until(lambda: one.heard("ready"))
-    yield one
-    assert process.stdin is not None
-    process.stdin.close()
-    await asyncio.wait_for(process.wait(), PATIENCE_S)
-    await reading
+    try:
+        await one.until(lambda: one.heard("ready"))
+        yield one
+    finally:
+        # Also when the test failed: what is left open is found in the middle of a later one.
+        assert process.stdin is not None
+        process.stdin.close()
+        await asyncio.wait_for(process.wait(), PATIENCE_S)
+        await reading

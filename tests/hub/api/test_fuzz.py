@@ -25,11 +25,12 @@ from schemathesis.specs.openapi.checks import (
     status_code_conformance,
 )
 
-from talaia.hub.api.openapi import describe_api, needs_in_words
+from talaia.hub.api.openapi import needs_in_words
 from talaia.hub.policy import ROUTES
 
 from ..everyone.routes import ABOUT_PEOPLE, RECIPES
 from ..everyone.world import NOW
+from ..kept_description import kept_description
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -154,7 +155,7 @@ async def fuzz(world, description: dict, how: settings = SETTINGS) -> Fuzz:
 
 
 async def test_every_answer_is_declared_and_none_is_a_failure(unhurried, world) -> None:
-    description = describe_api(world.hub.hub.app)
+    description = kept_description(world.hub.hub.app)
     asking = await fuzz(world, description)
     assert sorted(asking.wrong) == []
     # Each route that wants no words of its own was really reached: it did what it was asked.
@@ -181,7 +182,7 @@ async def test_every_answer_is_declared_and_none_is_a_failure(unhurried, world) 
 
 
 async def test_answer_that_is_not_declared_is_found(unhurried, world) -> None:
-    description = describe_api(world.hub.hub.app)
+    description = kept_description(world.hub.hub.app)
     site = description["paths"]["/api/sites/{site}"]["get"]
     description["paths"] = {"/api/sites/{site}": {"get": site}}
     del site["responses"]["404"]
@@ -192,7 +193,7 @@ async def test_answer_that_is_not_declared_is_found(unhurried, world) -> None:
 def test_description_holds_every_route_with_its_right(hub_parts) -> None:
     described = {
         (method.upper(), path): operation
-        for path, methods in describe_api(hub_parts.app)["paths"].items()
+        for path, methods in kept_description(hub_parts.app)["paths"].items()
         for method, operation in methods.items()
     }
     assert set(described) == {route for route in ROUTES if ":path}" not in route[1]}
@@ -202,7 +203,7 @@ def test_description_holds_every_route_with_its_right(hub_parts) -> None:
 
 
 def test_no_body_takes_a_key_that_is_not_described(hub_parts) -> None:
-    description = describe_api(hub_parts.app)
+    description = kept_description(hub_parts.app)
     bodies = [
         operation["requestBody"]["content"]
         for methods in description["paths"].values()

@@ -11,7 +11,6 @@ from urllib.parse import quote
 import pytest
 from sqlalchemy import select
 
-from talaia.hub.api.openapi import describe_api
 from talaia.hub.auth.tokens import hash_token, new_token
 from talaia.hub.policy import AccessNeed, need_of_route
 from talaia.hub.store.tables import audit, users
@@ -19,6 +18,7 @@ from talaia.hub.store.tables import audit, users
 from ..everyone.routes import RECIPES
 from ..everyone.story import everything, listen, settle
 from ..everyone.world import NOW, PASSWORD
+from ..kept_description import kept_description
 from .clients import prometheus_server
 
 INJECTIONS = [
@@ -41,7 +41,7 @@ def _parameters(operation: dict) -> list[dict]:
 @pytest.fixture(scope="module")
 def described(shared_world) -> dict:
     """Every route, as the reference describes it."""
-    return describe_api(shared_world.hub.hub.app)["paths"]
+    return kept_description(shared_world.hub.hub.app)["paths"]
 
 
 @pytest.mark.asyncio(loop_scope="module")

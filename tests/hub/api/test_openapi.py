@@ -2,13 +2,14 @@
 
 import pytest
 
-from talaia.hub.api.openapi import describe_api
 from talaia.hub.policy import BY_SCRIPT, ROUTES, AccessNeed
+
+from ..kept_description import kept_description
 
 
 @pytest.fixture
 def said(hub_parts):
-    return describe_api(hub_parts.app)
+    return kept_description(hub_parts.app)
 
 
 def operations(said):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from typing import NamedTuple, TypeAlias
 
@@ -165,7 +166,7 @@ def _follow_path(
     msgspec knows the path of types, not of keys: ``$.devices[...].signals[...].unit``. Of the
     keys at each ``[...]`` the first whose own value does not convert is the one it stopped at.
     """
-    shape: object = msgspec.inspect.type_info(Site)
+    shape = _site_shape()
     value, steps, is_needed = document, list[Step](), False
     for name, index in _STEP.findall(path):
         shape = _inner_type(shape, msgspec.inspect.StructType, value)
@@ -183,6 +184,12 @@ def _follow_path(
             value = value[step] if isinstance(value, list) else None
         steps.append(step)
     return tuple(steps), shape, value, is_needed
+
+
+@functools.cache
+def _site_shape() -> object:
+    # Once: msgspec goes through all types anew each time, which takes longer than all the rest.
+    return msgspec.inspect.type_info(Site)
 
 
 def _inner_type(shape: object, wanted: type | tuple[type, ...], value: object) -> object:

@@ -51,26 +51,28 @@ def test_one_has_it_and_the_next_gets_it_when_it_is_given_back(url) -> None:
 
 
 def test_whoever_has_it_alone_may_open_connections_to_the_history(url) -> None:
-    with Held(url) as holder, Held(url) as other:
+    with Held(url) as holder:
         assert holder.taken.wait(PATIENCE_S)
-        writing = open_engine(url, writes=True, on_connect=holder.lock.check_connection)
-        refused = open_engine(url, writes=True, on_connect=other.lock.check_connection)
-        with writing.connect() as connection:
-            assert connection.scalar(sa.text("SELECT 1")) == 1
-        with pytest.raises(sa.exc.OperationalError, match="does not lead any more"):
-            refused.connect()
-        writing.dispose()
-        refused.dispose()
+        with Held(url) as other:
+            writing = open_engine(url, writes=True, on_connect=holder.lock.check_connection)
+            refused = open_engine(url, writes=True, on_connect=other.lock.check_connection)
+            with writing.connect() as connection:
+                assert connection.scalar(sa.text("SELECT 1")) == 1
+            with pytest.raises(sa.exc.OperationalError, match="does not lead any more"):
+                refused.connect()
+            writing.dispose()
+            refused.dispose()
 
 
 async def test_whoever_has_it_not_may_not_open_connections_to_accounts(url) -> None:
-    with Held(url) as holder, Held(url) as other:
+    with Held(url) as holder:
         assert holder.taken.wait(PATIENCE_S)
-        database = Database(url, on_connect=other.lock.check_connection)
-        with pytest.raises(StoreDown, match="does not lead any more"):
-            async with database.read():
-                pass
-        await database.close()
+        with Held(url) as other:
+            database = Database(url, on_connect=other.lock.check_connection)
+            with pytest.raises(StoreDown, match="does not lead any more"):
+                async with database.read():
+                    pass
+            await database.close()
 
 
 async def test_each_lead_has_a_higher_number_and_the_key_of_those_before(url) -> None:
