@@ -66,7 +66,7 @@ async def test_what_a_killed_gateway_heard_is_told_by_the_next_one_under_its_own
         first.reporter.keep_line(line(number))
     await comes(lambda: [*tmp_path.iterdir()])
     await first.kill()
-    (file,) = tmp_path.iterdir()
+    (file,) = tmp_path.iterdir()  # noqa: ASYNC240
     # The last line was broken off.
     file.write_bytes(file.read_bytes() + b'\n{"number": 250, "si')
     second = Run(tmp_path, "000000000002-b")
