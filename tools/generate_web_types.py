@@ -36,7 +36,7 @@ from talaia.hub.api.maps import map_schemas
 from talaia.hub.api.missions import fleet_schemas, mission_schemas
 from talaia.hub.api.notes import note_schemas
 from talaia.hub.api.observing import outlook_schemas
-from talaia.hub.api.records import recorded_schemas
+from talaia.hub.api.records import recorded_schemas, robot_log_schemas
 from talaia.hub.api.releases import release_schemas
 from talaia.hub.api.schemas import (
     ability_schemas,
@@ -110,6 +110,7 @@ SHAPES = (
     client_schemas,
     hub_schemas,
     release_schemas,
+    robot_log_schemas,
 )
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 

@@ -2893,6 +2893,30 @@ export interface RolloutSiteShape {
   readonly why: string;
 }
 
+/** One line of a robot's log. */
+export interface LogLineShape {
+  readonly id: string;
+  readonly time_us: number;
+  readonly level: number;
+  readonly node: string;
+  readonly text: string;
+  readonly function: string;
+  readonly file: string;
+  readonly line: number;
+  readonly left_out: number;
+}
+
+/** Nodes of which lines are kept. */
+export interface LogNodeList {
+  readonly nodes: readonly string[];
+}
+
+/** Lines, the newest first. */
+export interface LogPageShape {
+  readonly lines: readonly LogLineShape[];
+  readonly next: string | null;
+}
+
 /** See `EnclosureCapabilities`; nothing is left open here. */
 export interface Capabilities {
   readonly has_shutter: boolean;

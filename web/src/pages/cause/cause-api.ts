@@ -2,7 +2,7 @@
 
 import type { CauseShape, EventList, KnownAsk, KnownShape, LogPageShape, SightingList } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { findLogLines } from "../../wire/robot-log-api.js";
+import { findLogLines } from "../../boards/robot-log-api.js";
 
 const MOST = 200;
 

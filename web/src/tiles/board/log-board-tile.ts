@@ -18,7 +18,7 @@ import type { LogPageShape } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { findLogLines } from "../../wire/robot-log-api.js";
+import { findLogLines } from "../../boards/robot-log-api.js";
 import "../../elements/base/icon.js";
 import "../../elements/forms/button.js";
 import { pastTurn, type BoardTileContext } from "./board-tile-entry.js";

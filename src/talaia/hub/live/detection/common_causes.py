@@ -149,7 +149,7 @@ class CommonCauses:
                 self._unsaved.add(site)
             self._follow_detectors(live, causes)
             for part, cause in causes.close_over(now_us):
-                self._tell(_shared_cause(live, part, cause, over=True), now_us)
+                self._report_news(_shared_cause(live, part, cause, over=True), now_us)
                 del self._told[site, part]
                 self._unsaved.add(site)
             for part, cause in causes.open.items():
@@ -194,12 +194,12 @@ class CommonCauses:
             grown = {one[0] for one in before.shares} != {one[0] for one in news.shares}
             if not grown and now_us - told_us < _TOLD_AGAIN_US:
                 return
-        self._tell(news, now_us)
+        self._report_news(news, now_us)
         if before is not None and before.began_us != news.began_us:
             # After it: an alarm that is on then knows of another cause.
             self._alarms.report_cause(before._replace(over=True))
 
-    def _tell(self, news: SharedCause, now_us: int) -> None:
+    def _report_news(self, news: SharedCause, now_us: int) -> None:
         self._told[news.site, news.part] = (news, now_us)
         self._alarms.report_cause(news)
 

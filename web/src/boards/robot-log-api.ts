@@ -1,7 +1,7 @@
 /** The kept lines of a robot's log. */
 
 import type { LogPageShape } from "../generated/api.js";
-import type { HubApi } from "./hub-api.js";
+import type { HubApi } from "../wire/hub-api.js";
 
 /** @param query what is asked for, as the hub reads it */
 export function findLogLines(api: Pick<HubApi, "request">, site: string, query: string): Promise<LogPageShape> {
