@@ -4,7 +4,6 @@ import asyncio
 
 import msgspec
 
-from talaia.hub.cluster import entrance
 from talaia.hub.cluster.entrance import Entrance
 from talaia.hub.cluster.frames import FrameKind, TunnelFrame
 
@@ -17,8 +16,7 @@ def scope_of(kind: str, path: str) -> dict:
     return {"type": kind, "path": path, "headers": [], "client": None, "server": None}
 
 
-async def test_sockets_go_in_groups_pages_before_gateways_and_requests_stay(monkeypatch) -> None:
-    monkeypatch.setattr(entrance, "_GROUP_PAUSE_S", 0.0)
+async def test_sockets_go_in_groups_pages_before_gateways_and_requests_stay() -> None:
     closed: list[str] = []
     ended: list[bytes] = []
 
@@ -48,7 +46,7 @@ async def test_sockets_go_in_groups_pages_before_gateways_and_requests_stay(monk
         await asyncio.sleep(0)
     assert door.count_open() == (50, 50)
     sizes = []
-    handing = asyncio.create_task(door.hand_over("the hub ends"))
+    handing = asyncio.create_task(door.hand_over("the hub ends", pause_s=0.0))
     while not handing.done():
         before = sum(door.count_open())
         await asyncio.sleep(0)

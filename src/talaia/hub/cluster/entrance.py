@@ -90,7 +90,7 @@ class Entrance:
             if name.hub != but:
                 tunnel.break_off(reason)
 
-    async def hand_over(self, reason: str) -> None:
+    async def hand_over(self, reason: str, *, pause_s: float = _GROUP_PAUSE_S) -> None:
         """Send all sockets to other hubs, a few at a time; requests are answered to their end."""
         # Those of pages first: whoever drives sees at once that the way changes, and the robot's
         # own link stays until a hub that goes on has the page.
@@ -101,7 +101,7 @@ class Entrance:
         size = max(_SMALLEST_GROUP, -(-len(sockets) // _GROUPS))
         for first in range(0, len(sockets), size):
             if first:
-                await asyncio.sleep(_GROUP_PAUSE_S)
+                await asyncio.sleep(pause_s)
             for tunnel in sockets[first : first + size]:
                 # The lead is told, too: what a page holds there is free before it comes again.
                 await tunnel.end_tunnel(reason)

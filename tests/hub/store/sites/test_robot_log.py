@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from talaia.clock import HandClock
-from talaia.hub.store.sites import robot_log
 from talaia.hub.store.sites.robot_log import LogFilter, RobotLogStore, StoredLine
 
 
@@ -47,9 +46,9 @@ async def test_each_line_is_kept_once_and_found_by_time_level_node_and_words(sto
 
 
 async def test_pages_neither_repeat_nor_skip_a_line_and_a_search_goes_on(
-    store, monkeypatch
+    database,
 ) -> None:
-    monkeypatch.setattr(robot_log, "MOST_SEARCHED", 4)
+    store = RobotLogStore(database, HandClock(), most_searched=4)
     # All in one microsecond.
     lines = [line(5000, f"{'odd' if number % 6 else 'sixth'} {number}") for number in range(13)]
     await store.store_lines("agv", "run", 0, lines)

@@ -89,9 +89,15 @@ class LogFilter:
 class RobotLogStore:
     """Rows of lines."""
 
-    def __init__(self, database: Database, clock: Clock) -> None:
-        """Work on ``database``; ``clock`` says what is old."""
+    def __init__(
+        self, database: Database, clock: Clock, *, most_searched: int = MOST_SEARCHED
+    ) -> None:
+        """Work on ``database``; ``clock`` says what is old.
+
+        A search looks through ``most_searched`` lines at a time.
+        """
         self._database, self._clock = database, clock
+        self._most_searched = most_searched
 
     async def store_lines(
         self, site: str, boot: str, first: int, lines: Sequence[StoredLine]
@@ -124,7 +130,7 @@ class RobotLogStore:
         query = select(robot_log).where(*said).order_by(*newest)
         if words:
             # Words are in no index: so many lines are looked at, and the next page goes on.
-            searched = query.limit(MOST_SEARCHED).subquery()
+            searched = query.limit(self._most_searched).subquery()
             inner = robot_log.alias("found")
             query = (
                 select(inner)
@@ -144,7 +150,7 @@ class RobotLogStore:
                         select(column.time_us, column.id)
                         .where(*said)
                         .order_by(*newest)
-                        .offset(MOST_SEARCHED - 1)
+                        .offset(self._most_searched - 1)
                         .limit(1)
                     )
                 ).first()
