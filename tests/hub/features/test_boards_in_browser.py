@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from playwright.async_api import expect
 
+from talaia.wire.frames import LogLine, RobotLogAck, RobotLogBatch
+
 from ..chromium import sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
@@ -206,4 +208,43 @@ async def test_a_board_in_the_past_shows_it_and_sends_nothing(chromium, hub, gat
     await expect(mark).to_be_visible()
     # At its place: a moment ago is at the right end.
     assert (await mark.bounding_box())["x"] > 720
+    assert page.errors == []
+
+
+async def test_a_tile_shows_what_was_kept_of_a_robots_log_and_finds_words_in_it(
+    chromium, hub, gateway
+) -> None:
+    operator = await hub.client("operator")
+    tile = {"id": "t1", "type": "log", "title": "", "desktop": None, "phone": None}
+    tiles = [{**tile, "settings": {"level": "30"}}]
+    board = {"name": "Log", "note": "", "site": "agv", "kind": "", "device": "", "tiles": tiles}
+    key = (await operator.post("/api/boards", json={"board": board})).json()["key"]
+    now_us = time.time_ns() // 1000
+    said = [
+        LogLine(
+            time_us=now_us - (450 - at) * 1_000_000, level=40 if at == 7 else 30, node="pump",
+            text="the pump is dry" if at == 7 else f"low pressure {at}",
+        )
+        for at in range(450)
+    ]  # fmt: skip
+    for first in (0, 150, 300):
+        batch = RobotLogBatch(boot="run", first=first, lines=said[first : first + 150])
+        await gateway.say(batch)
+        assert (await gateway.hear(RobotLogAck)).below == first + 150
+    page = await sign_in(chromium, hub, "operator")
+    await page.goto(f"{hub.origin}/boards/{key}")
+    lines = page.get_by_role("list", name="Lines, the newest first")
+    await expect(lines).to_contain_text("low pressure 449")
+    await expect(lines).not_to_contain_text("the pump is dry")
+    # The oldest is on a page further down, and is found by its words at once.
+    older = lines.get_by_role("button", name="Older")
+    await older.click()
+    await expect(lines).to_contain_text("low pressure 100")
+    await older.click()
+    await expect(lines).to_contain_text("the pump is dry")
+    await expect(older).to_be_hidden()
+    await page.reload()
+    await page.get_by_role("searchbox", name="Search the log").fill("DRY")
+    await expect(lines.get_by_role("listitem")).to_have_count(1)
+    await expect(lines).to_contain_text("the pump is dry")
     assert page.errors == []

@@ -110,7 +110,7 @@ export class ReleaseListView extends LitElement {
       ${renderRows(
         open.slice(0, 50).map((site) => ({ ...site, id: site.site })),
         ({ site, stage, why }) => {
-          const [kind, word] = stageStatus(stage);
+          const [kind, word] = stageStatus(stage, rollout.stopped !== "");
           return html`<li>
             <div>
               <span class="name">${this.siteNames(site)}</span>

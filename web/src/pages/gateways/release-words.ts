@@ -11,7 +11,9 @@ const STAGES: Readonly<Record<string, readonly [StatusKind, string]>> = {
   failed: ["bad", "left it"],
 };
 
-export function stageStatus(stage: string): readonly [StatusKind, string] {
+/** @param stopped nobody is offered it any more */
+export function stageStatus(stage: string, stopped = false): readonly [StatusKind, string] {
+  if (stage === "queued" && stopped) return ["unknown", "was not offered it"];
   return STAGES[stage] ?? ["unknown", stage];
 }
 

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { offeredVersions, phaseWords, rolloutWords } from "../../../src/pages/gateways/release-words.js";
+import { offeredVersions, phaseWords, rolloutWords, stageStatus } from "../../../src/pages/gateways/release-words.js";
 import type { GatewayReleaseShape, ReleaseShape, RolloutShape } from "../../../src/generated/api.js";
 
 const GATEWAY: GatewayReleaseShape = { site: "dome", current: "1.0.0", phase: "idle", candidate: "", waits: "", fetched: 0, failed: {} };
@@ -19,6 +19,7 @@ describe("what is said of releases", () => {
   it("is how many run it, and why it stopped", () => {
     expect(rolloutWords(ROLLOUT)).toBe("On its way: 1 of 2 gateways run it.");
     expect(rolloutWords({ ...ROLLOUT, runs: false, stopped: "rover: no link" })).toBe("Stopped: rover: no link. 1 of 2 gateways run it.");
+    expect(stageStatus("queued", true)[1]).toBe("was not offered it");
   });
 
   it("offers each version to those that it is for and that do not run it", () => {
