@@ -619,6 +619,12 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
     ("GET", "/api/ready"): Recipe(plain()),
     ("GET", "/api/hubs"): Recipe(plain()),
+    ("GET", "/api/releases"): Recipe(plain()),
+    # There is no release to hand out, and that is no matter of rights.
+    ("POST", "/api/rollouts"): Recipe(
+        plain(json={"version": "1.0.0", "sites": ["agv"]}, done=(409,))
+    ),
+    ("POST", "/api/rollouts/stop"): Recipe(plain(json={}, done=(409,))),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
     # There are people: the link is used up for everyone, and that is no matter of rights.
     ("POST", "/api/setup"): Recipe(
@@ -637,6 +643,8 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/events"): of_site(),
     ("GET", "/api/sites/{site}/assets"): Recipe(_asset, ("agv", "moon")),
     ("GET", "/api/sites/{site}/topics"): of_site(),
+    ("GET", "/api/sites/{site}/log"): of_site(),
+    ("GET", "/api/sites/{site}/log/nodes"): of_site(),
     ("GET", "/api/sites/{site}/graph"): of_site(),
     ("GET", "/api/sites/{site}/recorded-topics"): of_site(query={"at_us": 1}),
     ("GET", "/api/sites/{site}/recorded-topics/messages"): of_site(
