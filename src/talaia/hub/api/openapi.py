@@ -110,6 +110,8 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/gateways/{gateway}/revoke"): frozenset({409}),
     ("POST", "/api/gateways/{gateway}/reconnect"): frozenset({409}),
     ("POST", "/api/gateways/{gateway}/second"): frozenset({409}),
+    ("POST", "/api/rollouts"): frozenset({409}),
+    ("POST", "/api/rollouts/stop"): frozenset({409}),
     ("POST", "/api/sites/{site}/descriptions"): frozenset({409}),
     ("POST", "/api/sites/{site}/descriptions/{number}/restore"): frozenset({409}),
     ("POST", "/api/sites/{site}/alarms/{alarm}/act"): frozenset({409}),

@@ -113,7 +113,8 @@ async def _ready(client: httpx.AsyncClient, process: asyncio.subprocess.Process)
 async def query(client: httpx.AsyncClient, expression: str, **more: object) -> list[dict]:
     """Ask Prometheus, over a range where ``more`` has ``start``, ``end`` and ``step``."""
     path = "/api/v1/query_range" if "start" in more else "/api/v1/query"
-    answer = await client.get(path, params={"query": expression, **more})
+    asked = {"query": expression, **more}
+    answer = await client.get(path, params=asked, timeout=PATIENCE_S)
     assert answer.is_success, answer.text
     said = answer.json()
     # What remote read could not do is a warning here, and fewer series.

@@ -89,7 +89,8 @@ class RolloutAsk(Schema):
 
     version: Annotated[str, Field(min_length=1, max_length=40)]
     sites: Annotated[
-        list[Annotated[str, Field(max_length=63)]], Field(min_length=1, max_length=MOST_SITES)
+        list[Annotated[str, Field(min_length=1, max_length=63)]],
+        Field(min_length=1, max_length=MOST_SITES),
     ]
     first: Annotated[int, Field(ge=1, le=MOST_SITES)] = 1
     at_once: Annotated[int, Field(ge=1, le=MOST_SITES)] = 10
