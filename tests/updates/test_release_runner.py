@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from bare_release import bare_release
 from patience import PATIENCE_S
 from ports import free_port
 
-from talaia.updates.signed_release import ReleaseManifest, SignedRelease
 from talaia.updates.slot_folder import SlotFolder
 from talaia.updates.slots import SlotPhase
 
@@ -56,14 +56,6 @@ sys.exit(main())
 """
 
 
-class BareRelease(SignedRelease):
-    """A release without wheels."""
-
-    def unpack_wheels(self, folder: Path) -> list[Path]:
-        """Unpack nothing."""
-        return []
-
-
 class RunningSite:
     """A hub, and a gateway that is started as systemd would start it."""
 
@@ -77,7 +69,7 @@ class RunningSite:
         words = ["enrol", "hut", *hub, "--to", str(folder / "key"), "--allow-plain"]
         run_talaia([*words, "--hub", f"ws://127.0.0.1:{self.port}"])
         self.processes = [start_talaia(["hub", *hub, "--plain", "--port", str(self.port)])]
-        self.slots.set_up(release_of("1.0.0"), write_program("1.0.0"))
+        self.slots.set_up(bare_release("1.0.0"), write_program("1.0.0"))
 
     def start(self, link_s: float = PATIENCE_S) -> subprocess.Popen[bytes]:
         """Start the gateway."""
@@ -93,11 +85,6 @@ class RunningSite:
             process.send_signal(signal.SIGTERM)
         for process in self.processes:
             process.wait(PATIENCE_S)
-
-
-def release_of(version: str) -> BareRelease:
-    """Give a release whose signature was checked."""
-    return BareRelease(Path(version), ReleaseManifest(form=1, version=version, files={"a": "b"}))
 
 
 def write_program(version: str, text: str = PROGRAM) -> Callable[[list[Path], Path], None]:
@@ -147,7 +134,7 @@ def test_a_release_is_tried_when_the_roof_is_closed_and_kept_when_its_link_is_th
     # Without a trial the runner becomes the gateway: a service manager watches that.
     until(lambda: site.slots.is_linked("1.0.0"), "the first release is linked")
     assert b"software/releases/1.0.0" in Path(f"/proc/{gateway.pid}/cmdline").read_bytes()
-    site.slots.install_release(release_of("1.1.0"), write_program("1.1.0"))
+    site.slots.install_release(bare_release("1.1.0"), write_program("1.1.0"))
     with pytest.raises(subprocess.TimeoutExpired):
         # Long over the time that it has to be at rest.
         gateway.wait(5)
@@ -174,7 +161,7 @@ def test_a_release_is_tried_when_the_roof_is_closed_and_kept_when_its_link_is_th
 def test_a_release_whose_link_does_not_return_is_left_by_itself(
     site: RunningSite, program: str, said: str
 ) -> None:
-    site.slots.install_release(release_of("1.1.0"), write_program("1.1.0", program))
+    site.slots.install_release(bare_release("1.1.0"), write_program("1.1.0", program))
     site.slots.allow_trial()
     assert site.start(link_s=1).wait(PATIENCE_S) != 0
     state = site.slots.read_state()
@@ -189,7 +176,7 @@ def test_a_release_whose_link_does_not_return_is_left_by_itself(
 def test_a_service_that_is_ended_in_a_trial_tries_it_again(site: RunningSite) -> None:
     slow = "#!/bin/sh\ntrap 'exit 0' TERM\ntouch {version}.began\nwhile :; do sleep 0.1; done\n"
     slow = slow.replace("{version}", str(site.folder / "{version}"))
-    site.slots.install_release(release_of("1.1.0"), write_program("1.1.0", slow))
+    site.slots.install_release(bare_release("1.1.0"), write_program("1.1.0", slow))
     site.slots.allow_trial()
     running = site.start()
     until((site.folder / "1.1.0.began").exists, "the trial has begun")

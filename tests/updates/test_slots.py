@@ -8,11 +8,11 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from bare_release import bare_release
 from hypothesis import settings, strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from talaia.updates.errors import UpdateError
-from talaia.updates.signed_release import ReleaseManifest, SignedRelease
 from talaia.updates.slot_folder import SlotFolder
 from talaia.updates.slots import (
     MOST_TRIES,
@@ -37,19 +37,6 @@ VERSIONS = st.sampled_from(["0.9.0", OLD, NEW, "1.2.0rc1", "2.0"])
 
 class PowerCut(Exception):
     """The machine has no power any more."""
-
-
-class BareRelease(SignedRelease):
-    """A release without wheels."""
-
-    def unpack_wheels(self, folder: Path) -> list[Path]:
-        """Unpack nothing."""
-        return []
-
-
-def release_of(version: str) -> BareRelease:
-    """Give a release whose signature was checked."""
-    return BareRelease(Path(version), ReleaseManifest(form=1, version=version, files={"a": "b"}))
 
 
 def build_whole(_wheels: list[Path], slot: Path) -> None:
@@ -87,13 +74,13 @@ class UpdatesUnderPowerCuts(RuleBasedStateMachine):
     @initialize()
     def first_release(self) -> None:
         """Begin with a gateway that runs."""
-        SlotFolder(self.root).set_up(release_of(OLD), build_whole)
+        SlotFolder(self.root).set_up(bare_release(OLD), build_whole)
 
     @rule(version=VERSIONS, changes=st.none() | st.integers(0, 12), downgrade=st.booleans())
     def install(self, version: str, changes: int | None, *, downgrade: bool) -> None:
         """Install any release."""
         with self.until_cut(changes) as folder:
-            folder.install_release(release_of(version), build_whole, downgrade=downgrade)
+            folder.install_release(bare_release(version), build_whole, downgrade=downgrade)
 
     @rule(changes=st.none() | st.integers(0, 3))
     def allow(self, changes: int | None) -> None:

@@ -8,11 +8,12 @@ import zipfile
 from pathlib import Path
 
 from async_program import start_program
+from bare_release import bare_release
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 from patience import until_answered
 
 from talaia.updates.hub_source import HubSource, write_hub_source
-from talaia.updates.signed_release import ReleaseManifest, SignedRelease, sign_release
+from talaia.updates.signed_release import sign_release
 from talaia.updates.slot_folder import SlotFolder
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
@@ -49,14 +50,6 @@ def main():
     from talaia.cli.main import main
     return main()
 """
-
-
-class BareRelease(SignedRelease):
-    """A release without wheels."""
-
-    def unpack_wheels(self, folder: Path) -> list[Path]:
-        """Unpack nothing."""
-        return []
 
 
 def write_program(_wheels: list[Path], slot: Path) -> None:
@@ -168,8 +161,7 @@ async def test_a_real_gateway_leaves_what_a_stranger_signed_and_changes_to_what_
     trusted = KEY.public_key()
     slots = SlotFolder(root)
 
-    first = ReleaseManifest(form=1, version="1.0.0", files={"a": "b"})
-    slots.set_up(BareRelease(Path("1.0.0"), first), write_program)
+    slots.set_up(bare_release("1.0.0"), write_program)
     write_hub_source(root, HubSource(publishers=[trusted.public_bytes_raw().hex()]))
     (tmp_path / "agv.yaml").write_text(SITE)
     (tmp_path / "key").write_text(hub.keys["agv"])

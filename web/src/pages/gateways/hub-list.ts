@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base, quietText } from "../../elements/base/base-style.js";
+import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import type { HubList, HubShape } from "../../generated/api.js";
@@ -28,15 +28,7 @@ export class HubListView extends LitElement {
       :host([hidden]) {
         display: none;
       }
-      .name {
-        font-weight: var(--t-weight-strong);
-        overflow-wrap: anywhere;
-      }
       .facts {
-        display: flex;
-        flex-wrap: wrap;
-        gap: 0 var(--t-space-4);
-        ${quietText}
         font-variant-numeric: tabular-nums;
       }
     `,

@@ -6,7 +6,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { OpenSubject } from "../../controllers/open-subject.js";
-import { base, quietText } from "../../elements/base/base-style.js";
+import { base } from "../../elements/base/base-style.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
@@ -33,17 +33,8 @@ export class ReleaseListView extends LitElement {
       :host([hidden]) {
         display: none;
       }
-      .name {
-        font-weight: var(--t-weight-strong);
-        overflow-wrap: anywhere;
-      }
       .facts {
-        display: flex;
-        flex-wrap: wrap;
-        gap: 0 var(--t-space-4);
-        ${quietText}
         font-variant-numeric: tabular-nums;
-        overflow-wrap: anywhere;
       }
       fieldset {
         display: grid;

@@ -123,20 +123,20 @@ def _judge_site(
     rollout: Rollout, name: str, offered: frozenset[str], report: ReleaseState | None
 ) -> SiteProgress:
     before, version = rollout.sites[name], rollout.version
-    stage = before.stage
-    if stage is SiteStage.QUEUED and name in offered:
-        stage = SiteStage.OFFERED
-    if stage in (SiteStage.DONE, SiteStage.FAILED) or report is None:
-        return before if stage is before.stage else SiteProgress(stage=stage)
+    now = before
+    if before.stage is SiteStage.QUEUED and name in offered:
+        now = SiteProgress(stage=SiteStage.OFFERED)
+    if now.stage in (SiteStage.DONE, SiteStage.FAILED) or report is None:
+        return now
     # Also of one that was never offered it: somebody has installed it by hand.
     if report.current == version:
         return SiteProgress(stage=SiteStage.DONE)
-    if stage is SiteStage.QUEUED:
-        return before
+    if now.stage is SiteStage.QUEUED:
+        return now
     if report.candidate == version and report.phase != "fetching":
         return SiteProgress(stage=SiteStage.BEGUN)
     # What was left before it was offered says nothing of this time.
-    its_word = stage is SiteStage.BEGUN or report.answered == rollout.id
+    its_word = now.stage is SiteStage.BEGUN or report.answered == rollout.id
     if its_word and version in report.failed and report.candidate != version:
         return SiteProgress(stage=SiteStage.FAILED, why=report.failed[version])
-    return before if stage is before.stage else SiteProgress(stage=stage)
+    return now
