@@ -39,6 +39,8 @@ STATUSES = [
 class Kitchen(Stack):
     """A hub and a gateway, an oven with types of its own, and a node with diagnostics."""
 
+    accepts = "readings"
+
     def start_robot(self) -> Process:
         workspace = self.folder / "own_ws"
         for name, text in OWN_FILES.items():
@@ -59,7 +61,7 @@ class Kitchen(Stack):
 @pytest.fixture(scope="module")
 def kitchen(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kitchen]:
     need_ros2()
-    people = {"cook": "operator", "guest": "guest"}
+    people = {"cook": "operator", "guest": "guest", "chef": "admin"}
     running = Kitchen(tmp_path_factory.mktemp("kitchen"), DESCRIPTION, people)
     try:
         finish(running.ready())
@@ -107,6 +109,50 @@ def test_own_type_is_seen_as_a_tree_searched_and_paused(kitchen: Kitchen, chrome
     page.get_by_role("button", name="Plot shelves[1].celsius", exact=True).click()
     kitchen.robot.tell("210.5")
     expect(page.locator("t-field-plot li")).to_contain_text("210.5")
+
+
+def test_an_admin_makes_a_signal_of_a_field_and_its_next_value_is_on_the_site_s_page(
+    kitchen: Kitchen, chrome: Browser
+) -> None:
+    path = f"/sites/{SITE}/topics?topic=/oven/bake"
+    page = visit(chrome, kitchen, "cook", path=path)
+    kitchen.robot.tell("187.5")
+    # Only who may change the description is offered it.
+    expect(page.get_by_role("button", name="Plot shelves[1].celsius", exact=True)).to_be_visible()
+    expect(page.get_by_role("button", name="Make shelves[1].celsius a signal")).to_have_count(0)
+    page.close()
+    page = visit(chrome, kitchen, "chef", path=path)
+    kitchen.robot.tell("187.5")
+    offered = page.get_by_role("button", name="Make shelves[1].celsius a signal")
+    offered.click()
+    dialog = page.locator("t-signal-dialog")
+    expect(dialog.get_by_label("Name")).to_have_value("Shelves 1 celsius")
+    picture(page, "topic-make-signal")
+    dialog.get_by_label("Name").fill("Lower shelf")
+    dialog.get_by_label("Unit").fill("K")
+    dialog.get_by_role("button", name="Review").click()
+    expect(dialog.locator("t-difference")).to_contain_text("Lower shelf")
+    # Back to what was written.
+    dialog.get_by_role("button", name="Back").click()
+    expect(dialog.get_by_label("Name")).to_have_value("Lower shelf")
+    dialog.get_by_label("Unit").fill("°C")
+    dialog.get_by_role("button", name="Review").click()
+    expect(dialog.locator("t-difference")).to_contain_text("Lower shelf")
+    picture(page, "topic-make-signal-review")
+    dialog.get_by_role("button", name="Apply").click()
+    expect(dialog).to_contain_text("The gateway has it")
+    dialog.get_by_role("button", name="Close").click()
+    offered.click()
+    expect(dialog).to_contain_text("It is called Lower shelf")
+    page.goto(f"{kitchen.address}/sites/{SITE}/live")
+    expect(page.get_by_text("Lower shelf").first).to_be_visible()
+    kitchen.robot.tell("203.5")
+    picture(page, "topic-made-signal")
+    expect(page.locator("t-page-live")).to_contain_text("203.5")
+    # As a board's tile leads to it.
+    page.goto(f"{kitchen.address}{path}&signal=shelves[1].number")
+    expect(dialog.get_by_label("Name")).to_have_value("Shelves 1 number")
+    page.close()
 
 
 def test_diagnostics_are_a_tree_that_grows_stale_and_is_heard_only_while_looked_at(

@@ -145,9 +145,13 @@ export function pageAtOtherSite(page: PageName): SitePageName {
   return (isPlanningPage(page) ? undefined : SITE_PAGES.find((name) => name === page)) ?? "live";
 }
 
-/** The path of a site's raw topics at one of them. */
-export function topicPagePath(site: string, topic: string): string {
-  return `${sitePath(site, "topics")}?${new URLSearchParams({ topic }).toString()}`;
+/**
+ * The path of a site's raw topics at one of them.
+ *
+ * @param signal the field that is to become a signal there; empty for none
+ */
+export function topicPagePath(site: string, topic: string, signal = ""): string {
+  return `${sitePath(site, "topics")}?${new URLSearchParams({ topic, ...(signal === "" ? {} : { signal }) }).toString()}`;
 }
 
 /** A path with a query behind it, if there is one. */

@@ -11,10 +11,17 @@ const FEW = 12;
 /** Parts of one value that are drawn before somebody asks for all. */
 const MOST_SHOWN = 100;
 
+export interface FieldChoice {
+  readonly path: string;
+  /** It holds words, no number. */
+  readonly text: boolean;
+}
+
 /**
  * A message as a tree of its fields, each to open and close.
  *
  * @fires t-plot detail: the path of a field whose numbers are to be drawn over time, or no more
+ * @fires t-make-signal detail: the field that is to become a signal, a `FieldChoice`
  */
 @customElement("t-message-tree")
 export class MessageTree extends LitElement {
@@ -63,7 +70,8 @@ export class MessageTree extends LitElement {
       button[aria-expanded="true"] t-icon {
         rotate: none;
       }
-      .plot {
+      .plot,
+      .signal {
         padding-inline: var(--t-space-2);
         color: var(--t-accent);
       }
@@ -106,6 +114,9 @@ export class MessageTree extends LitElement {
   /** Fields that are drawn over time; null where that is not offered. */
   @property({ attribute: false }) plotted: readonly string[] | null = null;
 
+  /** Offer to make a field a signal of the site. */
+  @property({ type: Boolean }) signals = false;
+
   /** What somebody has opened or closed, by path. */
   @state() private chosen: ReadonlyMap<string, boolean> = new Map();
   /** Of which all parts are shown. */
@@ -147,7 +158,7 @@ export class MessageTree extends LitElement {
     const label = html`<span class="name" title=${path}>${this.found?.has(path) === true && this.isMatch(path) ? html`<mark>${name}</mark>` : name}</span>`;
     if (children === null) {
       return html`<li data-path=${path}>
-        <div class="line">${label} <span class="value">${valueText(value)}</span>${note === "" ? nothing : html` <span class="note">${note}</span>`}${this.renderPlot(path, value)}</div>
+        <div class="line">${label} <span class="value">${valueText(value)}</span>${note === "" ? nothing : html` <span class="note">${note}</span>`}${this.renderPlot(path, value)}${this.renderMakeSignal(path, value)}</div>
       </li>`;
     }
     const open = this.isOpen(path, children, depth);
@@ -160,6 +171,15 @@ export class MessageTree extends LitElement {
   private renderPlot(path: string, value: unknown): TemplateResult | typeof nothing {
     if (this.plotted === null || (typeof value !== "number" && typeof value !== "boolean")) return nothing;
     return html`<button class="plot" aria-pressed=${this.plotted.includes(path)} aria-label=${`Plot ${path}`} data-path=${path} @click=${this.onPlot}>plot</button>`;
+  }
+
+  private renderMakeSignal(path: string, value: unknown): TemplateResult | typeof nothing {
+    if (!this.signals || !["number", "boolean", "string"].includes(typeof value)) return nothing;
+    const choose = (): void => {
+      const detail: FieldChoice = { path, text: typeof value === "string" };
+      this.dispatchEvent(new CustomEvent("t-make-signal", { detail }));
+    };
+    return html`<button class="signal" aria-label=${`Make ${path} a signal`} @click=${choose}>make a signal</button>`;
   }
 
   private isMatch(path: string): boolean {

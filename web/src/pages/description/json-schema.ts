@@ -65,6 +65,12 @@ export function keyLabel(key: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+/** A name as a word of an address: small letters, digits and underlines, beginning with a letter. */
+export function addressWord(name: string, otherwise: string): string {
+  const word = name.toLowerCase().replaceAll(/[^a-z0-9_]+/g, "_").replaceAll(/^[^a-z]+|_+$/g, "");
+  return word.slice(0, 60) || otherwise;
+}
+
 export function valueAt(value: Json | undefined, path: JsonPath): Json | undefined {
   return path.reduce<Json | undefined>((at, key) => (isObject(at) ? at[key] : undefined), value);
 }

@@ -1,6 +1,6 @@
 /** Sensors that a robot says by name and no signal is of: from the logbook into the description, in one click. */
 
-import { changedAt, freeName, isObject, keyLabel, valueAt, type Json, type JsonObject } from "./json-schema.js";
+import { addressWord, changedAt, freeName, isObject, keyLabel, valueAt, type Json, type JsonObject } from "./json-schema.js";
 
 /** A sensor of a topic that carries many by name, and the device whose signals come from that topic. */
 export interface NewSensor {
@@ -39,13 +39,7 @@ export function withSensor(described: JsonObject, { device, topic, name }: NewSe
   const beside = sources.filter(isObject).filter((source) => source["topic"] === topic);
   const [source] = beside;
   if (source === undefined || beside.some((other) => other["name"] === name)) return described;
-  const word = freeName(signals, wordOf(name));
+  const word = freeName(signals, addressWord(name, "sensor"));
   const made: Json = { name: keyLabel(name), source: { topic, type: source["type"] ?? "", name } };
   return changedAt(described, ["devices", device, "signals", word], made);
-}
-
-/** A word of an address: small letters, digits and underlines, beginning with a letter. */
-function wordOf(name: string): string {
-  const word = name.toLowerCase().replaceAll(/[^a-z0-9_]+/g, "_").replaceAll(/^[^a-z]+|_+$/g, "");
-  return word.slice(0, 60) || "sensor";
 }

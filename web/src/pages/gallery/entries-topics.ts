@@ -115,6 +115,7 @@ export const entries: readonly GalleryEntry[] = [
       { name: "searched", show: () => html`<t-message-tree .value=${MESSAGE} search="[1].celsius"></t-message-tree>` },
       { name: "searched in vain", show: () => html`<t-message-tree .value=${MESSAGE} search="velocity"></t-message-tree>` },
       { name: "with fields to plot", show: () => html`<t-message-tree .value=${MESSAGE} .plotted=${["angle_min"]}></t-message-tree>` },
+      { name: "with fields to make signals of", show: () => html`<t-message-tree .value=${MESSAGE} .plotted=${[]} signals></t-message-tree>` },
       { name: "of std_msgs/Empty", show: () => html`<t-message-tree .value=${{}}></t-message-tree>` },
     ],
   },

@@ -147,7 +147,7 @@ export class PageTopics extends LitElement {
         ${chosen === ""
           ? nothing
           : known !== undefined
-            ? html`<t-topic .site=${this.site} .topic=${chosen} .type=${known.type} .online=${this.isOnline()}></t-topic>`
+            ? html`<t-topic .site=${this.site} .topic=${chosen} .type=${known.type} asked=${this.askedSignal()} .online=${this.isOnline()}></t-topic>`
             : html`<div>
                 <t-problem what=${`There is no topic ${chosen} that you may follow.`} how="The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics."></t-problem>
                 <a class="all" href=${sitePath(this.site, "topics")}>All topics</a>
@@ -201,6 +201,11 @@ export class PageTopics extends LitElement {
 
   private chosenTopic(): string {
     return new URLSearchParams(this.router.store?.search ?? "").get("topic") ?? "";
+  }
+
+  /** The field that the address asks to make a signal of. */
+  private askedSignal(): string {
+    return new URLSearchParams(this.router.store?.search ?? "").get("signal") ?? "";
   }
 
   private readonly onFilter = (event: Event): void => {

@@ -2,23 +2,29 @@
 
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { TopicFollower, type TopicState } from "../../controllers/topic-follower.js";
 import { base, quietText, raisedBox } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { control } from "../../elements/forms/input-style.js";
+import type { FieldChoice } from "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { formatBytes } from "../../format/bytes.js";
 import type { TopicMessage } from "../../generated/wire.js";
+import { sessionContext } from "../../state/contexts.js";
+import { isSiteAdmin } from "../../state/rights.js";
 import { sitePath } from "../../state/router.js";
 import { topicTile } from "../../tiles/catalog.js";
 import { FieldTraces } from "../../topics/field-traces.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
+import type { TopicField } from "./new-signal.js";
 import { rateText } from "./topic-list.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/topic/field-plot.js";
 import "../../elements/topic/message-tree.js";
+import "./signal-dialog.js";
 
 /** Messages a second, of a topic that comes oftener: what a person can read. */
 const RATE = 4;
@@ -114,11 +120,16 @@ export class TopicDetail extends LitElement {
   /** Of its messages, as far as it is known. */
   @property() type = "";
   @property({ type: Boolean }) online = false;
+  /** A field that is to become a signal, by its path; empty for none. */
+  @property() asked = "";
 
   /** What is held while it is paused; null while it is not. */
   @state() private held: HeldMessage | null = null;
   @state() private search = "";
   @state() private view: "tile" | "tree" = "tile";
+  /** What an admin makes a signal of. */
+  @state() private wanted: TopicField | null = null;
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly plots = new FieldTraces();
   private readonly follower = new TopicFollower(this, (tree, nowMs) => {
     this.plots.addMessage(tree, nowMs);
@@ -133,8 +144,10 @@ export class TopicDetail extends LitElement {
     if (changed.has("site") || changed.has("topic")) {
       this.held = null;
       this.search = "";
+      this.wanted = null;
       this.plots.choose([]);
     }
+    if ((changed.has("asked") || changed.has("topic")) && this.asked !== "" && this.type !== "" && this.mayMakeSignals()) this.makeSignal(this.asked);
     // What the list says, until the topic itself says it: so the rate is right from the beginning.
     const tile = topicTile(this.follower.update?.type ?? this.type);
     // A tile follows the same topic: at its rate, so that one socket does for both.
@@ -157,6 +170,7 @@ export class TopicDetail extends LitElement {
       ${renderTopicTrouble(facts)}
       ${tiled ? tile.render({ site: this.site, topic: this.topic, online: this.online, bare: true }) : this.renderMessage(facts)}
       ${this.renderDefinition()}
+      <t-signal-dialog .site=${this.site} .wanted=${this.wanted} @t-close=${this.endSignal}></t-signal-dialog>
     `;
   }
 
@@ -195,7 +209,7 @@ export class TopicDetail extends LitElement {
     const newer = this.held === null || message === null ? 0 : Math.max(0, message.seq - this.held.message.seq);
     return html`${this.held === null ? nothing : html`<p class="muted" role="status">Paused. ${newer === 0 ? "Nothing newer has come." : `${newer.toLocaleString("en")} newer ${newer === 1 ? "message has" : "messages have"} come.`}</p>`}
       <t-field-plot .traces=${this.plots.traces} .nowMs=${performance.now()} @t-plot=${this.onPlot}></t-field-plot>
-      <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search} .plotted=${this.plots.paths} @t-plot=${this.onPlot}></t-message-tree>`;
+      <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search} .plotted=${this.plots.paths} ?signals=${this.mayMakeSignals()} @t-plot=${this.onPlot} @t-make-signal=${this.onMakeSignal}></t-message-tree>`;
   }
 
   private renderDefinition(): TemplateResult | typeof nothing {
@@ -216,6 +230,22 @@ export class TopicDetail extends LitElement {
   private readonly onPlot = (event: CustomEvent<string>): void => {
     this.plots.toggle(event.detail);
     this.requestUpdate();
+  };
+
+  private mayMakeSignals(): boolean {
+    return isSiteAdmin(this.session.store?.person, this.site);
+  }
+
+  private makeSignal(field: string, text = false): void {
+    this.wanted = { topic: this.topic, type: this.follower.update?.type ?? this.type, field, text };
+  }
+
+  private readonly onMakeSignal = ({ detail }: CustomEvent<FieldChoice>): void => {
+    this.makeSignal(detail.path, detail.text);
+  };
+
+  private readonly endSignal = (): void => {
+    this.wanted = null;
   };
 
   private readonly togglePause = (): void => {

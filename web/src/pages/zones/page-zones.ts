@@ -26,7 +26,7 @@ import { isObject } from "../description/json-schema.js";
 import { refusalAdvice } from "../description/refusal-advice.js";
 import type { ShapeChange } from "./shape-list.js";
 import { ShapeDraft } from "./shape-draft.js";
-import { draftChange, sendDraft, type DraftChange } from "./draft-change.js";
+import { draftChange, sendDraft, type DraftChange } from "../description/draft-change.js";
 import { gapsOf, MOST_EACH, type ShapeKind } from "./zone-shapes.js";
 import { DescriptionsApi } from "../../wire/descriptions-api.js";
 import "../../elements/camera/shape-handles.js";

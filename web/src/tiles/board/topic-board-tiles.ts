@@ -2,11 +2,15 @@
 
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { TopicFollower } from "../../controllers/topic-follower.js";
 import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
+import type { FieldChoice } from "../../elements/topic/message-tree.js";
+import { routerContext, sessionContext } from "../../state/contexts.js";
+import { isSiteAdmin } from "../../state/rights.js";
 import { topicPagePath } from "../../state/router.js";
 import { FieldTraces } from "../../topics/field-traces.js";
 import "../../elements/topic/field-plot.js";
@@ -47,6 +51,8 @@ export class TopicBoardTile extends LitElement {
   @property({ attribute: false }) fields: readonly string[] = [];
   @state() private search = "";
 
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly plots = new FieldTraces();
   private plotted = "";
   private readonly follower = new TopicFollower(
@@ -94,12 +100,21 @@ export class TopicBoardTile extends LitElement {
       ${hidden ? nothing : html`<t-field-plot .traces=${this.plots.traces} .nowMs=${nowMs} @t-plot=${this.onPlot}></t-field-plot>`}
       ${tree === undefined || hidden
         ? nothing
-        : html`<t-message-tree .value=${tree} .search=${this.search} .plotted=${this.plots.paths} @t-plot=${this.onPlot}></t-message-tree>`}`;
+        : html`<t-message-tree .value=${tree} .search=${this.search} .plotted=${this.plots.paths} ?signals=${this.mayMakeSignals()} @t-plot=${this.onPlot} @t-make-signal=${this.onMakeSignal}></t-message-tree>`}`;
   }
 
   private readonly onPlot = (event: CustomEvent<string>): void => {
     this.plots.toggle(event.detail);
     this.requestUpdate();
+  };
+
+  /** Numbers only: a tile's own page knows what holds words. */
+  private mayMakeSignals(): boolean {
+    return this.context?.past == null && isSiteAdmin(this.session.store?.person, this.context?.site ?? "");
+  }
+
+  private readonly onMakeSignal = ({ detail }: CustomEvent<FieldChoice>): void => {
+    this.router.store?.navigate(topicPagePath(this.context?.site ?? "", this.topic, detail.text ? "" : detail.path));
   };
 
   private readonly onSearch = (event: Event): void => {

@@ -1,9 +1,9 @@
-/** From what is drawn to a change of the description that a gateway is asked for. */
+/** From what a person has drawn or chosen to a change of the description that a gateway is asked for. */
 
 import type { ChangeAnswer, CheckAnswer, DescriptionText, FindingShape } from "../../generated/api.js";
 import { DescriptionsApi } from "../../wire/descriptions-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import type { JsonObject } from "../description/json-schema.js";
+import type { JsonObject } from "./json-schema.js";
 
 /** A text that a gateway may go by, and what is other in it. */
 export interface DraftChange extends Pick<CheckAnswer, "parts" | "lines"> {
