@@ -120,6 +120,9 @@ class Actuation:
             ),
             send=output.send,
         )
+        # A device has one holder, whether it is driven or commanded.
+        self.commands.lease_holder = self.driving.lease_holder
+        self.driving.acting_against = self.commands.holders.words_against
         # Finished before the timers of commands are stopped.
         self.requests = RequestTasks(self.timer.reset_timer)
         self.sequences = SequenceRunner(

@@ -175,8 +175,8 @@ class Argument(Shape, frozen=True, kw_only=True):
 
     Attributes:
         field: what it fills: a path into the ROS request, the name of a parameter, an INDI
-            element, a parameter of an Alpaca method, a placeholder ``{field}`` of a command line,
-            or a key of an extension.
+            element, a parameter of an Alpaca method, ``preset`` of an ONVIF camera, a placeholder
+            ``{field}`` of a command line, or a key of an extension.
         max_length: of a text, or of a list as text, in letters.
 
     """
@@ -196,9 +196,9 @@ class Command(Shape, frozen=True, kw_only=True):
 
     Attributes:
         target: the ROS service, topic or action; the node whose parameters are set; the INDI
-            property; the Alpaca method (``dome/0/openshutter``); the arguments of a command as one
-            line, without a shell, where ``{field}`` stands for an argument; or what an extension
-            is to do, in its own words.
+            property; the Alpaca method (``dome/0/openshutter``); what an ONVIF camera is asked
+            (``GotoPreset``); the arguments of a command as one line, without a shell, where
+            ``{field}`` stands for an argument; or what an extension is to do, in its own words.
         type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
         role: what it does, by which pages find it: ``dome.open``, ``telescope.goto``; ``auto``
             takes what Talaia proposes, ``none`` has no role.

@@ -86,6 +86,8 @@ class CommandService:
         # Whoever waits in `perform_command` for the end of a command of the gateway's own.
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
         self.holders = DeviceHolders()
+        # Names who drives a device, by its lease; set by who makes both.
+        self.lease_holder: Callable[[str], str] = lambda _device: ""
         writer.compact_journal(self._book.all_states())
 
     def command_state(self, command_id: str) -> CommandState | None:
@@ -211,8 +213,15 @@ class CommandService:
         if barred:
             self._move_command(ask.id, CommandPhase.REFUSED, message=barred)
             return True
-        holder = self.holders.holder_against(ask.device, ask.who) if guarded else None
-        if holder is None or never_asks(self._site, ask.device, ask.command):
+        if not guarded or never_asks(self._site, ask.device, ask.command):
+            return False
+        # Of what is driven: whose hands are on it is asked for the lease, and not gone over.
+        kind, driver = self._site.devices[ask.device].kind, self.lease_holder(ask.device)
+        if kind in HELD_KINDS and driver not in ("", ask.who):
+            self._move_command(ask.id, CommandPhase.REFUSED, message=f"{driver} drives it")
+            return True
+        holder = self.holders.holder_against(ask.device, ask.who)
+        if holder is None:
             return False
         if holder.id == ask.over and not holder.safety:
             log.info("%s interrupts %s of %s", ask.who, holder.doing, holder.who)

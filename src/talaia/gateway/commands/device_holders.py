@@ -118,3 +118,8 @@ class DeviceHolders:
             if holder.device == device and (holder.safety or holder.who != who)
         ]
         return max(found, key=lambda holder: (holder.safety, holder.since_ns), default=None)
+
+    def words_against(self, device: str, who: str) -> str:
+        """Say who acts against what ``who`` would do; empty: nobody."""
+        holder = self.holder_against(device, who)
+        return "" if holder is None else holder.words
