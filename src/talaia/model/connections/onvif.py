@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ONVIF_COMMANDS",
+    "ONVIF_TRAVELS",
     "PTZ_VALUES",
     "OnvifConnection",
     "OnvifRules",
@@ -45,6 +46,8 @@ ONVIF_COMMANDS: dict[str, frozenset[str]] = {
     "SetHomePosition": frozenset(),
     "Stop": frozenset(),
 }
+# Of these: what takes its time, and can be stopped on its way.
+ONVIF_TRAVELS = frozenset({"GotoPreset", "GotoHomePosition"})
 # A ReferenceToken of ONVIF has 64 letters at the most.
 _TOKEN = re.compile(r"[!-~]{0,64}\Z")
 _POLL_S = (0.2, 60)

@@ -31,6 +31,7 @@ from talaia.model.connection import (
     OnvifSource,
     source_as,
 )
+from talaia.model.connections.onvif import ONVIF_TRAVELS
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -200,7 +201,7 @@ class OnvifAdapter(JsonAdapter):
         if self._control is None:
             done(CommandOutcome(CommandPhase.REFUSED, "the camera is not reached"))
             return None
-        if self._stopped and described.target.startswith("Goto"):
+        if self._stopped and described.target in ONVIF_TRAVELS:
             done(CommandOutcome(CommandPhase.REFUSED, "STOP is on"))
             return None
         preset = str(fields.get("preset", ""))
