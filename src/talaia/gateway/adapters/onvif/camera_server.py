@@ -202,7 +202,7 @@ def _refusal_of(refused: StatusRefused) -> CameraFault | FetchFailed:
         fault = fault_in(refused.body)
     except UnreadableXml:
         fault = None
-    if fault is not None:
+    if fault is not None and refused.status not in (401, 403):
         return fault
     if refused.status in (401, 403):
         said = "it wants another user or password"

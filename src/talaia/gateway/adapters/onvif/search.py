@@ -82,7 +82,8 @@ def parse_matches(data: bytes, sender: str, message_id: str) -> list[FoundCamera
         root = parse_xml(data)
     except UnreadableXml:
         return []
-    matches = root.find_node("Body", "ProbeMatches")
+    # Some cameras leave the list around their match out.
+    matches = root.find_node("Body", "ProbeMatches") or root.find_node("Body")
     if matches is None or root.text_at("Header", "RelatesTo") != message_id:
         return []
     found = []

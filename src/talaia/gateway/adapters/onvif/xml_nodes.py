@@ -1,6 +1,7 @@
 """XML of strangers as plain nodes: bounded, without document types, entities or instructions. Pure.
 
 Prefixes of name spaces are the sender's own choice, so elements are told by their local names.
+Whether a prefix is bound is not asked: some cameras forget it.
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ def parse_xml(data: bytes) -> XmlNode:
     if len(data) > MOST_BYTES:
         raise UnreadableXml(f"{len(data)} bytes of XML are too many")
     reader = _Reader()
-    parser = expat.ParserCreate(namespace_separator=" ")
+    parser = expat.ParserCreate()
     parser.buffer_text = True
     parser.StartElementHandler = reader.begin_element
     parser.EndElementHandler = reader.end_element
@@ -106,7 +107,7 @@ def _refuse_declaration(*_: object) -> int:
 
 
 def _local_name(name: str) -> str:
-    return name.rpartition(" ")[2]
+    return name.rpartition(":")[2]
 
 
 class _Reader:
@@ -124,7 +125,12 @@ class _Reader:
         if len(attributes) > MOST_ATTRIBUTES:
             raise UnreadableXml("an element has more attributes than an answer needs")
         node = XmlNode(
-            _local_name(name), {_local_name(key): value for key, value in attributes.items()}
+            _local_name(name),
+            {
+                _local_name(key): value
+                for key, value in attributes.items()
+                if not key.startswith("xmlns")
+            },
         )
         if self._open:
             self._open[-1][0].children.append(node)
