@@ -47,10 +47,25 @@ export class AimPad extends LitElement {
         gap: var(--t-space-1);
       }
       .cross {
-        grid-template: ". up ." 3rem "left halt right" 3rem ". down ." 3rem / repeat(3, 3rem);
+        grid-template: ". up ." 3rem "left halt right" 3rem ". down ." 3rem / 3rem 3rem 3rem;
       }
       .zoom {
         grid-auto-rows: 3rem;
+      }
+      .up {
+        grid-area: up;
+      }
+      .left {
+        grid-area: left;
+      }
+      .right {
+        grid-area: right;
+      }
+      .down {
+        grid-area: down;
+      }
+      t-hold-button {
+        display: grid;
       }
       svg {
         inline-size: 1.25rem;
@@ -97,7 +112,7 @@ export class AimPad extends LitElement {
 
   private renderButton({ id, axis, push, label, key, path }: AimButton): TemplateResult {
     return html`<t-hold-button
-      style=${axis === "zoom" ? "" : `grid-area: ${id}`}
+      class=${id}
       ?disabled=${this.disabled}
       label=${label}
       title="${label} (hold; ${key})"

@@ -103,7 +103,7 @@ export class PtzPad extends LitElement {
     return html`${away === undefined
         ? nothing
         : html`<div role="status"><t-status kind="unknown" word="The camera does not answer"></t-status> <span class="note">${away.why}</span></div>`}
-      ${seat === null ? nothing : this.renderHands(device, seat, away !== undefined)} ${this.renderPlace(device)} ${this.renderPresets(device)}`;
+      ${seat === null ? nothing : this.renderHands(device, seat, away !== undefined)} ${this.renderPlace(device)} ${this.renderPresets(device, away !== undefined)}`;
   }
 
   private renderHands(device: DeviceShape, seat: DriveSession, silent: boolean): TemplateResult {
@@ -136,16 +136,17 @@ export class PtzPad extends LitElement {
     </dl>`;
   }
 
-  private renderPresets(device: DeviceShape): unknown {
+  private renderPresets(device: DeviceShape, silent: boolean): unknown {
     const parts = ptzParts(device);
     if (parts.goto === undefined && parts.home === undefined && parts.stop === undefined) return nothing;
-    const names = this.namesOf(parts);
+    // What a silent camera had is not known to be there now.
+    const names = silent ? null : this.namesOf(parts);
     return html`<section aria-label="Presets">
       <h2>Presets</h2>
       ${parts.goto !== undefined && parts.presets !== undefined && names !== null && names.length === 0 ? html`<p class="note">The camera has no presets yet.</p>` : nothing}
       ${names === null && parts.presets !== undefined ? html`<t-status kind="unknown" word="Its presets are not known now"></t-status>` : nothing}
       ${device.rights.includes("use")
-        ? html`<t-deeds .site=${this.site} .device=${device} .line=${this.line} .deeds=${ptzButtons(parts, names ?? [])} .online=${this.online}></t-deeds>
+        ? html`<t-deeds .site=${this.site} .device=${device} .line=${this.line} .deeds=${ptzButtons(parts, names ?? [])} .online=${this.online && !silent}></t-deeds>
             ${this.renderCancel(device, parts)} ${this.renderForms(device, parts)}`
         : html`<p class="note">${names === null || names.length === 0 ? "" : `${names.join(", ")}. `}Turning this camera needs the right <strong>use</strong>; an admin can give it to you.</p>`}
     </section>`;

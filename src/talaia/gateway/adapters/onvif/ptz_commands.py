@@ -141,6 +141,9 @@ class CameraCommands:
         if not kept:
             said = f"the camera took it, and has no preset {name!r} now"
             return CommandOutcome(CommandPhase.FAILED, said)
+        if len(kept) > 1:
+            said = f"the camera has not replaced {name!r}, and has two of that name now"
+            return CommandOutcome(CommandPhase.FAILED, said)
         return CommandOutcome(CommandPhase.SUCCEEDED)
 
     async def _travel(
