@@ -7,6 +7,7 @@ from enum import StrEnum
 __all__ = [
     "ArgumentType",
     "CommandKind",
+    "CommandRight",
     "DeviceKind",
     "DriveMessage",
     "KeyMode",
@@ -84,6 +85,13 @@ class CommandKind(StrEnum):
     ONVIF = "onvif"
     PROCESS = "process"
     EXTENSION = "extension"
+
+
+class CommandRight(StrEnum):
+    """Which right on its device a command takes: ``admin`` where it changes what others rely on."""
+
+    USE = "use"
+    ADMIN = "admin"
 
 
 class DriveMessage(StrEnum):

@@ -20,6 +20,7 @@ from talaia.model.boards.board import Board  # noqa: TC001 - msgspec reads it
 from talaia.model.closed_lists import (
     ArgumentType,
     CommandKind,
+    CommandRight,
     DeviceKind,
     DriveMessage,
     KeyMode,
@@ -55,6 +56,7 @@ __all__ = [
     "Channel",
     "Command",
     "CommandKind",
+    "CommandRight",
     "CommandRole",
     "Device",
     "DeviceKind",
@@ -210,6 +212,8 @@ class Command(Shape, frozen=True, kw_only=True):
         timeout: accepted but without an answer for this long, its state is unknown (s). The
             feedback of an action counts as an answer.
         confirm: ask the person once more before it is sent.
+        right: who may ask for it: ``use`` or ``admin`` on the device. The hub holds it; what the
+            gateway does by itself asks for no right.
 
     """
 
@@ -227,6 +231,7 @@ class Command(Shape, frozen=True, kw_only=True):
     ttl: float = 5.0
     timeout: float = 10.0
     confirm: bool = False
+    right: CommandRight = CommandRight.USE
 
 
 class Device(Shape, frozen=True, kw_only=True):

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Command, Site
     from talaia.wire.frames import CommandCancel, CommandRequest, Scalar
 
-__all__ = ["CommandService"]
+__all__ = ["HELD_KINDS", "CommandService"]
 
 log = logging.getLogger(__name__)
 # What does one thing at a time, at whose hands people can meet. Vehicles have leases.
@@ -86,8 +86,6 @@ class CommandService:
         # Whoever waits in `perform_command` for the end of a command of the gateway's own.
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
         self.holders = DeviceHolders()
-        # Names who drives a device, by its lease; set by who makes both.
-        self.lease_holder: Callable[[str], str] = lambda _device: ""
         writer.compact_journal(self._book.all_states())
 
     def command_state(self, command_id: str) -> CommandState | None:
@@ -213,22 +211,15 @@ class CommandService:
         if barred:
             self._move_command(ask.id, CommandPhase.REFUSED, message=barred)
             return True
-        if not guarded or never_asks(self._site, ask.device, ask.command):
+        holder = self.holders.holder_against(ask.device, ask.who) if guarded else None
+        if holder is None or never_asks(self._site, ask.device, ask.command):
             return False
-        # Of what is driven: whose hands are on it is asked for the lease, and not gone over.
-        kind, driver = self._site.devices[ask.device].kind, self.lease_holder(ask.device)
-        if kind in HELD_KINDS and driver not in ("", ask.who):
-            self._move_command(ask.id, CommandPhase.REFUSED, message=f"{driver} drives it")
-            return True
-        holder = self.holders.holder_against(ask.device, ask.who)
-        if holder is None:
-            return False
-        if holder.id == ask.over and not holder.safety:
+        if holder.id == ask.over and not holder.firm:
             log.info("%s interrupts %s of %s", ask.who, holder.doing, holder.who)
             self.holders.let_interrupt(holder.id)
             return False
-        why = f"{holder.words} (since {holder.acting_s(self._clock.monotonic_ns()):.0f} s)"
-        blocked_by = "" if holder.safety else holder.id
+        why = holder.words_since(self._clock.monotonic_ns())
+        blocked_by = "" if holder.firm else holder.id
         self._move_command(ask.id, CommandPhase.REFUSED, message=why, blocked_by=blocked_by)
         return True
 

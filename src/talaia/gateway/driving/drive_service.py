@@ -343,14 +343,6 @@ class DriveService:
         held = controller.lease.holder_at(now_ns)
         return "" if held is None else self.acting_against(controller.device, held.who)
 
-    def lease_holder(self, device: str) -> str:
-        """Name who holds the lease of a device; empty: nobody."""
-        controller = self.controllers.get(device)
-        held = None
-        if controller is not None:
-            held = controller.lease.holder_at(self._clock.monotonic_ns())
-        return "" if held is None else held.who
-
     def speed_share(self, device: str, now_ns: int) -> float:
         """Say at which share of its limits a device may be driven now, 0 to 1."""
         return 1.0 if self._interlocks is None else self._interlocks.speed_share(device, now_ns)

@@ -127,7 +127,7 @@ class OnvifRules(KindRules[OnvifConnection, OnvifSource]):
             f"{where}.url", connection.url, ("http", "https"), "camera.local/onvif/device_service"
         )
         if not _TOKEN.match(connection.profile):
-            problem = f"{connection.profile[:80]!r} is no profile's token"
+            problem = f"{connection.profile[:80]!r} cannot be a profile"
             yield Finding(f"{where}.profile", problem, "talaia probe --onvif lists them")
         for key, (low, high) in (("poll", _POLL_S), ("timeout", _TIMEOUT_S)):
             found = getattr(connection, key)

@@ -68,6 +68,8 @@ export class AimPad extends LitElement {
         display: grid;
       }
       svg {
+        display: block;
+        margin: auto;
         inline-size: 1.25rem;
         block-size: 1.25rem;
       }
@@ -124,7 +126,7 @@ export class AimPad extends LitElement {
   }
 
   private stickOf(axis: string, push: number): HoldStick {
-    return { forward: 0, turn: 0, joints: this.axes.map((one) => (one === axis ? push : 0)) };
+    return { forward: 0, turn: 0, joints: this.axes.map((candidate) => (candidate === axis ? push : 0)) };
   }
 
   private readonly requestHalt = (): void => {

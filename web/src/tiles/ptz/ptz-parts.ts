@@ -16,7 +16,7 @@ export interface PtzParts {
 }
 
 export function ptzParts({ signals, commands }: DeviceShape): PtzParts {
-  const command = (role: CommandShape["role"]): CommandShape | undefined => commands.find((one) => one.role === role);
+  const command = (role: CommandShape["role"]): CommandShape | undefined => commands.find((candidate) => candidate.role === role);
   return {
     presets: signals.find(({ role }) => role === "camera.presets"),
     goto: command("camera.goto_preset"),

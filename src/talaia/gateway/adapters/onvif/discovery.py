@@ -14,6 +14,7 @@ from talaia.model.site import (
     ArgumentType,
     Command,
     CommandKind,
+    CommandRight,
     Device,
     DeviceKind,
     Drive,
@@ -136,11 +137,11 @@ def _commands_of(found: CameraFindings) -> dict[str, Command]:
         ):
             goes = target == "GotoPreset"
             commands[key] = _command(
-                name, target, preset, timeout=_WAY_S if goes else 10.0, confirm=not goes
+                name, target, preset, timeout=_WAY_S if goes else 10.0, changes=not goes
             )
     if found.has_home:
         commands["home"] = _command("Go home", "GotoHomePosition", timeout=_WAY_S)
-        commands["set_home"] = _command("Keep as home", "SetHomePosition", confirm=True)
+        commands["set_home"] = _command("Keep as home", "SetHomePosition", changes=True)
     if found.axes:
         # By this word it is done whoever else acts on it: it makes safe.
         commands["stop"] = _command("Stop", "Stop")
@@ -153,7 +154,7 @@ def _command(
     arguments: dict[str, Argument] | None = None,
     *,
     timeout: float = 10.0,
-    confirm: bool = False,
+    changes: bool = False,
 ) -> Command:
     return Command(
         name=name,
@@ -161,5 +162,7 @@ def _command(
         kind=CommandKind.ONVIF,
         arguments=arguments or {},
         timeout=timeout,
-        confirm=confirm,
+        # Others go by what it is.
+        confirm=changes,
+        right=CommandRight.ADMIN if changes else CommandRight.USE,
     )

@@ -58,9 +58,16 @@ def best_challenge(headers: Iterable[str]) -> DigestChallenge | None:
 
 
 def authorization_of(
-    challenge: DigestChallenge, user: str, password: str, *, path: str, count: int, cnonce: str
+    challenge: DigestChallenge,
+    user: str,
+    password: str,
+    *,
+    path: str,
+    count: int,
+    cnonce: str,
+    method: str = "POST",
 ) -> str:
-    """Answer a challenge for a POST.
+    """Answer a challenge.
 
     Args:
         challenge: the server's.
@@ -69,6 +76,7 @@ def authorization_of(
         path: what is asked, as in the request's first line.
         count: how often this challenge has been answered, from 1.
         cnonce: a random word of ours.
+        method: of the request.
 
     """
 
@@ -78,7 +86,7 @@ def authorization_of(
         ).hexdigest()
 
     who = hashed(f"{user}:{challenge.realm}:{password}")
-    what = hashed(f"POST:{path}")
+    what = hashed(f"{method}:{path}")
     number = f"{count:08x}"
     middle = f"{challenge.nonce}:{number}:{cnonce}:auth" if challenge.qop else challenge.nonce
     parts = [

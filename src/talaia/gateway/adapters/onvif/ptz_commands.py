@@ -71,7 +71,11 @@ class CameraCommands:
         task = loop.create_task(self._run_order(order, done))
         self._tasks[task] = done
         task.add_done_callback(lambda ended: self._tasks.pop(ended, None))
-        return lambda: loop.call_soon_threadsafe(self._motion.stop_now)
+
+        def stop_early() -> None:
+            loop.call_soon_threadsafe(self._motion.stop_now)
+
+        return stop_early
 
     def lose_all(self) -> None:
         """End all: the camera is not reached any more, and what it does is unknown."""

@@ -89,8 +89,7 @@ def content_type_of(service: str, action: str) -> str:
 
 
 def _security_of(signature: Signature) -> str:
-    # Beyond year 9999, or before year 1, a camera's clock is nobody's.
-    created = datetime.fromtimestamp(signature.at, UTC).strftime("%Y-%m-%dT%H:%M:%S.000Z")
+    created = datetime.fromtimestamp(signature.at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     digest = hashlib.sha1(
         signature.nonce + created.encode() + signature.password.encode(), usedforsecurity=False
     ).digest()

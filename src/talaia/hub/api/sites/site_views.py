@@ -259,7 +259,10 @@ def _device_schema(
                 state_need(site, device_id, command, grants),
             )
             for command_id, command in device.commands.items()
-            if uses and f"{device_id}/{command_id}" not in heartbeats
+            if uses
+            and f"{device_id}/{command_id}" not in heartbeats
+            # What somebody may not ask for has no button.
+            and grants.has_right(Right(command.right), site.site, device_id)
         ],
         drive=_drive_schema(device.drive, shown.by_unit) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from talaia.hub.auth.permissions import Right
 from talaia.hub.live.site_state import Pending
 from talaia.model.arguments import fields_of, unit_problem
 from talaia.model.interlocks.override_rules import longest_override
@@ -200,6 +201,11 @@ class PageCommands:
         command = live.description.devices[asked.device].commands.get(asked.command)
         if command is None or live.link is None:
             self._refuse(browser, asked, "unknown", f"there is no command {asked.command!r}")
+            return
+        # Missions and other tools' clients come this way, too.
+        if not browser.who.grants.has_right(Right(command.right), live.name, asked.device):
+            problem = f"{command.name} needs the right {command.right} on this device"
+            self._refuse(browser, asked, "forbidden", problem)
             return
         # The gateway checks it again, by its own copy of the description.
         fields = fields_of(command, asked.args)
