@@ -173,8 +173,8 @@ def look_at_cameras(options: argparse.Namespace, seconds: float) -> Found:
     from talaia.gateway.adapters.onvif.probe import probe_cameras
     from talaia.gateway.adapters.onvif.search import FoundCamera, search_cameras
 
-    if options.token_file or options.ca:
-        raise CliError("--token-file and --ca are for --mqtt, --http and --rosbridge")
+    if options.token_file:
+        raise CliError("--token-file is for --http and --rosbridge")
     url = options.onvif
     if url:
         url = url if "://" in url else f"http://{url}"
@@ -184,7 +184,7 @@ def look_at_cameras(options: argparse.Namespace, seconds: float) -> Found:
             url = f"{url.rstrip('/')}/onvif/device_service"
         cameras = [FoundCamera(url, "", "")]
     else:
-        if options.user or options.password_file:
+        if options.user or options.password_file or options.ca:
             raise CliError(
                 "--onvif: name the camera that is signed in at (--onvif http://HOST): a password "
                 "goes to no address that only an answer in the network has named"
@@ -200,7 +200,13 @@ def look_at_cameras(options: argparse.Namespace, seconds: float) -> Found:
                 "own network only, and ONVIF may have to be switched on in the camera first"
             )
     print("asking …", file=sys.stderr, flush=True)
-    return probe_cameras(cameras, Path(), user=options.user, password_file=options.password_file)
+    return probe_cameras(
+        cameras,
+        Path(),
+        user=options.user,
+        password_file=options.password_file,
+        ca=options.ca,
+    )
 
 
 def _check_address(option: str, url: str, schemes: tuple[str, ...], example: str) -> None:

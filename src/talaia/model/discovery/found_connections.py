@@ -85,5 +85,6 @@ def _onvif_of(found: Found, device: DeviceFound) -> OnvifConnection:
         profile=device.profile,
         user=found.user,
         password_file=found.password_file,
+        ca=found.ca if device.address.startswith("https:") else "",
         here=here,
     )

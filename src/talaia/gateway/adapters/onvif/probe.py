@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 from xml.sax.saxutils import escape
 
+import msgspec
+
 from talaia.gateway.adapters.alpaca.probe import is_here
 from talaia.gateway.adapters.http.fetching import FetchFailed
 from talaia.gateway.adapters.onvif.answers import (
@@ -51,7 +53,12 @@ _TIMEOUT_S = 5.0
 
 
 def probe_cameras(
-    cameras: Sequence[FoundCamera], folder: Path, *, user: str = "", password_file: str = ""
+    cameras: Sequence[FoundCamera],
+    folder: Path,
+    *,
+    user: str = "",
+    password_file: str = "",
+    ca: str = "",
 ) -> Found:
     """Ask cameras what they have.
 
@@ -60,29 +67,26 @@ def probe_cameras(
         folder: relative paths begin there.
         user: who signs in; only where a person has named the camera.
         password_file: a file with that user's password.
+        ca: file of certificate authorities, for ``https://``; empty takes the system's.
 
     Raises:
         AdapterLost: the only one does not answer.
         SettingsError: the password cannot be read.
 
     """
-    return asyncio.run(_probe_all(cameras, folder, user, password_file))
+    login = OnvifConnection(
+        url="", user=user, password_file=password_file, timeout=_TIMEOUT_S, ca=ca
+    )
+    return asyncio.run(_probe_all(cameras, folder, login))
 
 
-async def _probe_all(
-    cameras: Sequence[FoundCamera], folder: Path, user: str, password_file: str
-) -> Found:
+async def _probe_all(cameras: Sequence[FoundCamera], folder: Path, login: OnvifConnection) -> Found:
     began = time.monotonic()
     slots = asyncio.Semaphore(_AT_ONCE)
 
     async def look_at(camera: FoundCamera) -> CameraFindings:
-        settings = OnvifConnection(
-            url=camera.url,
-            user=user,
-            password_file=password_file,
-            timeout=_TIMEOUT_S,
-            here=is_here(urlsplit(camera.url).hostname or ""),
-        )
+        here = is_here(urlsplit(camera.url).hostname or "")
+        settings = msgspec.structs.replace(login, url=camera.url, here=here)
         async with slots:
             return await _look_at(camera, settings, folder)
 
@@ -101,8 +105,9 @@ async def _probe_all(
         where=f"ONVIF camera {one}" if one else "ONVIF cameras of the network",
         seconds=round(time.monotonic() - began, 1),
         url=one,
-        user=user,
-        password_file=password_file,
+        user=login.user,
+        password_file=login.password_file,
+        ca=login.ca,
         devices=tuple(devices),
     )
 
