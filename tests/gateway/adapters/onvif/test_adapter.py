@@ -86,6 +86,7 @@ devices:
       stop: {confirmed_by: [gate/moving]}
 """
 SIGNED = "    user: operator\n    password_file: secret"
+MOVES_ON = "it goes on moving after Stop, and is told again"
 SEQ = itertools.count(1)
 
 
@@ -213,6 +214,8 @@ async def test_a_held_button_moves_it_and_letting_go_stops_it(
         await bench.until(lambda: len(camera.stops) > before, "Stop")
         await bench.until(lambda: not camera.is_moving(), "rest")
         await bench.until(lambda: bench.newest("gate/moving") == 0.0, "told that it rests")
+        # By the end of the hold, and not because it was seen moving on.
+        assert MOVES_ON not in bench.events()
     velocities = [velocity for _, velocity in camera.moves]
     assert max(pan for pan, _, _ in velocities) == pytest.approx(0.6)
     # No further than the description lets it, whatever a page asks for.
@@ -315,8 +318,9 @@ async def test_a_camera_that_moves_on_after_stop_is_told_again_and_people_are_to
         async with bench.held(epoch, 0.1, 0.0, 0.0):
             await bench.until(camera.is_moving, "it moves")
             camera.obeys_stop = False
-        moves_on = "it goes on moving after Stop, and is told again"
-        await bench.until(lambda: moves_on in bench.events(), "told")
+        await bench.until(lambda: MOVES_ON in bench.events(), "told")
+        stops = len(camera.stops)
+        await bench.until(lambda: len(camera.stops) > stops + 1, "Stop, again and again")
         assert bench.newest("gate/moving") == 1.0
         await bench.hub.send(StopRequest(device="gate", id="halt", who="Bob"))
         await bench.hub.next(StopState, lambda each: each.latched)
