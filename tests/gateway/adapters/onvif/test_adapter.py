@@ -438,6 +438,23 @@ async def test_a_refused_move_is_told_once_and_asked_anew_only_after_letting_go(
             await bench.until(camera.is_moving, "it moves")
 
 
+async def test_a_camera_that_refuses_to_stop_is_told_of_once_and_takes_commands(
+    served: tuple[int, OnvifCamera], tmp_path: Path
+) -> None:
+    port, camera = served
+    camera.faults["Stop"] = ("ActionNotSupported", "no")
+    async with gateway_for(port, tmp_path) as bench:
+        await bench.until_reached()
+        said = "to stop: the camera refuses (ActionNotSupported): no"
+        await bench.until(lambda: said in bench.events(), "told")
+        assert (await bench.does("goto", preset="Gate")).phase is CommandPhase.SUCCEEDED
+        await bench.hub.send(StopRequest(device="gate", id="halt", who="Bob"))
+        asked = camera.asked["Stop"]
+        await bench.until(lambda: camera.asked["Stop"] > asked + 1, "STOP is repeated")
+        # What came until the command ended is forgotten: it was told then, and is not told again.
+        assert said not in bench.events()
+
+
 async def test_stop_does_not_wait_for_a_move_without_an_answer_and_the_loss_ends_the_lease(
     served: tuple[int, OnvifCamera], tmp_path: Path
 ) -> None:

@@ -81,6 +81,7 @@ class PtzMotion:
         # After a refusal whoever drives has to let go first. (After a loss nobody drives: that has
         # ended the lease.)
         self._must_rest = False
+        self._is_refusing = False  # It refuses to stop; told already.
         self._insisted = False  # That it moves on after Stop was told.
         # While a command moves it by itself, its motion is no disobedience.
         self._travels = False
@@ -252,7 +253,7 @@ class PtzMotion:
             case None:
                 if not is_move:
                     # Crossed by a Move, it may have come before it.
-                    self._stop_due = self._crossed
+                    self._stop_due, self._is_refusing = self._crossed, False
             case CameraFault() | UnreadableXml():
                 self._take_refusal(error, is_move=is_move)
             case _:
@@ -260,9 +261,14 @@ class PtzMotion:
                 self._failed = error
 
     def _take_refusal(self, error: Exception, *, is_move: bool) -> None:
-        what = "to be moved" if is_move else "to stop"
-        self._report(f"{what}: {error}")
-        if is_move:
+        if not is_move:
+            # Not asked for ever for what it refuses; if it moves on, it is told again by that.
+            self._stop_due = False
+            if not self._is_refusing:
+                self._report(f"to stop: {error}")
+            self._is_refusing = True
+        else:
+            self._report(f"to be moved: {error}")
             # Not asked 10 times a second for what it refuses; whoever drives presses anew.
             self._wish, self._must_rest = CAMERA_STILL, True
             self._demand_stop()
