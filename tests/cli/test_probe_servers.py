@@ -15,6 +15,7 @@ import msgspec
 import pytest
 from certificates import Certificates, speak_tls
 from mosquitto_broker import Broker
+from tests.gateway.adapters.onvif.onvif_camera import serving_camera
 
 from talaia.cli.main import main
 from talaia.model.checks.site_checks import check_site
@@ -186,4 +187,39 @@ def test_address_that_is_none_is_told_before_anything_is_asked(
     words: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["probe", *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_camera_that_is_named_is_listed_and_described_with_its_user(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "secret").write_text("s3cret\n")
+    with serving_camera() as (port, camera):
+        camera.user = "operator:s3cret"
+        named = ["--onvif", f"127.0.0.1:{port}", "--user", "operator", "--password-file", "secret"]
+        assert main(["probe", *named, "--fields"]) == 0
+        said = capsys.readouterr().out
+        assert f"http://127.0.0.1:{port}/onvif/device_service" in said
+        assert "rtsp://127.0.0.1/main" in said
+        assert main(["init", *named, "--no-questions", "-o", "site.yaml"]) == 0
+    text = (tmp_path / "site.yaml").read_text()
+    site = load_site(text)
+    assert not check_site(site)
+    (connection,) = site.connections.values()
+    assert (connection.user, connection.password_file) == ("operator", "secret")
+    assert "s3cret" not in text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--user", "me"], "name the camera that is signed in at"),
+        (["--token-file", "x"], "is for --http and --rosbridge"),
+    ],
+)
+def test_a_search_for_cameras_takes_no_credentials(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["probe", "--onvif", *words]) != 0
     assert said in capsys.readouterr().err

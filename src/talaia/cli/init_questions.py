@@ -44,7 +44,8 @@ def ask_about_devices(made: DescriptionProposal, ask: Callable[[str], str]) -> f
             (len(device.commands), "command"),
         )
         said = [f"{count} {name}{'s' if count > 1 else ''}" for count, name in counts if count]
-        said += [f"driven by {device.drive.topic}"] if device.drive is not None else []
+        if device.drive is not None:
+            said.append(f"driven by {device.drive.topic or device.drive.message}")
         shown = f"{device.name} ({word})"
         print(f"{number:>3}  {shown:<40} {', '.join(said)}", file=sys.stderr)
     while True:

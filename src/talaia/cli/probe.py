@@ -20,6 +20,7 @@ from talaia.cli.probe_servers import (
     look_at_alpaca,
     look_at_bridge,
     look_at_broker,
+    look_at_cameras,
     look_at_server,
     read_server_address,
 )
@@ -55,8 +56,8 @@ def main(argv: Sequence[str]) -> int:
         "talaia probe",
         description="List what a live robot offers: topics of ROS 2 or ROS 1 with fields and "
         "rates, services, actions, also behind a rosbridge server; the devices of an INDI or "
-        "Alpaca server; the topics of an MQTT broker; the fields that an HTTP address answers "
-        "with. It only listens, or asks once.",
+        "Alpaca server; network cameras with ONVIF; the topics of an MQTT broker; the fields that "
+        "an HTTP address answers with. It only listens, or asks once.",
     )
     add_options(parser)
     parser.add_argument("--fields", action="store_true", help="list every field and property, too")
@@ -65,7 +66,7 @@ def main(argv: Sequence[str]) -> int:
     found = probe_robot(options)
     if options.json:
         print(msgspec.json.format(msgspec.json.encode(found), indent=1).decode())
-    elif found.protocol in ("indi", "alpaca"):
+    elif found.protocol in ("indi", "alpaca", "onvif"):
         print(_devices_told(found, fields=options.fields))
     else:
         print(_as_text(found, fields=options.fields))
@@ -103,6 +104,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         const="",
         metavar="HOST[:PORT]",
         help="look at an ASCOM Alpaca server (default: the one that answers Alpaca's discovery)",
+    )
+    which.add_argument(
+        "--onvif",
+        nargs="?",
+        const="",
+        metavar="URL",
+        help="look for ONVIF cameras in the network, or at the one at http://HOST (with its user)",
     )
     which.add_argument(
         "--rosbridge",
@@ -154,8 +162,10 @@ def probe_robot(options: argparse.Namespace) -> Found:
         return look_at_broker(options, options.seconds or SECONDS)
     if options.http is not None:
         return look_at_server(options)
+    if options.onvif is not None:
+        return look_at_cameras(options, options.seconds or SECONDS)
     if options.user or options.password_file:
-        raise CliError("--user and --password-file are for --mqtt and --http")
+        raise CliError("--user and --password-file are for --mqtt, --http and --onvif")
     if options.rosbridge is not None:
         return look_at_bridge(options, options.seconds or SECONDS)
     if options.token_file or options.ca:
@@ -304,12 +314,17 @@ def _devices_told(found: Found, *, fields: bool) -> str:
     lines = [f"{found.where}, after {found.seconds:g} s", "", "devices"]
     for device in found.devices:
         state = "connected" if device.connected else "not connected"
+        if found.protocol == "onvif":
+            state = device.address
         count = f"{len(device.properties)} properties"
         lines.append(f"  {device.device:<28} {device.driver:<36} {state:<14} {count}")
+        lines += [f"      {device.problem}"] if device.problem else []
         lines += [_property_line(one) for one in device.properties] if fields else []
     if not found.devices:
         asked = "Does indiserver run any driver?" if found.protocol == "indi" else ""
         lines += ["  none", "", asked]
+    if found.protocol == "onvif":
+        return "\n".join(lines)
     if any(not device.connected for device in found.devices):
         lines += ["", "A driver that is not connected shows little; --connect connects them."]
     return "\n".join(lines)

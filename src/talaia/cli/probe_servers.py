@@ -1,4 +1,4 @@
-"""``--mqtt``, ``--http``, ``--rosbridge`` and ``--alpaca`` of `talaia probe` and `init`."""
+"""Servers and cameras that `talaia probe` and `init` ask: MQTT, HTTP, rosbridge, Alpaca, ONVIF."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ __all__ = [
     "look_at_alpaca",
     "look_at_bridge",
     "look_at_broker",
+    "look_at_cameras",
     "look_at_server",
     "read_server_address",
 ]
@@ -30,7 +31,7 @@ _BRIDGE_PORT = 9090
 
 def add_server_options(parser: argparse.ArgumentParser) -> None:
     """Add how to sign in at a broker or a server."""
-    parser.add_argument("--user", default="", help="MQTT, HTTP: who signs in")
+    parser.add_argument("--user", default="", help="MQTT, HTTP, ONVIF: who signs in")
     parser.add_argument(
         "--password-file",
         default="",
@@ -159,6 +160,53 @@ def look_at_alpaca(options: argparse.Namespace, seconds: float) -> Found:
         host, port = read_server_address("--alpaca", place, _ALPACA_PORT)
     print("asking …", file=sys.stderr, flush=True)
     return probe_alpaca(host, port, connect=options.connect)
+
+
+def look_at_cameras(options: argparse.Namespace, seconds: float) -> Found:
+    """Look at the ONVIF camera that is named, or at all that answer in the network.
+
+    Raises:
+        CliError: it is no address, or nobody can be asked.
+        AdapterLost: the named one does not answer.
+
+    """
+    from talaia.gateway.adapters.onvif.probe import probe_cameras
+    from talaia.gateway.adapters.onvif.search import FoundCamera, search_cameras
+
+    if options.token_file:
+        raise CliError("--token-file is for --http and --rosbridge")
+    url = options.onvif
+    if url:
+        url = url if "://" in url else f"http://{url}"
+        _check_address("--onvif", url, ("http", "https"), "http://camera.local")
+        # Where nearly all cameras have it.
+        if urlsplit(url).path in ("", "/"):
+            url = f"{url.rstrip('/')}/onvif/device_service"
+        cameras = [FoundCamera(url, "", "")]
+    else:
+        if options.user or options.password_file or options.ca:
+            raise CliError(
+                "--onvif: name the camera that is signed in at (--onvif http://HOST): a password "
+                "goes to no address that only an answer in the network has named"
+            )
+        print(f"asking who is there, for {seconds:g} s …", file=sys.stderr, flush=True)
+        try:
+            cameras = search_cameras(seconds)
+        except OSError as error:
+            raise CliError(f"--onvif: nobody can be asked: {error}; name a camera") from error
+        if not cameras:
+            raise CliError(
+                "--onvif: no camera answers; name one (--onvif http://HOST): a search reaches the "
+                "own network only, and ONVIF may have to be switched on in the camera first"
+            )
+    print("asking …", file=sys.stderr, flush=True)
+    return probe_cameras(
+        cameras,
+        Path(),
+        user=options.user,
+        password_file=options.password_file,
+        ca=options.ca,
+    )
 
 
 def _check_address(option: str, url: str, schemes: tuple[str, ...], example: str) -> None:

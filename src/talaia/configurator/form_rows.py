@@ -234,6 +234,7 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.synchronized": ROS_KINDS | {ConnectionKind.INDI},
     "source.property": frozenset({ConnectionKind.INDI, ConnectionKind.ALPACA}),
     "source.age": frozenset({ConnectionKind.ALPACA}),
+    "source.ptz": frozenset({ConnectionKind.ONVIF}),
     "source.element": frozenset({ConnectionKind.INDI}),
     "source.device": frozenset({ConnectionKind.INDI}),
     "indi": frozenset({ConnectionKind.INDI}),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.commands.command_guard import InterlockGuard
 from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.commands.command_sequences import SequenceRunner, SequenceSignal
-from talaia.gateway.commands.command_service import CommandService
+from talaia.gateway.commands.command_service import HELD_KINDS, CommandService
 from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.commands.request_tasks import RequestTasks
 from talaia.gateway.disk_trouble import DiskTrouble
@@ -120,6 +120,9 @@ class Actuation:
             ),
             send=output.send,
         )
+        # A device has one holder, whether it is driven or commanded.
+        self.commands.holders.lease_holder = self._lease_holder
+        self.driving.acting_against = self.commands.holders.words_against
         # Finished before the timers of commands are stopped.
         self.requests = RequestTasks(self.timer.reset_timer)
         self.sequences = SequenceRunner(
@@ -130,6 +133,14 @@ class Actuation:
         )
         # From here on an interlock that fires begins its sequence.
         sequence_due.connect(self.sequences.begin_sequence)
+
+    def _lease_holder(self, device: str) -> str:
+        """Name who holds the lease of a device that one person at a time commands, too."""
+        controller = self.driving.controllers.get(device)
+        if controller is None or self._site.devices[device].kind not in HELD_KINDS:
+            return ""
+        held = controller.lease.holder_at(self._clock.monotonic_ns())
+        return "" if held is None else held.who
 
     @property
     def busy(self) -> bool:

@@ -12,6 +12,8 @@ GatewayError
 │   ├── ServerNotReached  nothing was sent
 │   └── StatusRefused     it answers with a status that is no success
 ├── AlpacaRefused       a device answers with an error (adapters.alpaca.protocol)
+├── CameraFault         a camera answers that it does not do it (adapters.onvif.soap)
+├── UnreadableXml       it is no XML, or too much of it (adapters.onvif.xml_nodes)
 ├── ProgramRefused      a request is not served (adapters.socketio.asgi_requests)
 ├── EnrolRefused        the hub does not take the one-time code
 └── LinkLost            the hub cannot be reached

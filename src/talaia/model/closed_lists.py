@@ -7,6 +7,7 @@ from enum import StrEnum
 __all__ = [
     "ArgumentType",
     "CommandKind",
+    "CommandRight",
     "DeviceKind",
     "DriveMessage",
     "KeyMode",
@@ -74,15 +75,23 @@ class CommandKind(StrEnum):
     SERVICE = "service"
     TOPIC = "topic"
     ACTION = "action"
-    # ROS: sets parameters. INDI: sends a property. Alpaca: calls a method. Process: runs a
-    # command. Extension: its own.
+    # ROS: sets parameters. INDI: sends a property. Alpaca: calls a method. ONVIF: moves a
+    # camera, or sets a preset. Process: runs a command. Extension: its own.
     PARAMETER = "parameter"
     # ROS 2: a transition of a life-cycle node.
     LIFECYCLE = "lifecycle"
     INDI = "indi"
     ALPACA = "alpaca"
+    ONVIF = "onvif"
     PROCESS = "process"
     EXTENSION = "extension"
+
+
+class CommandRight(StrEnum):
+    """Which right on its device a command takes: ``admin`` where it changes what others rely on."""
+
+    USE = "use"
+    ADMIN = "admin"
 
 
 class DriveMessage(StrEnum):
@@ -95,6 +104,8 @@ class DriveMessage(StrEnum):
     ACKERMANN_STAMPED = "ackermann_msgs/msg/AckermannDriveStamped"
     JOINT_JOG = "control_msgs/msg/JointJog"
     JOINT_VELOCITIES = "std_msgs/msg/Float64MultiArray"
+    # Of an ONVIF camera: pan, tilt and zoom, as joints.
+    PTZ = "ptz"
 
     @property
     def steers(self) -> bool:
@@ -104,7 +115,11 @@ class DriveMessage(StrEnum):
     @property
     def jogs(self) -> bool:
         """Whether it holds velocities of joints."""
-        return self in (DriveMessage.JOINT_JOG, DriveMessage.JOINT_VELOCITIES)
+        return self in (
+            DriveMessage.JOINT_JOG,
+            DriveMessage.JOINT_VELOCITIES,
+            DriveMessage.PTZ,
+        )
 
     @property
     def twists(self) -> bool:

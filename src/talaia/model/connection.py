@@ -24,6 +24,7 @@ from talaia.model.connections.http import HttpConnection, HttpRules, HttpSource
 from talaia.model.connections.indi import IndiConnection, IndiRules, IndiSource
 from talaia.model.connections.kinds import ROS_KINDS, ConnectionKind
 from talaia.model.connections.mqtt import MqttConnection, MqttRules, MqttSource
+from talaia.model.connections.onvif import OnvifConnection, OnvifRules, OnvifSource
 from talaia.model.connections.process import ProcessConnection, ProcessRules, ProcessSource
 from talaia.model.connections.ros import RosSource
 from talaia.model.connections.ros1 import Ros1Connection, Ros1Rules
@@ -54,6 +55,8 @@ __all__ = [
     "IndiSource",
     "MqttConnection",
     "MqttSource",
+    "OnvifConnection",
+    "OnvifSource",
     "ProcessConnection",
     "ProcessSource",
     "Ros1Connection",
@@ -87,6 +90,7 @@ Connection = (
     | HttpConnection
     | SocketioConnection
     | AlpacaConnection
+    | OnvifConnection
     | ExtensionConnection
 )
 
@@ -101,6 +105,7 @@ Source = (
     | HttpSource
     | SocketioSource
     | AlpacaSource
+    | OnvifSource
     | ExtensionSource
     | DetectionSource
     | DerivedSource
@@ -117,6 +122,7 @@ _ALL_RULES: tuple[type[ConnectionRules], ...] = (
     HttpRules,
     SocketioRules,
     AlpacaRules,
+    OnvifRules,
     ExtensionKindRules,
 )
 RULES = {rules.kind: rules for rules in _ALL_RULES}
@@ -146,6 +152,8 @@ def rules_of(connection: Connection) -> ConnectionRules:
             return SocketioRules(connection)
         case AlpacaConnection():
             return AlpacaRules(connection)
+        case OnvifConnection():
+            return OnvifRules(connection)
         case ExtensionConnection():
             return ExtensionKindRules(connection)
 

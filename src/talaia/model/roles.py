@@ -52,6 +52,7 @@ class SignalRole(StrEnum):
     CAMERA_FILTER = "camera.filter"
     CAMERA_BINNING = "camera.binning"
     CAMERA_GAIN = "camera.gain"
+    CAMERA_PRESETS = "camera.presets"
     FOCUSER_POSITION = "focuser.position"
     FOCUSER_MOVING = "focuser.moving"
     FOCUSER_TEMPERATURE = "focuser.temperature"
@@ -106,6 +107,10 @@ class CommandRole(StrEnum):
     CAMERA_FILTER = "camera.filter"
     CAMERA_BINNING = "camera.binning"
     CAMERA_GAIN = "camera.gain"
+    CAMERA_GOTO_PRESET = "camera.goto_preset"
+    CAMERA_SET_PRESET = "camera.set_preset"
+    CAMERA_REMOVE_PRESET = "camera.remove_preset"
+    CAMERA_HOME = "camera.home"
     FOCUSER_GOTO = "focuser.goto"
     FOCUSER_MOVE = "focuser.move"
     FOCUSER_IN = "focuser.in"
@@ -251,6 +256,8 @@ SIGNAL_FITS: dict[SignalRole, SignalFit] = {
     SignalRole.CAMERA_FILTER: SignalFit((SignalType.STATE, SignalType.TEXT, SignalType.NUMBER)),
     SignalRole.CAMERA_BINNING: SignalFit((SignalType.NUMBER,), ("",)),
     SignalRole.CAMERA_GAIN: SignalFit((SignalType.NUMBER,)),
+    # One name a line.
+    SignalRole.CAMERA_PRESETS: SignalFit((SignalType.TEXT,)),
     SignalRole.FOCUSER_POSITION: SignalFit((SignalType.NUMBER,)),
     SignalRole.FOCUSER_MOVING: _STATE,
     SignalRole.FOCUSER_TEMPERATURE: _number_fit("°C", "K"),
@@ -309,6 +316,11 @@ COMMAND_FITS: dict[CommandRole, CommandFit] = {
     # Some drivers want it for each axis.
     _ROLE.CAMERA_BINNING: CommandFit((CommandForm.NUMBERS,)),
     _ROLE.CAMERA_GAIN: CommandFit((CommandForm.NUMBER,)),
+    # The name of a preset.
+    _ROLE.CAMERA_GOTO_PRESET: CommandFit((CommandForm.TEXT,)),
+    _ROLE.CAMERA_SET_PRESET: CommandFit((CommandForm.TEXT,)),
+    _ROLE.CAMERA_REMOVE_PRESET: CommandFit((CommandForm.TEXT,)),
+    _ROLE.CAMERA_HOME: _PLAIN,
     _ROLE.FOCUSER_GOTO: CommandFit((CommandForm.NUMBER,)),
     _ROLE.FOCUSER_MOVE: CommandFit((CommandForm.NUMBER,)),
     _ROLE.FOCUSER_IN: CommandFit((CommandForm.NUMBER,)),

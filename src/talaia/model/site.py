@@ -20,6 +20,7 @@ from talaia.model.boards.board import Board  # noqa: TC001 - msgspec reads it
 from talaia.model.closed_lists import (
     ArgumentType,
     CommandKind,
+    CommandRight,
     DeviceKind,
     DriveMessage,
     KeyMode,
@@ -55,6 +56,7 @@ __all__ = [
     "Channel",
     "Command",
     "CommandKind",
+    "CommandRight",
     "CommandRole",
     "Device",
     "DeviceKind",
@@ -175,8 +177,8 @@ class Argument(Shape, frozen=True, kw_only=True):
 
     Attributes:
         field: what it fills: a path into the ROS request, the name of a parameter, an INDI
-            element, a parameter of an Alpaca method, a placeholder ``{field}`` of a command line,
-            or a key of an extension.
+            element, a parameter of an Alpaca method, ``preset`` of an ONVIF camera, a placeholder
+            ``{field}`` of a command line, or a key of an extension.
         max_length: of a text, or of a list as text, in letters.
 
     """
@@ -196,9 +198,9 @@ class Command(Shape, frozen=True, kw_only=True):
 
     Attributes:
         target: the ROS service, topic or action; the node whose parameters are set; the INDI
-            property; the Alpaca method (``dome/0/openshutter``); the arguments of a command as one
-            line, without a shell, where ``{field}`` stands for an argument; or what an extension
-            is to do, in its own words.
+            property; the Alpaca method (``dome/0/openshutter``); what an ONVIF camera is asked
+            (``GotoPreset``); the arguments of a command as one line, without a shell, where
+            ``{field}`` stands for an argument; or what an extension is to do, in its own words.
         type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
         role: what it does, by which pages find it: ``dome.open``, ``telescope.goto``; ``auto``
             takes what Talaia proposes, ``none`` has no role.
@@ -210,6 +212,8 @@ class Command(Shape, frozen=True, kw_only=True):
         timeout: accepted but without an answer for this long, its state is unknown (s). The
             feedback of an action counts as an answer.
         confirm: ask the person once more before it is sent.
+        right: who may ask for it: ``use`` or ``admin`` on the device. The hub holds it; what the
+            gateway does by itself asks for no right.
 
     """
 
@@ -227,6 +231,7 @@ class Command(Shape, frozen=True, kw_only=True):
     ttl: float = 5.0
     timeout: float = 10.0
     confirm: bool = False
+    right: CommandRight = CommandRight.USE
 
 
 class Device(Shape, frozen=True, kw_only=True):

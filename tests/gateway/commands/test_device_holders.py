@@ -198,3 +198,16 @@ def test_a_hold_of_another_kind_than_a_command_counts_as_well_until_it_is_releas
     assert holders.holder_against("camera", "Ada") is None
     holders.release_holder("night-1")
     assert holders.holder_against("dome", "Ada") is None
+
+
+async def test_who_drives_a_device_is_gone_over_by_no_command_but_one_that_makes_safe(
+    robot: Robot,
+) -> None:
+    robot.commanding.holders.lease_holder = {"dome": "Ada"}.get  # type: ignore[assignment]
+    # Whoever acts as well is only in between.
+    closing = await robot.asks("Ada", "dome/close")
+    refused = await robot.asks("Bob", "dome/open", over=closing.id)
+    assert (refused.message, refused.blocked_by) == ("Ada drives it", "")
+    assert (await robot.asks("Ada", "dome/open")).phase is CommandPhase.RUNNING
+    # A safety sequence asks nobody.
+    assert (await robot.asks("rain", "dome/close", guarded=False)).phase is CommandPhase.RUNNING

@@ -444,3 +444,19 @@ async def test_reset_is_refused_while_the_disk_is_full(bench: Bench) -> None:
     await bench.control.reset_stop(ResetRequest(**ask, token=token))
     assert "No space left" in bench.robot.last(ResetToken).refused
     assert bench.robot.last(StopState).latched
+
+
+def test_a_command_of_somebody_else_is_driven_over_by_nobody(bench: Bench) -> None:
+    acting: dict[str, str] = {}
+    bench.control.acting_against = lambda _device, who: acting.get(who, "")
+    bench.lease()
+    bench.drive()
+    moved = len(bench.robot.driven)
+    acting["tab"] = "Bob is acting on Base: Dock"
+    # Who drives when it begins is brought to rest by that, and not by the next frame.
+    bench.pass_time(SECOND // 10)
+    assert bench.robot.driven[-1][1] == 0.0
+    bench.drive()
+    bench.pass_time(SECOND // 5)
+    assert all(linear == 0.0 for _, linear, _ in bench.robot.driven[moved + 1 :])
+    assert bench.robot.last(DriveState).why == "Bob is acting on Base: Dock"

@@ -12,6 +12,19 @@ from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.adapters.indi.errors import IndiError
 from talaia.gateway.adapters.indi.numbers import format_number, parse_number
 from talaia.gateway.adapters.indi.protocol import IndiParser
+from talaia.gateway.adapters.onvif.answers import (
+    parse_axes,
+    parse_clock,
+    parse_paths,
+    parse_presets,
+    parse_profiles,
+    parse_status,
+    parse_uri,
+)
+from talaia.gateway.adapters.onvif.http_digest import authorization_of, best_challenge
+from talaia.gateway.adapters.onvif.search import parse_matches
+from talaia.gateway.adapters.onvif.soap import CameraFault, fault_in
+from talaia.gateway.adapters.onvif.xml_nodes import UnreadableXml, parse_xml
 from talaia.gateway.adapters.ros1.decode import decoder_of
 from talaia.gateway.adapters.ros1.robot_messages import read_log_head
 from talaia.gateway.adapters.ros2.nodes.log_lines import read_head
@@ -52,6 +65,21 @@ def _read_alpaca(data: bytes) -> None:
             continue
 
 
+def _read_onvif(data: bytes) -> None:
+    parse_matches(data, "192.0.2.8", "urn:uuid:1")
+    challenge = best_challenge([data.decode("latin-1")])
+    if challenge is not None:
+        authorization_of(challenge, "me", "secret", path="/", count=1, cnonce="c")
+    if (fault := fault_in(data)) is not None:
+        raise fault
+    # Whatever was asked, the answer may be to anything.
+    for answer in parse_xml(data).walk_nodes():
+        for read in (parse_clock, parse_paths, parse_profiles, parse_presets, parse_status):
+            read(answer)
+        parse_uri(answer)
+        parse_axes(answer, "node")
+
+
 def _read_ros1(data: bytes) -> None:
     """Read a message of a type as its publisher has defined it: type, definition, message."""
     name, _, rest = data.partition(b"\0")
@@ -79,6 +107,7 @@ TARGETS = (
     FuzzTarget("indi_number", _read_number, ()),
     FuzzTarget("rosbridge_server", _read_rosbridge_server, (FieldError,)),
     FuzzTarget("alpaca", _read_alpaca, ()),
+    FuzzTarget("onvif", _read_onvif, (UnreadableXml, CameraFault), longest=8192),
     FuzzTarget("ros1_message", _read_ros1, (FieldError,), share=0.2),
     FuzzTarget("robot_log", _read_logs, ()),
     FuzzTarget("cloudconnect", _read_metric, (FieldError,)),

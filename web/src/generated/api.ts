@@ -116,6 +116,7 @@ export interface DriveShape {
   readonly max_turn: number;
   readonly max_steering: number;
   readonly joints: readonly DrivenJointShape[];
+  readonly ptz: boolean;
   readonly rate: number;
   readonly ttl: number;
   readonly lease: number;
@@ -3010,6 +3011,10 @@ export type CommandRole =
   | "camera.filter"
   | "camera.binning"
   | "camera.gain"
+  | "camera.goto_preset"
+  | "camera.set_preset"
+  | "camera.remove_preset"
+  | "camera.home"
   | "focuser.goto"
   | "focuser.move"
   | "focuser.in"
@@ -3151,6 +3156,7 @@ export type SignalRole =
   | "camera.filter"
   | "camera.binning"
   | "camera.gain"
+  | "camera.presets"
   | "focuser.position"
   | "focuser.moving"
   | "focuser.temperature"

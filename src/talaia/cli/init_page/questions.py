@@ -80,7 +80,7 @@ def _signal(device: str, word: str, signal: Signal) -> dict[str, Any]:
 def drive_words(drive: Drive) -> str:
     """Say by what a device is driven, and how fast at the most."""
     if drive.joints:
-        return f"{len(drive.joints)} joints by {drive.topic}"
+        return f"{len(drive.joints)} joints by {drive.topic or drive.message}"
     how = [f"{drive.max_speed:g} m/s"]
     how += [f"{drive.max_sideways:g} m/s sideways"] if drive.max_sideways else []
     how += [f"{drive.max_turn:g} rad/s"] if drive.max_turn else []

@@ -40,6 +40,7 @@ _MESSAGES = {
     DriveMessage.ACKERMANN_STAMPED: "steered wheels (ackermann_msgs/AckermannDriveStamped)",
     DriveMessage.JOINT_JOG: "joints (control_msgs/JointJog)",
     DriveMessage.JOINT_VELOCITIES: "joints (std_msgs/Float64MultiArray)",
+    DriveMessage.PTZ: "pan, tilt and zoom (ONVIF)",
 }
 
 

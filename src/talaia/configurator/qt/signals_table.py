@@ -19,6 +19,7 @@ from talaia.model.connection import (
     HttpSource,
     IndiSource,
     MqttSource,
+    OnvifSource,
     ProcessSource,
     RosSource,
     SocketioSource,
@@ -172,7 +173,7 @@ def _origin_text(source: Source) -> str:
             return f"{place} · {path}" if path else place
         case SocketioSource(namespace=place, name=name, path=path):
             return " · ".join(part for part in (place, name, path) if part)
-        case AlpacaSource(property=name):
+        case AlpacaSource(property=name) | OnvifSource(ptz=name):
             return name
         case ProcessSource(run=line) | DerivedSource(expression=line):
             return line

@@ -14,6 +14,7 @@ from talaia.model.connection import (
     HttpConnection,
     IndiConnection,
     MqttConnection,
+    OnvifConnection,
     ProcessConnection,
     Ros1Connection,
     Ros2Connection,
@@ -62,6 +63,8 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
             make = _make_socketio
         case AlpacaConnection():
             make = _make_alpaca
+        case OnvifConnection():
+            make = _make_onvif
         case ExtensionConnection():
             make = _make_extension
     try:
@@ -140,6 +143,12 @@ def _make_alpaca(scope: ConnectionScope, context: AdapterContext, status: Adapte
     from talaia.gateway.adapters.alpaca.adapter import AlpacaAdapter
 
     return AlpacaAdapter(scope, context, status)
+
+
+def _make_onvif(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.onvif.adapter import OnvifAdapter
+
+    return OnvifAdapter(scope, context, status)
 
 
 def _make_extension(

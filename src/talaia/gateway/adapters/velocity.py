@@ -48,6 +48,8 @@ def velocity_fields(drive: Drive, demand: VelocityDemand, key: str = "") -> dict
             return names | {f"velocities[{index}]": speed for index, speed in enumerate(speeds)}
         case DriveMessage.JOINT_VELOCITIES:
             return {f"data[{index}]": speed for index, speed in enumerate(speeds)}
+        case DriveMessage.PTZ:
+            return {}  # No message of ROS: `check` refuses it there.
 
 
 def steering_fields(drive: Drive) -> list[str]:

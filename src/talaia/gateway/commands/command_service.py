@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Command, Site
     from talaia.wire.frames import CommandCancel, CommandRequest, Scalar
 
-__all__ = ["CommandService"]
+__all__ = ["HELD_KINDS", "CommandService"]
 
 log = logging.getLogger(__name__)
 # What does one thing at a time, at whose hands people can meet. Vehicles have leases.
@@ -214,12 +214,12 @@ class CommandService:
         holder = self.holders.holder_against(ask.device, ask.who) if guarded else None
         if holder is None or never_asks(self._site, ask.device, ask.command):
             return False
-        if holder.id == ask.over and not holder.safety:
+        if holder.id == ask.over and not holder.firm:
             log.info("%s interrupts %s of %s", ask.who, holder.doing, holder.who)
             self.holders.let_interrupt(holder.id)
             return False
-        why = f"{holder.words} (since {holder.acting_s(self._clock.monotonic_ns()):.0f} s)"
-        blocked_by = "" if holder.safety else holder.id
+        why = holder.words_since(self._clock.monotonic_ns())
+        blocked_by = "" if holder.firm else holder.id
         self._move_command(ask.id, CommandPhase.REFUSED, message=why, blocked_by=blocked_by)
         return True
 

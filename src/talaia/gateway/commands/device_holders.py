@@ -26,6 +26,7 @@ class DeviceHolder(NamedTuple):
         who: asked for it.
         since_ns: monotonic.
         safety: of the gateway itself, to make things safe: nobody may go over it.
+        drives: by the lease of a device that is driven: who wants it asks for the lease.
 
     """
 
@@ -35,12 +36,24 @@ class DeviceHolder(NamedTuple):
     who: str
     since_ns: int
     safety: bool = False
+    drives: bool = False
+
+    @property
+    def firm(self) -> bool:
+        """Whether nobody may act over it."""
+        return self.safety or self.drives
 
     @property
     def words(self) -> str:
         """Who acts on what, for people."""
+        if self.drives:
+            return f"{self.who} drives it"
         who = "the gateway itself" if self.safety else self.who
         return f"{who} is acting on {self.doing}"
+
+    def words_since(self, now_ns: int) -> str:
+        """Say it with for how long; of who drives that is the lease's to say."""
+        return self.words if self.drives else f"{self.words} (since {self.acting_s(now_ns):.0f} s)"
 
     def acting_s(self, now_ns: int) -> float:
         """For how long they have been acting (s)."""
@@ -58,6 +71,8 @@ class DeviceHolders:
         self._interruptible: set[str] = set()
         # Told of each command that somebody asked for and that was accepted: device, who.
         self._listeners: list[Callable[[str, str], None]] = []
+        # Names who drives a device of a kind that is held, by its lease; set by who knows leases.
+        self.lease_holder: Callable[[str], str] = lambda _device: ""
 
     def subscribe_commands(self, listener: Callable[[str, str], None]) -> None:
         """Tell a part of the gateway of each command that was asked for and accepted."""
@@ -117,4 +132,15 @@ class DeviceHolders:
             for holder in self._holders.values()
             if holder.device == device and (holder.safety or holder.who != who)
         ]
-        return max(found, key=lambda holder: (holder.safety, holder.since_ns), default=None)
+        driver = self.lease_holder(device)
+        if driver not in ("", who):
+            found.append(DeviceHolder("", device, "", driver, 0, drives=True))
+        # Who holds the lease comes before those who merely act: they would only be in between.
+        return max(
+            found, key=lambda holder: (holder.safety, holder.drives, holder.since_ns), default=None
+        )
+
+    def words_against(self, device: str, who: str) -> str:
+        """Say who acts against what ``who`` would do; empty: nobody."""
+        holder = self.holder_against(device, who)
+        return "" if holder is None else holder.words

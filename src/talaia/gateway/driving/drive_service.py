@@ -76,6 +76,8 @@ class DriveService:
         self._motion = MotionReadings(site, readings)
         # Sent while anybody holds a lease; drivers echo them.
         self.ticks = TickClock()
+        # Say who acts on a device by a command, against a person; set by who makes both.
+        self.acting_against: Callable[[str, str], str] = lambda _device, _who: ""
         # Whether there is a hub: a link that was never up cannot be lost.
         self._linked = False
         # Devices whose robot cannot be told anything now.
@@ -132,7 +134,7 @@ class DriveService:
         controller = self.controllers.get(frame.device)
         if controller is not None:
             now = self._clock.monotonic_ns()
-            controller.bar_driving(self.barred_reason(frame.device, now), now)
+            controller.bar_driving(self._barred_now(controller, now), now)
             controller.limit_speed(self.speed_share(frame.device, now))
             controller.measured = self._motion.measured_velocity(controller.rule, now)
             controller.driving.joint_places = self._motion.joint_places(controller.rule, now)
@@ -317,7 +319,7 @@ class DriveService:
         for controller in self.controllers.values():
             # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
             if controller.driving.moving:
-                controller.bar_driving(self.barred_reason(controller.device, now), now)
+                controller.bar_driving(self._barred_now(controller, now), now)
                 controller.limit_speed(self.speed_share(controller.device, now))
                 controller.driving.joint_places = self._motion.joint_places(controller.rule, now)
             controller.run_due(now, partial(self._motion.standstill_proofs, controller.rule))
@@ -333,6 +335,13 @@ class DriveService:
         if self._interlocks is None:
             return ""
         return self._interlocks.refusal_reason(device, "drive", now_ns)
+
+    def _barred_now(self, controller: DriveController, now_ns: int) -> str:
+        """Say why its holder may not drive now: also because somebody else's command acts on it."""
+        if barred := self.barred_reason(controller.device, now_ns):
+            return barred
+        held = controller.lease.holder_at(now_ns)
+        return "" if held is None else self.acting_against(controller.device, held.who)
 
     def speed_share(self, device: str, now_ns: int) -> float:
         """Say at which share of its limits a device may be driven now, 0 to 1."""

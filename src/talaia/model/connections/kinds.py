@@ -20,6 +20,7 @@ class ConnectionKind(StrEnum):
     HTTP = "http"
     SOCKETIO = "socketio"
     ALPACA = "alpaca"
+    ONVIF = "onvif"
     # Whatever an installed extension speaks; see docs/how-to/extend.
     EXTENSION = "extension"
 

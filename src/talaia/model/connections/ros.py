@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from talaia.model.base import SourceShape
 from talaia.model.checks.identifiers import Finding, field_fits, topic_fits, type_fits
 from talaia.model.checks.validity_checks import stamp_fits
-from talaia.model.closed_lists import CommandKind, SignalType
+from talaia.model.closed_lists import CommandKind, DriveMessage, SignalType
 from talaia.model.connections.rules import (
     ConnectionT,
     KindRules,
@@ -107,6 +107,13 @@ class RosRules(KindRules[ConnectionT, RosSource]):
     def __init__(self, connection: ConnectionT) -> None:
         """Answer for this connection."""
         super().__init__(connection, RosSource)
+
+    def device_findings(self, where: str, device: Device) -> Iterator[Finding]:
+        """See `ConnectionRules`."""
+        yield from super().device_findings(where, device)
+        if device.drive is not None and device.drive.message is DriveMessage.PTZ:
+            problem = "ptz is an ONVIF camera's, and no message of ROS"
+            yield Finding(f"{where}.drive.message", problem, "reach the camera by kind: onvif")
 
     def signal_fits(self, where: str, signal: Signal, source: RosSource) -> Iterator[Finding]:
         """See `ConnectionRules`."""

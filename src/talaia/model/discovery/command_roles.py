@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.model.connections.onvif import ONVIF_COMMANDS
 from talaia.model.discovery.role_words import argument_with, has_word, is_number
 from talaia.model.roles import COMMAND_FITS, CommandRole, SignalRole
-from talaia.model.site import ArgumentType, DeviceKind
+from talaia.model.site import ArgumentType, CommandKind, DeviceKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -15,6 +16,13 @@ if TYPE_CHECKING:
 
 __all__ = ["CommandRoles"]
 
+# What an ONVIF camera is asked.
+_OF_ONVIF = {
+    "GotoPreset": CommandRole.CAMERA_GOTO_PRESET,
+    "SetPreset": CommandRole.CAMERA_SET_PRESET,
+    "RemovePreset": CommandRole.CAMERA_REMOVE_PRESET,
+    "GotoHomePosition": CommandRole.CAMERA_HOME,
+}
 _STOPS = ("stop", "abort", "halt")
 
 
@@ -166,6 +174,11 @@ class CommandRoles:
         return None
 
     def _propose_camera(self) -> None:
+        for name, command in self._free_commands().items():
+            role = _OF_ONVIF.get(command.target) if command.kind is CommandKind.ONVIF else None
+            # One whose preset is fixed is a button of its own.
+            if role is not None and (command.arguments or not ONVIF_COMMANDS[command.target]):
+                self._assign_role(role, name)
         for name, command in self._free_commands().items():
             if any(
                 argument.unit == "s" and argument.type is not ArgumentType.TEXT

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from talaia.model.camera_addresses import NO_ADDRESS, why_no_camera
 from talaia.model.closed_lists import LogLevel
 from talaia.model.connection import (
     AlpacaConnection,
     IndiConnection,
+    OnvifConnection,
     Ros1Connection,
     RosbridgeConnection,
 )
@@ -17,7 +19,7 @@ from talaia.model.site import Ros2Settings
 
 if TYPE_CHECKING:
     from talaia.model.connection import Connection
-    from talaia.model.discovery.probe_report import Found
+    from talaia.model.discovery.probe_report import DeviceFound, Found
 
 __all__ = ["connections_of", "ros2_of"]
 
@@ -46,6 +48,12 @@ def connections_of(found: Found) -> dict[str, Connection]:
             return {"indi": IndiConnection(host=found.host, port=found.port)}
         case "alpaca":
             return {"alpaca": _alpaca_of(found)}
+        case "onvif":
+            return {
+                device.word: _onvif_of(found, device)
+                for device in found.devices
+                if device.described is not None
+            }
         case "mqtt" | "http":
             named = connection_of(found)
             return dict([named]) if named else {}
@@ -68,3 +76,15 @@ def _alpaca_of(found: Found) -> AlpacaConnection:
     # A server on the gateway's own computer has to be meant; whoever probed it there means it.
     here = why_no_camera(found.host) not in ("", NO_ADDRESS)
     return AlpacaConnection(host=found.host, port=found.port, here=here)
+
+
+def _onvif_of(found: Found, device: DeviceFound) -> OnvifConnection:
+    here = why_no_camera(urlsplit(device.address).hostname or "") not in ("", NO_ADDRESS)
+    return OnvifConnection(
+        url=device.address,
+        profile=device.profile,
+        user=found.user,
+        password_file=found.password_file,
+        ca=found.ca if device.address.startswith("https:") else "",
+        here=here,
+    )

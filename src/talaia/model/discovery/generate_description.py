@@ -186,13 +186,18 @@ def _devices_described(found: Found) -> dict[str, Device]:
 
 
 def _drivers_away(found: Found) -> list[str]:
-    """Name the drivers that show nothing yet, for they are not connected."""
-    away = [device.device for device in found.devices if device.described is None]
+    """Name the devices and drivers that show nothing, or not all, and say why."""
+    told = [f"{device.device}: {device.problem}" for device in found.devices if device.problem]
+    told += [f"{device.device}: {why}" for device in found.devices for why in device.left_out]
+    away = [
+        device.device for device in found.devices if device.described is None and not device.problem
+    ]
     if not away:
-        return []
+        return told
     return [
+        *told,
         f"{', '.join(away)}: not connected to the hardware yet; the gateway connects these drivers "
-        "and then describes them by itself (to have them here, run: talaia init --connect)"
+        "and then describes them by itself (to have them here, run: talaia init --connect)",
     ]
 
 

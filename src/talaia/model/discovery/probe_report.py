@@ -1,6 +1,6 @@
 """What is out there, as `talaia probe` writes it down and `talaia init` reads it.
 
-Values only: who looked (ROS 2, ROS 1, rosbridge, INDI, Alpaca, MQTT, HTTP) fills them, and
+Values only: who looked (ROS 2, ROS 1, rosbridge, INDI, Alpaca, ONVIF, MQTT, HTTP) fills them, and
 `propose_description` makes a description of them.
 The JSON form is the contract between a probe on the robot and a configurator on a laptop.
 Long, because that form is one thing, and is read in one place.
@@ -232,6 +232,10 @@ class DeviceFound(msgspec.Struct, frozen=True, omit_defaults=True):
         word: its word in addresses.
         described: as the site description would have it, by its own words; none for one that is
             not connected, whom the gateway describes when it is.
+        address: of a camera: where it is asked.
+        profile: of a camera that moves: the token of what is moved.
+        problem: why it cannot be described at all, in words; empty when it can.
+        left_out: what of it is left out and why, in words.
 
     """
 
@@ -241,6 +245,10 @@ class DeviceFound(msgspec.Struct, frozen=True, omit_defaults=True):
     properties: tuple[PropertyFound, ...] = ()
     word: str = ""
     described: Device | None = None
+    address: str = ""
+    profile: str = ""
+    problem: str = ""
+    left_out: tuple[str, ...] = ()
 
 
 class Found(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -248,7 +256,8 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
 
     Attributes:
         talaia_probe: version of this form; 1.
-        protocol: ``ros2``, ``ros1``, ``rosbridge``, ``indi``, ``alpaca``, ``mqtt`` or ``http``.
+        protocol: ``ros2``, ``ros1``, ``rosbridge``, ``indi``, ``alpaca``, ``onvif``, ``mqtt``
+            or ``http``.
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
@@ -261,7 +270,8 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         host: of the INDI or Alpaca server; empty for other protocols.
         port: of that server.
         ros: which ROS stands behind a rosbridge server, 1 or 2; 0 for other protocols.
-        url: of the MQTT broker or rosbridge server, or the address that a server was asked for.
+        url: of the MQTT broker, rosbridge server or named camera, or the address that a server was
+            asked for.
         user: that signed in there.
         password_file: where its password was read; never the password.
         token_file: where a server's token was read.

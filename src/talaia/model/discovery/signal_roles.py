@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from talaia.model.connection import RosSource
+from talaia.model.connection import OnvifSource, RosSource
 from talaia.model.discovery.role_words import first_named, first_of, has_word, signals_that
 from talaia.model.roles import SignalRole
 from talaia.model.site import DeviceKind, PositionFrame, SignalType
@@ -179,6 +179,9 @@ class SignalRoles:
         }
 
     def _propose_camera(self) -> None:
+        for name, signal in self._free_signals().items():
+            if isinstance(signal.source, OnvifSource) and signal.source.ptz == "presets":
+                self._assign_role(SignalRole.CAMERA_PRESETS, name)
         exposes = re.compile(r"expos(ing|ure)", re.IGNORECASE)
         self._assign_role(
             SignalRole.CAMERA_STATE,

@@ -52,7 +52,8 @@ class DrivenJoint(Shape, frozen=True, kw_only=True):
 
     Attributes:
         name: what pages call it; empty for its name on the robot.
-        max_speed: in both directions (rad/s, or m/s where it slides).
+        max_speed: in both directions (rad/s, or m/s where it slides; of a camera's pan, tilt and
+            zoom the share of its fastest, up to 1).
         position: address of a number signal with where it stands; empty for none. Where it is
             named and not fresh, the joint is not moved.
         minimum: its lower end (rad or m); a joint comes to rest before it. Needs ``position``.
@@ -73,6 +74,7 @@ class Drive(Shape, frozen=True, kw_only=True):
     """Continuous control of a device (teleoperation), under a lease.
 
     Attributes:
+        topic: what the robot listens to; needed but of an ONVIF camera, which has none.
         max_speed: forward limit (m/s); needed but where joints are driven.
         max_reverse: backward limit, given positive (m/s).
         max_sideways: limit to each side (m/s), of a base that moves sideways (holonomic); 0 for
@@ -82,7 +84,8 @@ class Drive(Shape, frozen=True, kw_only=True):
             message, and needed there.
         max_steering_speed: how fast that angle may change (rad/s).
         joints: what moves where ``message`` drives joints, by their names on the robot, in the
-            order of the message.
+            order of the message; of an ONVIF camera (``ptz``) ``pan``, ``tilt`` and ``zoom``, or
+            some of them.
         max_joint_acceleration: of each joint (rad/s², or m/s²).
         max_acceleration: (m/s²); a demand for zero is never ramped.
         max_turn_acceleration: (rad/s²).
@@ -97,7 +100,7 @@ class Drive(Shape, frozen=True, kw_only=True):
 
     """
 
-    topic: str
+    topic: str = ""
     message: DriveMessage = DriveMessage.TWIST
     keys: Keys = msgspec.field(default_factory=Keys)
     # How fast a robot may go its owner has to say: `checks.drive_checks` takes no 0 where it is

@@ -24,15 +24,17 @@ if TYPE_CHECKING:
     from talaia.model.driving.drive import Drive, DrivenJoint
     from talaia.model.site import Site
 
-__all__ = ["drive_findings"]
+__all__ = ["PTZ_AXES", "drive_findings"]
 
+# Of an ONVIF camera, in this order.
+PTZ_AXES = ("pan", "tilt", "zoom")
 # More joints than the longest arm with its hand; a driving frame carries one number for each.
 _MOST_JOINTS = 32
 
 
 def drive_findings(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     """Check one device's driving."""
-    yield from topic_fits(f"{where}.topic", drive.topic)
+    yield from _topic_findings(where, drive)
     yield from _limit_findings(where, drive)
     if drive.max_reverse is not None:
         yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
@@ -62,6 +64,20 @@ def drive_findings(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     yield from _check_keys(f"{where}.keys", drive, kinds)
     for name, joint in drive.joints.items():
         yield from _joint_findings(f"{where}.joints.{name}", joint, kinds)
+        if drive.message is DriveMessage.PTZ:
+            yield from _axis_findings(f"{where}.joints.{name}", name, joint)
+
+
+def _topic_findings(where: str, drive: Drive) -> Iterator[Finding]:
+    """Check that a robot has a topic, and a camera none."""
+    if drive.message is DriveMessage.PTZ:
+        for key, topic in (("topic", drive.topic), ("stop.topic", drive.stop.topic)):
+            if topic:
+                yield Finding(f"{where}.{key}", "an ONVIF camera has no topics", "leave it out")
+    elif not drive.topic:
+        yield Finding(where, "the key 'topic' is missing", "add topic: … (a text)")
+    else:
+        yield from topic_fits(f"{where}.topic", drive.topic)
 
 
 def _limit_findings(where: str, drive: Drive) -> Iterator[Finding]:
@@ -124,11 +140,23 @@ def _joint_findings(
         yield Finding(where, problem, "name its signal: position: device/signal")
 
 
+def _axis_findings(where: str, name: str, joint: DrivenJoint) -> Iterator[Finding]:
+    """Check what is a camera's own: which axes it has, and that it knows their ends itself."""
+    if name not in PTZ_AXES:
+        yield Finding(where, f"{name!r} is no axis of a camera", f"write: {', '.join(PTZ_AXES)}")
+    if joint.max_speed > 1:
+        problem = f"expected a share of the camera's fastest, found {number_text(joint.max_speed)}"
+        yield Finding(f"{where}.max_speed", problem, "write 1 for as fast as it can")
+    if joint.position or joint.slides:
+        key = "position" if joint.position else "slides"
+        yield Finding(f"{where}.{key}", "a camera knows its own ends", "leave it out")
+
+
 def _named_findings(
     site: Site, where: str, drive: Drive, kinds: Mapping[str, SignalType]
 ) -> Iterator[Finding]:
     """Check what driving names elsewhere in the description."""
-    if drive.stop.topic:
+    if drive.stop.topic and drive.message is not DriveMessage.PTZ:
         yield from topic_fits(f"{where}.stop.topic", drive.stop.topic)
     yield from check_above(f"{where}.stop.below", drive.stop.below, 0)
     for index, address in enumerate(drive.stop.confirmed_by):

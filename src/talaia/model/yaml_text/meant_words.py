@@ -98,6 +98,8 @@ _MEANT: dict[str, tuple[str, ...]] = {
     # Kinds of connections.
     "rosbridge_server": ("rosbridge",),
     "rtsp": ("video",),
+    "ptz": ("onvif",),
+    "ipcamera": ("onvif",),
     "camera": ("video",),
     "ascom": ("alpaca",),
     "ros": ("ros2",),

@@ -10,6 +10,8 @@ from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
+from ...conftest import DESCRIPTION
+
 LEASE = page_wire.PageLease(site="agv", device="base", op=LeaseOp.TAKE)
 DRIVE = page_wire.PageDrive(
     site="agv", device="base", epoch=7, seq=1, tick=3, held_ms=2.0, linear=0.1, angular=0.2
@@ -515,3 +517,28 @@ async def test_an_asker_who_closes_the_page_withdraws(hub, gateway) -> None:
     await asker.close()
     free = await gateway.hear(frames.LeaseRequest, lambda ask: ask.op is LeaseOp.FREE)
     assert free.session == ask.session
+
+
+async def test_a_command_that_takes_the_right_admin_is_shown_to_and_taken_from_no_other(
+    hub,
+) -> None:
+    text = DESCRIPTION.replace("name: Wander about", "name: Wander about\n        right: admin")
+    assert text != DESCRIPTION
+    gateway = await hub.gateway()
+    await gateway.hello(text)
+    listed = {}
+    for name in ("operator", "admin"):
+        detail = (await (await hub.client(name)).get("/api/sites/agv")).json()
+        base = next(device for device in detail["devices"] if device["id"] == "base")
+        listed[name] = {command["id"] for command in base["commands"]}
+    assert listed["admin"] - listed["operator"] == {"wander"}
+    page = await hub.page("operator")
+    await page.say(WANDER)
+    problem = await page.hear(page_wire.RequestError)
+    assert (problem.code, problem.message) == (
+        "forbidden",
+        "Wander about needs the right admin on this device",
+    )
+    await (await hub.page("admin")).say(WANDER)
+    # The first that comes to the gateway: the operator's has not.
+    assert (await gateway.hear(frames.CommandRequest)).who == "admin"

@@ -81,6 +81,7 @@ function limitsOf(drive: DriveShape): DriveLimits {
     maxTurn: drive.max_turn,
     ...(drive.max_sideways > 0 ? { maxSideways: drive.max_sideways } : {}),
     ...(drive.max_steering > 0 ? { maxSteering: drive.max_steering } : {}),
+    ...(drive.ptz ? { aims: drive.joints.map(({ id }) => id) } : {}),
     ...(drive.joints.length > 0 ? { jointSpeeds: drive.joints.map(({ max_speed }) => max_speed) } : {}),
   };
 }

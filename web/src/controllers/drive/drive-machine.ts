@@ -10,7 +10,7 @@
  * - what was held when it ended drives again only after it was let go and pressed anew.
  */
 
-import { CENTRE, curvedPush, combinedStick, type Stick } from "./stick.js";
+import { aimPush, CENTRE, curvedPush, combinedStick, limitedUnit, type Stick } from "./stick.js";
 
 /** One frame each 50 ms: 20 Hz. */
 export const FRAME_MS = 50;
@@ -33,6 +33,8 @@ export interface DriveLimits {
   readonly maxSteering?: number;
   /** rad/s or m/s of each joint, of an arm. */
   readonly jointSpeeds?: readonly number[];
+  /** Those joints are a camera's `pan`, `tilt` and `zoom`, in this order: keys turn it, too. */
+  readonly aims?: readonly string[];
 }
 
 /** What is asked of a robot: m/s and rad/s, an angle of its wheels (rad), speeds of its joints. */
@@ -124,7 +126,7 @@ export class DriveMachine {
   /** What is asked of the robot now: m/s and rad/s. */
   get requestedVelocity(): RequestedVelocity {
     const push = this.combinedPush();
-    const { maxSpeed, maxReverse, maxTurn, maxSideways = 0, maxSteering = 0, jointSpeeds = [] } = this.limits;
+    const { maxSpeed, maxReverse, maxTurn, maxSideways = 0, maxSteering = 0, jointSpeeds = [], aims = [] } = this.limits;
     const scale = push.forward < 0 ? maxReverse : maxSpeed;
     const level = this.speedLevel;
     return {
@@ -133,13 +135,14 @@ export class DriveMachine {
       ...(maxSideways === 0 ? {} : { lateral: (push.side ?? 0) * maxSideways * level + 0 }),
       // An angle is no speed: however slowly it goes, it can be steered as far.
       ...(maxSteering === 0 ? {} : { steering: push.turn * maxSteering + 0 }),
-      ...(jointSpeeds.length === 0 ? {} : { joints: jointSpeeds.map((speed, index) => (push.joints?.[index] ?? 0) * speed * level + 0) }),
+      ...(jointSpeeds.length === 0 ? {} : { joints: jointSpeeds.map((speed, index) => limitedUnit((push.joints?.[index] ?? 0) + aimPush(aims[index] ?? "", push)) * speed * level + 0) }),
     };
   }
 
   /** Whether this robot can do what a push asks for. */
   obeys(push: Stick): boolean {
-    const { maxSpeed, maxSideways = 0 } = this.limits;
+    const { maxSpeed, maxSideways = 0, aims } = this.limits;
+    if (aims !== undefined) return push.joints !== undefined || aims.some((axis) => aimPush(axis, push) !== 0);
     return push.side === undefined ? maxSpeed > 0 || push.joints !== undefined : maxSideways > 0;
   }
 
@@ -296,7 +299,7 @@ export class DriveMachine {
       (hold.kind === "digital" ? digital : analog).push(hold.stick);
     }
     const keys = combinedStick(digital);
-    return combinedStick([this.limits.maxSteering === undefined ? curvedPush(keys) : keys, ...analog]);
+    return combinedStick([this.limits.maxSteering === undefined && this.limits.aims === undefined ? curvedPush(keys) : keys, ...analog]);
   }
 
   private dropHolds(): void {

@@ -64,6 +64,23 @@ export function jointPush(index: number, count: number, push: 1 | -1): Stick {
   return { ...CENTRE, joints: Array.from({ length: count }, (_joint, at) => (at === index ? push : 0)) };
 }
 
+/**
+ * How far an axis of a camera is pushed by what would drive: forward tilts it up, a turn to the
+ * right pans it to the right, and the right of the sideways keys zooms in.
+ */
+export function aimPush(axis: string, { forward, turn, side = 0 }: Stick): number {
+  switch (axis) {
+    case "pan":
+      return -turn + 0;
+    case "tilt":
+      return forward;
+    case "zoom":
+      return -side + 0;
+    default:
+      return 0;
+  }
+}
+
 /** A push on a pad that goes sideways where it would turn. */
 export function asideStick({ forward, turn }: Stick): Stick {
   return { forward, turn: 0, side: turn };

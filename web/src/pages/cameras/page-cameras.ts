@@ -105,6 +105,7 @@ export class PageCameras extends LitElement {
           ></t-camera>
           <figcaption>
             ${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}
+            ${device.drive?.ptz === true ? html`<a href=${sitePath(this.site, "drive")}>Pan, tilt, zoom</a>` : nothing}
             ${this.mayDraw() && !showsExposures(device) ? html`<a class="draw" href=${zonesPath(this.site, stream.address)}>Zones and lines</a>` : nothing}
           </figcaption>
         </figure>`,

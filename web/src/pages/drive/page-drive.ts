@@ -17,6 +17,7 @@ import "../../elements/feedback/empty.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import { robotNewsContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { armParts, type ArmParts } from "../../tiles/arm/arm-parts.js";
+import { ptzParts } from "../../tiles/ptz/ptz-parts.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/command/command-list.js";
 import "../../tiles/drive/drive-pad.js";
@@ -42,6 +43,8 @@ export class PageActuate extends LitElement {
   private readonly detail = new LoadController<SiteShape>(this);
   /** The arm's code comes with the first arm. */
   private readonly armElement = new LoadController<unknown>(this);
+  /** Likewise. */
+  private readonly ptzElement = new LoadController<unknown>(this);
   private cockpit: DriveController | null = null;
   private commands: CommandClient | null = null;
   private built = "";
@@ -70,6 +73,7 @@ export class PageActuate extends LitElement {
       this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     }
     if (this.detail.value !== undefined && this.chosenArm(this.detail.value) !== null) this.armElement.load("arm", () => import("../../tiles/arm/arm-cockpit.js"));
+    if (this.detail.value !== undefined && this.chosenDevice(this.detail.value)?.drive?.ptz === true) this.ptzElement.load("ptz", () => import("../../tiles/ptz/ptz-pad.js"));
     this.buildController();
   }
 
@@ -149,6 +153,7 @@ export class PageActuate extends LitElement {
     const stream = streamOf(detail, device.drive?.picture ?? "");
     const seat = this.cockpit?.seat ?? null;
     const stop = this.cockpit?.stop ?? null;
+    const ptz = device.drive?.ptz === true;
     // In the order of weight: who goes by Tab comes to STOP and the hands before the commands.
     return html`<div class="cockpit">
         <t-camera
@@ -166,20 +171,22 @@ export class PageActuate extends LitElement {
           .full=${this.full}
           @t-picture=${this.onPicture}
           @t-fullscreen=${this.toggleFullScreen}
-          ><t-vehicle-hud
-            slot="hud"
-            .site=${this.site}
-            .detail=${detail}
-            .device=${device}
-            .seat=${seat}
-            .stopped=${stop?.desk.blocksDriving ?? false}
-            .pictureAge=${this.pictureAge}
-            .online=${online}
-          ></t-vehicle-hud
-        ></t-camera>
+          >${ptz
+            ? nothing
+            : html`<t-vehicle-hud
+                slot="hud"
+                .site=${this.site}
+                .detail=${detail}
+                .device=${device}
+                .seat=${seat}
+                .stopped=${stop?.desk.blocksDriving ?? false}
+                .pictureAge=${this.pictureAge}
+                .online=${online}
+              ></t-vehicle-hud>`}</t-camera>
       <div class="right">
         ${this.renderStop(detail, device)}
-        ${seat
+        ${ptz ? this.renderPtz(device, online) : nothing}
+        ${ptz && seat ? nothing : seat
           ? html`<t-card class="hands">
               <t-drive-pad
                 .site=${this.site}
@@ -191,9 +198,34 @@ export class PageActuate extends LitElement {
             </t-card>`
           : this.renderOnlooker(device)}
       </div>
-      <t-surroundings class="around" .site=${this.site} .detail=${detail} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-surroundings>
-      <t-commands class="commands" .site=${this.site} .devices=${detail.devices} .line=${this.commands} .online=${online}></t-commands>
+      ${ptz ? nothing : html`<t-surroundings class="around" .site=${this.site} .detail=${detail} .signal=${signalOf(detail, device.drive?.position ?? "")} .online=${online}></t-surroundings>`}
+      <t-commands
+        class="commands"
+        .site=${this.site}
+        .devices=${ptz ? [device] : detail.devices}
+        .line=${this.commands}
+        .online=${online}
+        .shownElsewhere=${ptz ? shownOnPad(device) : NONE_SHOWN}
+      ></t-commands>
     </div>`;
+  }
+
+  private renderPtz(device: DeviceShape, online: boolean): unknown {
+    return renderLoaded(
+      this.ptzElement,
+      "the pad",
+      () => html`<t-card class="hands">
+        <t-ptz-pad
+          .site=${this.site}
+          .device=${device}
+          .seat=${this.cockpit?.seat ?? null}
+          .line=${this.commands}
+          .stopped=${this.cockpit?.stop.desk.blocksDriving ?? false}
+          .online=${online}
+          .pictureAge=${this.pictureAge}
+        ></t-ptz-pad>
+      </t-card>`,
+    );
   }
 
   private renderStop(detail: SiteShape, device: DeviceShape): TemplateResult {
@@ -208,7 +240,7 @@ export class PageActuate extends LitElement {
     return html`<t-empty class="hands" heading="You may look, but not drive" icon="lock">
       <p>
         Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for
-        everyone who sees the vehicle.
+        everyone who sees it.
       </p>
     </t-empty>`;
   }
@@ -226,7 +258,7 @@ export class PageActuate extends LitElement {
   }
 
   private chosenDevice(detail: SiteShape): DeviceShape | undefined {
-    const drivable = detail.devices.filter((device) => device.drive !== null && device.drive.joints.length === 0);
+    const drivable = detail.devices.filter((device) => device.drive !== null && (device.drive.ptz || device.drive.joints.length === 0));
     return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
   }
 
@@ -316,6 +348,13 @@ export class PageActuate extends LitElement {
     if (was && !this.full && !this.leavingFull) this.cockpit?.stop.pressStop();
     this.leavingFull = false;
   };
+}
+
+const NONE_SHOWN: ReadonlySet<string> = new Set();
+
+/** The commands that the pad of a camera has buttons for. */
+function shownOnPad(device: DeviceShape): ReadonlySet<string> {
+  return new Set(Object.values({ ...ptzParts(device), presets: undefined }).flatMap((command) => (command === undefined ? [] : [command.id])));
 }
 
 /** Nothing is to be said of STOP but that it is there. */

@@ -1,8 +1,9 @@
-/** What cockpits are drawn with: numbers over the picture, and an arm's joints. */
+/** What cockpits are drawn with: numbers over the picture, an arm's joints, a camera's pad. */
 
 import { html, type TemplateResult } from "lit";
 import type { HudNumber } from "../../elements/drive/drive-hud.js";
 import type { GalleryEntry } from "./entry.js";
+import "../../elements/drive/aim-pad.js";
 import "../../elements/drive/drive-hud.js";
 import "../../elements/drive/joint-bar.js";
 
@@ -21,6 +22,14 @@ export const entries: readonly GalleryEntry[] = [
       { name: "backwards, in its own frame", show: () => html`<t-drive-hud .speed=${metres(-0.05)} .limit=${metres(0.11)} .heading=${-30} local steers .battery=${percent(62)}></t-drive-hud>` },
       { name: "slowed, battery low", show: () => html`<t-drive-hud .speed=${metres(0.04)} .limit=${metres(0.05)} .heading=${181} steers .battery=${percent(12)} note="Speed capped to 25\u202f%: the link is slow."></t-drive-hud>` },
       { name: "nothing is known now", show: () => html`<t-drive-hud .speed=${metres(Number.NaN)} steers .battery=${percent(Number.NaN)}></t-drive-hud>` },
+    ],
+  },
+  {
+    tag: "t-aim-pad",
+    states: [
+      { name: "pan, tilt and zoom", show: () => html`<t-aim-pad .axes=${["pan", "tilt", "zoom"]}></t-aim-pad>` },
+      { name: "zoom alone", show: () => html`<t-aim-pad .axes=${["zoom"]}></t-aim-pad>` },
+      { name: "nobody has control", show: () => html`<t-aim-pad .axes=${["pan", "tilt"]} disabled></t-aim-pad>` },
     ],
   },
   {

@@ -30,7 +30,7 @@ export interface ArmParts {
 export function armParts(device: DeviceShape): ArmParts | null {
   const jogged = device.drive?.joints ?? [];
   // What moves as a whole is a vehicle, whatever it carries.
-  if ((device.drive !== null && jogged.length === 0) || (device.kind !== "other" && device.kind !== "vehicle")) return null;
+  if ((device.drive !== null && (jogged.length === 0 || device.drive.ptz)) || (device.kind !== "other" && device.kind !== "vehicle")) return null;
   const joints = device.signals.filter(isJoint);
   if (jogged.length === 0 && joints.length < FEWEST_JOINTS) return null;
   return {

@@ -472,3 +472,22 @@ test("Q and E are to the sides, the right stick is so, and a pad is where it is 
   expect(asideStick({ forward: 0.5, turn: 1 })).toEqual({ forward: 0.5, turn: 0, side: 1 });
   expect(combinedStick([PUSH.sideLeft, PUSH.sideRight])).toEqual({ forward: 0, turn: 0 });
 });
+
+test("a camera is turned by keys as by its own buttons, aslant as fast as straight", () => {
+  const camera = granted({ maxSpeed: 0, maxReverse: 0, maxTurn: 0, jointSpeeds: [1, 1, 0.5], aims: ["pan", "tilt", "zoom"] });
+  camera.setLevel(1);
+  camera.pressHold("key:ArrowUp", PUSH.forward, 0);
+  camera.pressHold("key:ArrowRight", PUSH.right, 0);
+  expect(camera.requestedVelocity.joints).toEqual([1, 1, 0]);
+  camera.pressHold("key:KeyE", PUSH.sideRight, 0);
+  camera.pressHold("aim:up", jointPush(1, 3, 1), 0);
+  // What two hold at once is no faster than what one holds.
+  expect(camera.requestedVelocity.joints).toEqual([1, 1, 0.5]);
+  camera.haltMotion("released", 0);
+  expect(camera.requestedVelocity.joints).toEqual([0, 0, 0]);
+});
+
+test("a camera obeys the keys of the axes that it has", () => {
+  const zooms = granted({ maxSpeed: 0, maxReverse: 0, maxTurn: 0, jointSpeeds: [1], aims: ["zoom"] });
+  expect([PUSH.forward, PUSH.left, PUSH.sideLeft].map((push) => zooms.obeys(push))).toEqual([false, false, true]);
+});

@@ -38,7 +38,7 @@ describe("an arm is known by what it has", () => {
   test("one joint makes no arm, and what drives or is an instrument is none", () => {
     expect(armParts({ ...ARM, signals: [joint("valve")] })).toBeNull();
     expect(armParts({ ...ARM, kind: "telescope" })).toBeNull();
-    const drive = { max_sideways: 0, max_steering: 0, joints: [], max_speed: 1, max_reverse: 1, max_turn: 1, rate: 20, ttl: 0.25, lease: 3, picture: "", position: "", stop: true, shown_speed: null, shown_turn: null };
+    const drive = { max_sideways: 0, max_steering: 0, joints: [], ptz: false, max_speed: 1, max_reverse: 1, max_turn: 1, rate: 20, ttl: 0.25, lease: 3, picture: "", position: "", stop: true, shown_speed: null, shown_turn: null };
     expect(armParts({ ...ARM, drive })).toBeNull();
     const elbow = { id: "elbow", name: "Elbow", max_speed: 0.2, minimum: null, maximum: null, position: "", slides: false };
     expect(armParts({ ...ARM, drive: { ...drive, max_speed: 0, joints: [elbow] } })?.device.id).toBe(ARM.id);

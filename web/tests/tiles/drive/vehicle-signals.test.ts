@@ -16,6 +16,7 @@ const BASE: DeviceShape = {
   signals: [signal("base/wheel", { unit: "m/s" }), signal("base/speed", { unit: "m/s", role: "vehicle.speed" })],
   drive: { max_speed: 1, max_sideways: 0,
     max_steering: 0,
+    ptz: false,
     joints: [],
     max_reverse: 1, max_turn: 1, rate: 20, ttl: 0.25, lease: 3, picture: "", position: "gps/pose", stop: true, shown_speed: null, shown_turn: null },
 };

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = [
     "MAX_ANSWER",
     "FetchFailed",
+    "HttpPost",
     "HttpQuestion",
     "HttpServer",
     "ServerNotReached",
@@ -32,7 +33,8 @@ __all__ = [
 # Of an answer, in bytes: a device's whole state is some ten thousand.
 MAX_ANSWER = 1024 * 1024
 _PIECE = 64 * 1024
-# Of what a server says beside a status, in bytes.
+# Of what a server says beside a status, in bytes: all that is read, and what is told of it.
+_MOST_REFUSED = 64 * 1024
 _MOST_WORDS = 2000
 
 
@@ -50,13 +52,16 @@ class StatusRefused(FetchFailed):
     Attributes:
         status: of HTTP.
         words: the first of what it says, as text; its own, of any letters.
+        body: the first of it, as it came.
+        challenges: how it wants to be signed in at (``WWW-Authenticate``).
 
     """
 
-    def __init__(self, status: int, words: str) -> None:
-        """Keep both apart: not every reader may show its words."""
+    def __init__(self, status: int, body: bytes, challenges: tuple[str, ...] = ()) -> None:
+        """Keep them apart: not every reader may show its words."""
         super().__init__(f"it answers with the status {status}")
-        self.status, self.words = status, words
+        self.status, self.body, self.challenges = status, body, challenges
+        self.words = body[:_MOST_WORDS].decode(errors="replace")
 
 
 class HttpServer(NamedTuple):
@@ -78,11 +83,24 @@ class HttpServer(NamedTuple):
     here: bool
 
 
+class HttpPost(NamedTuple):
+    """What is sent with a POST."""
+
+    content_type: str
+    body: bytes
+
+
 class HttpQuestion:
-    """One GET or PUT; `fetch_answer` on a thread of its own, `cut_off` from any other."""
+    """One GET, PUT or POST; `fetch_answer` on a thread of its own, `cut_off` from any other."""
 
     def __init__(
-        self, server: HttpServer, get: str, *, form: bytes | None = None, longest: int = MAX_ANSWER
+        self,
+        server: HttpServer,
+        get: str,
+        *,
+        form: bytes | None = None,
+        post: HttpPost | None = None,
+        longest: int = MAX_ANSWER,
     ) -> None:
         """Ask for ``get`` below the server's root.
 
@@ -90,11 +108,12 @@ class HttpQuestion:
             server: who is asked.
             get: the path, with its query.
             form: put there, as a form's fields; none only asks. It is sent once and never again.
+            post: sent there by POST, once and never again; none only asks.
             longest: of the answer (bytes).
 
         """
         self._server, self._get = server, get
-        self._form, self._longest = form, longest
+        self._form, self._post, self._longest = form, post, longest
         self._line: socket.socket | None = None  # While it is under way.
         self._is_cut = False  # Its time is over: what came so far is no answer.
 
@@ -125,9 +144,12 @@ class HttpQuestion:
             path, method = parts.path.rstrip("/") + self._get, "GET"
             if self._form is not None:
                 method, headers["Content-Type"] = "PUT", "application/x-www-form-urlencoded"
-            connection.request(method, path, self._form, headers)
+            body = self._form
+            if self._post is not None:
+                method, headers["Content-Type"], body = "POST", *self._post
+            connection.request(method, path, body, headers)
             with connection.getresponse() as answer:
-                body = _read_answer(answer, self._longest)
+                read = _read_answer(answer, self._longest)
         except (OSError, http.client.HTTPException) as error:
             if self._is_cut:
                 raise FetchFailed(_late_words(self._server.timeout)) from error
@@ -144,7 +166,7 @@ class HttpQuestion:
         # Cut off, a body without a stated length looks whole.
         if self._is_cut:
             raise FetchFailed(_late_words(self._server.timeout))
-        return body
+        return read
 
 
 def _late_words(timeout: float) -> str:
@@ -177,7 +199,8 @@ def _read_answer(answer: http.client.HTTPResponse, longest: int) -> bytes:
     if 300 <= answer.status < 400:
         raise FetchFailed(f"it sends us elsewhere ({answer.status}), which is not followed")
     if answer.status != 200:
-        raise StatusRefused(answer.status, answer.read(_MOST_WORDS).decode(errors="replace"))
+        challenges = tuple(answer.headers.get_all("WWW-Authenticate") or ())
+        raise StatusRefused(answer.status, answer.read(_MOST_REFUSED), challenges)
     body = bytearray()
     while piece := answer.read(_PIECE):
         body += piece

@@ -142,4 +142,6 @@ def velocity_message(drive: Drive, message: Any, demand: VelocityDemand, key: st
             message.joint_names, message.velocities = list(drive.joints), list(speeds)
         case DriveMessage.JOINT_VELOCITIES:
             message.data = list(speeds)
+        case DriveMessage.PTZ:
+            pass  # No message of ROS: `check` refuses it there.
     return message

@@ -304,6 +304,7 @@ class DriveShape(Schema):
     max_turn: float  # rad/s; 0: it does not turn by itself
     max_steering: float  # rad; above 0: it steers by the angle of its wheels
     joints: list[DrivenJointShape]
+    ptz: bool  # they are pan (to the right), tilt (up) and zoom (in) of a camera
     rate: float  # Hz
     ttl: float
     lease: float

@@ -44,12 +44,20 @@ from talaia.hub.auth.permissions import (
     sees_stream,
     sees_unblurred,
 )
+from talaia.model.connections.onvif import ONVIF_TRAVELS
 from talaia.model.derived_signals import detect_of
 from talaia.model.detection import DetectionSource
 from talaia.model.discovery.role_proposal import meanings_of, place_arguments, roles_of
 from talaia.model.interlocks.unguarded import unguarded_devices
 from talaia.model.roles import CommandRole, SignalRole
-from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
+from talaia.model.site import (
+    CommandKind,
+    DriveMessage,
+    LinkLoss,
+    SignalType,
+    Visibility,
+    parts_of,
+)
 from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
@@ -251,7 +259,10 @@ def _device_schema(
                 state_need(site, device_id, command, grants),
             )
             for command_id, command in device.commands.items()
-            if uses and f"{device_id}/{command_id}" not in heartbeats
+            if uses
+            and f"{device_id}/{command_id}" not in heartbeats
+            # What somebody may not ask for has no button.
+            and grants.has_right(Right(command.right), site.site, device_id)
         ],
         drive=_drive_schema(device.drive, shown.by_unit) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
@@ -381,7 +392,8 @@ def _command_schema(
         description=command.description,
         confirm=command.confirm,
         timeout=command.timeout,
-        cancellable=command.kind is CommandKind.ACTION,
+        cancellable=command.kind is CommandKind.ACTION
+        or (command.kind is CommandKind.ONVIF and command.target in ONVIF_TRAVELS),
         arguments=[
             ArgumentShape(
                 id=argument_id,
@@ -420,6 +432,7 @@ def _drive_schema(drive: Drive, shown: Mapping[str, Conversion]) -> DriveShape:
             )
             for word, joint in drive.joints.items()
         ],
+        ptz=drive.message is DriveMessage.PTZ,
         rate=drive.rate,
         ttl=drive.ttl,
         lease=drive.lease,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.model.connection import RosSource
 from talaia.model.discovery.rules.field_names import JOINTS
 from talaia.model.discovery.topic_words import last_part
-from talaia.model.site import Stop
+from talaia.model.site import DriveMessage, Stop
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -100,7 +100,8 @@ def choices_of(found: Found, devices: Mapping[str, Device]) -> tuple[StopChoice,
             or tuple(one for other in devices.items() for one in _speeds_of(*other)),
         )
         for name, device in devices.items()
-        if device.drive is not None
+        # A camera says itself whether it moves, and was asked.
+        if device.drive is not None and device.drive.message is not DriveMessage.PTZ
     )
 
 

@@ -1,0 +1,1 @@
+"""Network cameras by ONVIF: found, signed in at, and moved."""
