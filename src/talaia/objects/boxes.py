@@ -21,6 +21,7 @@ __all__ = [
     "boxes_from_centres",
     "boxes_from_distances",
     "fit_to_square",
+    "kept_boxes",
     "suppress_overlaps",
 ]
 
@@ -196,16 +197,24 @@ def suppress_overlaps(
         Class, score and corners of each.
 
     """
+    kept = kept_boxes(boxes, scores, least, same=same, most=most)
+    return [(label, score, boxes[row]) for row, label, score in kept]
+
+
+def kept_boxes(
+    boxes: Floats, scores: Floats, least: float, *, same: float = SAME, most: int = MOST
+) -> list[tuple[int, int, float]]:
+    """Give the same by the row, class and score of each, where more is told of a box."""
     # A broken file may give NaN; `argmax` would prefer it to everything.
     label = np.nan_to_num(scores, nan=0.0).argmax(axis=1)
     sure = np.nan_to_num(scores, nan=0.0)[np.arange(len(label)), label]
     fine = (sure >= least) & np.isfinite(boxes).all(axis=1)
-    found: list[tuple[int, float, Floats]] = []
+    found: list[tuple[int, int, float]] = []
     # Before the costly part: what cannot be among the surest is of no use.
     order = np.flatnonzero(fine)[np.argsort(-sure[fine], kind="stable")][: most * 10]
     while order.size and len(found) < most:
         best, order = order[0], order[1:]
-        found.append((int(label[best]), float(sure[best]), boxes[best]))
+        found.append((int(best), int(label[best]), float(sure[best])))
         # Only within a class: a person on a bicycle is both.
         alike = (label[order] == label[best]) & (_overlap_with(boxes[best], boxes[order]) > same)
         order = order[~alike]
