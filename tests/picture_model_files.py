@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _TOOL = Path(__file__).resolve().parents[1] / "tools/onnx_file.py"
 
 
-def _load_tool() -> Any:  # noqa: ANN401 - it is no package
+def _load_tool() -> Any:
     """Load the project's own writer of ONNX."""
     spec = importlib.util.spec_from_file_location("onnx_file", _TOOL)
     assert spec is not None

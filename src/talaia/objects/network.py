@@ -57,8 +57,8 @@ def open_network(
     def run(shown: NDArray[np.float32]) -> Sequence[NDArray[np.float32]]:
         if not _fits(wants, shown.shape):
             raise DetectorError(
-                f"{file} wants {_shape_text(wants)}, and is shown {_shape_text(shown.shape)}: "
-                "correct its side, or export it for such pictures"
+                f"{file} cannot be run: it wants {_shape_text(wants)}, and is shown "
+                f"{_shape_text(shown.shape)}; correct its side, or export it for such pictures"
             )
         try:
             found: Sequence[NDArray[np.float32]] = session.run(None, {name: shown})

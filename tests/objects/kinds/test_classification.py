@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from picture_model_files import colour_classifier, constant_file
 
 from talaia.model.detection import DetectionSource, Measured, ModelKind, ObjectModel

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from talaia.objects.floor_lines import is_inside
 from talaia.objects.kinds.picture_grid import area_cells, grid_shape, pack_grid, unpack_grid
@@ -44,5 +43,5 @@ def test_grid_comes_out_of_another_process_as_it_went_in() -> None:
 @pytest.mark.parametrize("answer", [{"rows": 0}, {"rows": 1000}, {"rows": 4}, {"data": "AAAA"}])
 def test_grid_of_another_size_than_it_says_is_none(answer: dict[str, object]) -> None:
     told = {**pack_grid(np.zeros((3, 4), np.uint8)), **answer}
-    with pytest.raises(ValueError, match="grid of|cannot reshape"):
+    with pytest.raises(ValueError, match=r"grid of|cannot reshape"):
         unpack_grid(told, np.uint8)

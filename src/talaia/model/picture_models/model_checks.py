@@ -124,7 +124,7 @@ def model_signal_fits(
     yield from _seen_fits(where, source, model)
     yield from _area_fits(where, source, use, model)
     yield from _type_fits(where.removesuffix(".source"), signal, source, model)
-    if 0.0 < signal.max_age < 1 / max(use.max_rate, 1e-9):
+    if signal.max_age > 0.0 and 0.0 < signal.max_age * use.max_rate < 1.0:
         problem = f"it is looked every {1 / use.max_rate:g} s, and old after {signal.max_age:g} s"
         yield Finding(where, problem, f"write: max_age: {3 / use.max_rate:g}")
 
