@@ -2237,6 +2237,12 @@ export interface WriteOnly {
   readonly keys?: Readonly<Record<string, string>> | null;
 }
 
+/** Two points of a thing that are drawn joined, by their numbers. */
+export interface BoneShape {
+  readonly start: number;
+  readonly end: number;
+}
+
 /** That it crossed a line on the picture. */
 export interface CrossingShape {
   readonly line: string;
@@ -2290,7 +2296,7 @@ export interface PictureModelShape {
   readonly kind: ModelKind;
   readonly classes: readonly string[];
   readonly points: readonly string[];
-  readonly bones: readonly readonly number[][];
+  readonly bones: readonly BoneShape[];
   readonly confidence: number;
   readonly max_rate: number;
   readonly zones: readonly PictureMarkShape[];

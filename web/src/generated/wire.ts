@@ -50,6 +50,36 @@ export interface DetectedObject {
   readonly bottom: number;
 }
 
+/** A thing with its points; places are parts of the picture, from the upper left. */
+export interface DetectedPose {
+  readonly t: "pose";
+  readonly score: number;
+  readonly left: number;
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+  readonly points: readonly (readonly [number, number, number])[];
+}
+
+/** How likely a class is of the whole picture. */
+export interface ClassLikelihood {
+  readonly t: "likelihood";
+  readonly label: string;
+  readonly share: number;
+}
+
+/** What is drawn: a map, things with points, or words; by the model's kind. */
+export interface OverlayLayer {
+  readonly t: "layer";
+  readonly rows: number;
+  readonly columns: number;
+  readonly runs: Uint8Array;
+  readonly near: number | null;
+  readonly far: number | null;
+  readonly poses: readonly (DetectedPose)[];
+  readonly likely: readonly (ClassLikelihood)[];
+}
+
 /** Send me these channels of a site, at most every so many ms. */
 export interface Subscribe {
   readonly t: "subscribe";

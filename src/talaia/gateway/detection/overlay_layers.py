@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import structs
 
 from talaia.model.detection import DepthScale
 from talaia.objects.kinds.classification import Likelihoods
@@ -19,12 +20,14 @@ if TYPE_CHECKING:
     from talaia.model.detection import ObjectModel
     from talaia.model.picture_models.picture_model import PictureModel
     from talaia.objects.kinds.catalog import Scene
+    from talaia.objects.kinds.keypoints import Pose
 
 __all__ = ["layer_of", "runs_of"]
 
 # Steps of nearness, and how many likely classes are named.
 _STEPS, _MOST_LIKELY = 16, 3
 _LONGEST_RUN = 255
+_NOTHING = OverlayLayer(rows=0, columns=0, runs=b"", near=None, far=None, poses=[], likely=[])
 
 
 def layer_of(scene: Scene, model: ObjectModel, use: PictureModel) -> OverlayLayer:
@@ -39,29 +42,28 @@ def layer_of(scene: Scene, model: ObjectModel, use: PictureModel) -> OverlayLaye
             ends = depth_ends(scene, model.scale) if model.scale is DepthScale.METRES else None
             return _map_layer(steps, ends)
         case Poses(things):
-            return OverlayLayer(
-                poses=[
-                    DetectedPose(
-                        score=pose.score,
-                        left=pose.box[0],
-                        top=pose.box[1],
-                        right=pose.box[2],
-                        bottom=pose.box[3],
-                        points=list(pose.points),
-                    )
-                    for pose in things
-                    if pose.score >= use.confidence
-                ]
-            )
+            sure = [pose for pose in things if pose.score >= use.confidence]
+            return structs.replace(_NOTHING, poses=[_pose_message(pose) for pose in sure])
         case Likelihoods(shares):
             order = sorted(range(len(shares)), key=shares.__getitem__, reverse=True)
             named = [number for number in order[:_MOST_LIKELY] if number < len(model.classes)]
-            return OverlayLayer(
-                likely=[
-                    ClassLikelihood(label=model.classes[number], share=shares[number])
-                    for number in named
-                ]
-            )
+            likely = [
+                ClassLikelihood(label=model.classes[number], share=shares[number])
+                for number in named
+            ]
+            return structs.replace(_NOTHING, likely=likely)
+
+
+def _pose_message(pose: Pose) -> DetectedPose:
+    left, top, right, bottom = pose.box
+    return DetectedPose(
+        score=pose.score,
+        left=left,
+        top=top,
+        right=right,
+        bottom=bottom,
+        points=list(pose.points),
+    )
 
 
 def _map_layer(cells: NDArray[np.uint8], ends: tuple[float, float] | None = None) -> OverlayLayer:
@@ -72,7 +74,7 @@ def _map_layer(cells: NDArray[np.uint8], ends: tuple[float, float] | None = None
         cells = cells[::2, ::2]
         runs = runs_of(cells)
     rows, columns = cells.shape
-    return OverlayLayer(rows=rows, columns=columns, runs=runs, near=near, far=far)
+    return structs.replace(_NOTHING, rows=rows, columns=columns, runs=runs, near=near, far=far)
 
 
 def runs_of(cells: NDArray[np.uint8]) -> bytes:

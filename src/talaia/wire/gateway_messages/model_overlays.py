@@ -59,13 +59,15 @@ class OverlayLayer(Message, frozen=True, kw_only=True, tag="layer"):
 
     """
 
-    rows: Cells = 0
-    columns: Cells = 0
-    runs: Annotated[bytes, Meta(max_length=MAX_OVERLAY_RUNS)] = b""
-    near: float | None = None
-    far: float | None = None
-    poses: Annotated[list[DetectedPose], Meta(max_length=50)] = []
-    likely: Annotated[list[ClassLikelihood], Meta(max_length=5)] = []
+    # None has a default: pages fill in those of whole messages only.
+
+    rows: Cells
+    columns: Cells
+    runs: Annotated[bytes, Meta(max_length=MAX_OVERLAY_RUNS)]
+    near: float | None
+    far: float | None
+    poses: Annotated[list[DetectedPose], Meta(max_length=50)]
+    likely: Annotated[list[ClassLikelihood], Meta(max_length=5)]
 
 
 class ModelOverlay(Message, frozen=True, kw_only=True, tag="overlay"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.schemas.sighting_schemas import (
+    BoneShape,
     MarkCountShape,
     PictureMarkShape,
     PictureModelShape,
@@ -58,7 +59,10 @@ def _model_shape(site: Site, looking: ModelCamera, grants: Grants) -> PictureMod
         kind=model.kind,
         classes=list(model.classes),
         points=list(points),
-        bones=[[points.index(one), points.index(other)] for one, other in bones_of(model)]
+        bones=[
+            BoneShape(start=points.index(start), end=points.index(end))
+            for start, end in bones_of(model)
+        ]
         if told
         else [],
         confidence=looking.use.confidence,

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from talaia.model.detection import Measured, ModelKind  # noqa: TC001 - pydantic reads them
 
 __all__ = [
+    "BoneShape",
     "CrossingShape",
     "LabelShape",
     "LaneShape",
@@ -69,6 +70,13 @@ class LaneShape(BaseModel):
     max_age: float = Field(description="older than this they are stale (s)")
 
 
+class BoneShape(BaseModel):
+    """Two points of a thing that are drawn joined, by their numbers."""
+
+    start: int
+    end: int
+
+
 class PictureModelShape(BaseModel):
     """A model of one's own that looks at a camera's pictures and tells no boxes."""
 
@@ -76,7 +84,7 @@ class PictureModelShape(BaseModel):
     kind: ModelKind
     classes: list[str]
     points: list[str] = Field(description="of keypoints, in the order in which they are told")
-    bones: list[list[int]] = Field(description="of keypoints: which points are joined, by number")
+    bones: list[BoneShape] = Field(description="of keypoints: which points are drawn joined")
     confidence: float = Field(description="what is less sure is not drawn, 0 to 1")
     max_rate: float = Field(description="pictures a second that are looked at, at the most (Hz)")
     zones: list[PictureMarkShape]
