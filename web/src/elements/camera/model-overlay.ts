@@ -88,7 +88,10 @@ export class ModelOverlayView extends LitElement {
 
   override render(): TemplateResult | typeof nothing {
     if (this.view.size.width === 0) return nothing;
-    return html`<div aria-hidden="true">${map(this.overlays, (overlay) => this.renderOverlay(overlay))}</div>`;
+    // Names lie over all areas.
+    return html`<div aria-hidden="true">
+      ${map(this.overlays, (overlay) => this.renderMap(overlay))} ${map(this.overlays, (overlay) => this.renderMarks(overlay))}
+    </div>`;
   }
 
   override updated(changed: PropertyValues<this>): void {
@@ -100,15 +103,17 @@ export class ModelOverlayView extends LitElement {
     }
   }
 
-  private renderOverlay({ model, layer, earlier }: PictureOverlay): unknown {
-    const faded = earlier ? "earlier" : "";
-    if (model.kind === "keypoints") return this.renderPoses(model, layer.poses, faded);
+  private renderMap({ model, layer, earlier }: PictureOverlay): unknown {
     if (layer.rows === 0) return nothing;
     const { x, y, width, height } = placeOf(ALL, this.view.size, this.picture, this.zoom);
     const where = { left: `${x.toFixed(1)}px`, top: `${y.toFixed(1)}px`, width: `${width.toFixed(1)}px`, height: `${height.toFixed(1)}px` };
-    const names = model.kind === "segmentation" && !earlier ? namedClasses(model, layer) : [];
-    return html`<canvas class="${model.kind} ${faded}" data-model=${model.id} width=${layer.columns} height=${layer.rows} ${styled(where)}></canvas>
-      ${map(names, (covered) => this.renderName(covered.name, covered.x, covered.y))}`;
+    return html`<canvas class="${model.kind} ${earlier ? "earlier" : ""}" data-model=${model.id} width=${layer.columns} height=${layer.rows} ${styled(where)}></canvas>`;
+  }
+
+  private renderMarks({ model, layer, earlier }: PictureOverlay): unknown {
+    if (model.kind === "keypoints") return this.renderPoses(model, layer.poses, earlier ? "earlier" : "");
+    if (model.kind !== "segmentation" || earlier) return nothing;
+    return map(namedClasses(model, layer), ({ name, x, y }) => this.renderName(name, x, y));
   }
 
   private renderName(name: string, x: number, y: number): TemplateResult {

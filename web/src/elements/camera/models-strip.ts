@@ -42,7 +42,7 @@ export class ModelsStrip extends LitElement {
         flex-wrap: wrap;
         align-content: start;
         gap: var(--t-space-1) var(--t-space-2);
-        padding: 0 var(--t-space-2) var(--t-space-2);
+        padding: var(--t-space-2);
         pointer-events: none;
       }
       .strip {
