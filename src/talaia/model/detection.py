@@ -1,4 +1,8 @@
-"""What is to be seen on a camera's pictures. Values only: `talaia.objects` sees."""
+"""What is to be seen on a camera's pictures. Values only: `talaia.objects` sees.
+
+Long, because one kind of source has all that a signal may tell of a camera, and its words stand
+beside it.
+"""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from fake_hub import FakeHub, fake_hub
 from gateway_bench import Peer, addresses_of, filled, running
 from picture_model_files import bright_depth, colour_classifier, colour_segmenter, red_pose
 
-from talaia.wire.frames import Event, InterlockState, StreamSubscription
+from talaia.wire.frames import DescriptionUpdate, Event, InterlockState, StreamSubscription
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -62,6 +62,7 @@ interlocks:
     dwell: 0.2
 """)  # noqa: E501 - a row for each signal
 HEIGHT, WIDTH = 48, 64
+NEAR = next(line + "\n" for line in SITE.splitlines() if line.startswith("      near:"))
 
 
 @pytest.fixture
@@ -78,8 +79,8 @@ def site(tmp_path: Path) -> str:
 
 
 @asynccontextmanager
-async def looked_at(tmp_path: Path, text: str) -> AsyncIterator[FakeHub]:
-    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", text):
+async def looked_at(tmp_path: Path, text: str, file: Path | None = None) -> AsyncIterator[FakeHub]:
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", text, file=file):
         await hub.until(lambda: hub.hellos, "a hello")
         yield hub
 
@@ -187,3 +188,27 @@ async def test_file_of_another_kind_is_told_with_what_it_gives(
         # The others go on.
         await hub.until(lambda: hub.values("base/red"), "red ground")
         assert hub.values("base/near") == []
+
+
+async def test_change_of_the_description_leaves_what_is_the_same_known_and_running(
+    peer: Peer, tmp_path: Path, site: str
+) -> None:
+    file = tmp_path / "site.yaml"
+    async with looked_at(tmp_path, site, file) as hub, showing(peer, tmp_path, "red"):
+        await hub.next(InterlockState, lambda state: not state.locked)
+        await hub.until(lambda: len(children()) == 4, "a process for each model")
+        before = {process.pid for process in children()}
+        file.write_text(site.replace("name: People,", "name: Persons,"))
+        await hub.next(DescriptionUpdate)
+        await hub.until(lambda: hub.values("base/people"), "people")
+        assert {process.pid for process in children()} == before
+        assert not any(state.locked for state in hub.of(InterlockState))
+        # Another zone: its share is of other cells from here on.
+        path = "[[0.2, 0.5], [0.8, 0.5], [0.8, 1], [0.2, 1]]"
+        other = site.replace(path, "[[0, 0], [1, 0], [1, 1]]")
+        file.write_text(other.replace("          far: {max_rate: 20}\n", "").replace(NEAR, ""))
+        told = await hub.next(DescriptionUpdate)
+        assert "base/near" not in told.addresses
+        # Nobody needs that model any more; the others go on.
+        await hub.until(lambda: len(children()) == 3, "the end of one")
+        assert {process.pid for process in children()} < before

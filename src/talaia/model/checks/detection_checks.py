@@ -188,7 +188,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         yield finding_of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
         return
     if source.model:
-        yield from model_signal_fits(site, where, stream, signal, source)
+        yield from model_signal_fits(site, where, stream, signal)
         return
     if source.sees == CLOUDS and stream.sky is not None:
         yield from _clouds_fit(site, where, signal, stream.sky)

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING
 from talaia.model.checks.identifiers import Finding, finding_of, name_fits
 from talaia.model.checks.zone_checks import picture_zones_fit
 from talaia.model.closed_lists import SignalType
-from talaia.model.detection import DepthScale, Measured, ModelKind
+from talaia.model.connection import source_as
+from talaia.model.detection import DepthScale, DetectionSource, Measured, ModelKind
 from talaia.model.errors import UnknownWord
 from talaia.model.picture_models.picture_model import MEASURES, measured_unit, points_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.model.detection import DetectionSource, ObjectModel
+    from talaia.model.detection import ObjectModel
     from talaia.model.picture_models.picture_model import PictureModel
     from talaia.model.site import Signal, Site, Stream
 
@@ -99,10 +100,9 @@ def _use_fits(where: str, use: PictureModel) -> Iterator[Finding]:
     yield from picture_zones_fit(where, use.zones)
 
 
-def model_signal_fits(
-    site: Site, where: str, stream: Stream, signal: Signal, source: DetectionSource
-) -> Iterator[Finding]:
+def model_signal_fits(site: Site, where: str, stream: Stream, signal: Signal) -> Iterator[Finding]:
     """List what is wrong with a signal that tells what a model says of a camera's pictures."""
+    source = source_as(signal.source, DetectionSource)
     use, model = stream.models.get(source.model), site.object_models.get(source.model)
     if use is None:
         if stream.models:
