@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 __all__ = [
+    "MOST_PLACE",
     "Box",
     "Letterbox",
     "as_picture_parts",
@@ -27,6 +28,9 @@ __all__ = [
 
 # Boxes of one class that share more of their area than this are one thing.
 SAME = 0.5
+# Places of a broken file may be any numbers (px); so far from the square all are as far, and their
+# products still fit 32 bits.
+MOST_PLACE = 1e6
 # A picture that shows more than this is a picture of a crowd; the surest are told.
 MOST = 100
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from picture_model_files import colour_segmenter, constant_file
 
@@ -174,3 +174,12 @@ def test_any_numbers_are_a_map_of_known_classes_or_an_error_in_words(output, lea
     for measure in (Measured.SHARE, Measured.AHEAD, Measured.LEFT_EDGE, Measured.RIGHT_EDGE):
         value = told(scene, "green", measure)
         assert math.isnan(value) or 0 <= value <= 100
+
+
+@given(arrays(np.float32, (1, 9, 4), elements=st.floats(width=32)), st.floats(0, 1))
+@example(np.full((1, 9, 4), np.finfo(np.float32).max, np.float32), 0.5)
+def test_any_boxes_with_masks_are_a_map_of_known_classes(boxes, least) -> None:
+    masks = np.ones((1, 2, 8, 8), np.float32)
+    reader = SegmentationReader(InputSetting(32), COLOURS, lambda _: [boxes, masks])
+    scene = ClassMap.from_answer(reader.read_picture(PICTURE, least))
+    assert set(np.unique(scene.cells)) <= {0, 1, 2, NO_CLASS}

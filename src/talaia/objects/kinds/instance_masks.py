@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from talaia.objects.boxes import boxes_from_centres, kept_boxes
+from talaia.objects.boxes import MOST_PLACE, boxes_from_centres, kept_boxes
 from talaia.objects.kinds.picture_grid import sample_places
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ def paint_instances(
     rows = told[0].T
     scores = rows[:, 4 : 4 + count]
     fine = np.flatnonzero(~(scores.max(axis=1) < least) & np.isfinite(rows).all(axis=1))
-    boxes, weights = boxes_from_centres(rows[fine, :4]), rows[fine, 4 + count :]
+    boxes = boxes_from_centres(np.clip(rows[fine, :4], -MOST_PLACE, MOST_PLACE))
+    weights = rows[fine, 4 + count :]
     height, width = masks.shape[2], masks.shape[3]
     down, across = sample_places(frame, side, (height, width))
     shown = masks[0][:, down, across]
@@ -59,5 +60,7 @@ def paint_instances(
         left, top, right, bottom = boxes[row]
         within = (x >= left) & (x <= right) & (y >= top) & (y <= bottom)
         # Where a mask holds no number nothing is painted: NaN is not above zero.
-        cells[within & (np.tensordot(weights[row], shown, 1) > 0)] = label
+        with np.errstate(over="ignore", invalid="ignore"):
+            there = np.tensordot(weights[row], shown, 1) > 0
+        cells[within & there] = label
     return cells

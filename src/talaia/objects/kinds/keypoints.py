@@ -14,6 +14,7 @@ import numpy as np
 from talaia.model.detection import Detect
 from talaia.model.picture_models.picture_model import points_of
 from talaia.objects.boxes import (
+    MOST_PLACE,
     as_picture_parts,
     boxes_from_centres,
     fit_to_square,
@@ -100,6 +101,7 @@ class KeypointReader:
         # One row for each box: the file has one column for each.
         rows = outputs[0][0].T
         rows = rows[np.flatnonzero(~(rows[:, 4] < least) & np.isfinite(rows).all(axis=1))]
+        rows = np.clip(rows, -MOST_PLACE, MOST_PLACE)
         boxes = boxes_from_centres(rows[:, :4])
         poses: list[object] = []
         for row, _, score in kept_boxes(boxes, rows[:, 4:5], least, most=MOST_POSES):
