@@ -157,6 +157,8 @@ def ts_type(kind: inspect.Type, enums: dict[str, type[enum.Enum]]) -> str:
             return f"readonly ({ts_type(item, enums)})[]".replace("(string)", "string").replace(
                 "(number)", "number"
             )
+        case inspect.TupleType(item_types=items):
+            return f"readonly [{', '.join(ts_type(item, enums) for item in items)}]"
         case inspect.DictType(key_type=key, value_type=value):
             return f"Readonly<Record<{ts_type(key, enums)}, {ts_type(value, enums)}>>"
         case inspect.UnionType(types=types):
@@ -184,13 +186,14 @@ def struct_of(cls: type) -> inspect.StructType:
 
 
 def inner_of(cls: type) -> list[type[msgspec.Struct]]:
-    """Give the messages of which a message holds a list."""
-    lists = [field.type for field in struct_of(cls).fields]
-    return [
-        each.item_type.cls
-        for each in (one.type if isinstance(one, inspect.Metadata) else one for one in lists)
-        if isinstance(each, inspect.ListType) and isinstance(each.item_type, inspect.StructType)
-    ]
+    """Give the messages that a message holds, in lists or alone, and those that these hold."""
+    found = []
+    for field in struct_of(cls).fields:
+        kind = field.type.type if isinstance(field.type, inspect.Metadata) else field.type
+        kind = kind.item_type if isinstance(kind, inspect.ListType) else kind
+        if isinstance(kind, inspect.StructType):
+            found += [*inner_of(kind.cls), kind.cls]
+    return found
 
 
 def first_sentence(cls: type) -> str:

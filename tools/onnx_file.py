@@ -57,10 +57,12 @@ def attribute(name: str, value: Attribute) -> bytes:
     return block(1, name) + b"".join(whole(8, each) for each in value) + whole(20, 7)
 
 
-def value_info(name: str, shape: Sequence[int]) -> bytes:
-    """Give a ValueInfoProto of 32-bit floats."""
-    sides = b"".join(block(1, whole(1, each)) for each in shape)
-    return block(1, name) + block(2, block(1, whole(1, FLOAT) + block(2, sides)))
+def value_info(name: str, shape: Sequence[int | str], kind: int = FLOAT) -> bytes:
+    """Give a ValueInfoProto, of 32-bit floats usually; a side that is a word may be of any size."""
+    sides = b"".join(
+        block(1, whole(1, each) if isinstance(each, int) else block(2, each)) for each in shape
+    )
+    return block(1, name) + block(2, block(1, whole(1, kind) + block(2, sides)))
 
 
 def tensor(name: str, values: NDArray[Any]) -> bytes:
@@ -99,13 +101,13 @@ class Graph:
         self._constants[name] = tensor(name, values)
         return name
 
-    def input(self, name: str, shape: Sequence[int]) -> None:
+    def input(self, name: str, shape: Sequence[int | str]) -> None:
         """Name what goes in."""
         self._sides.append(block(11, value_info(name, shape)))
 
-    def output(self, name: str, shape: Sequence[int]) -> None:
-        """Name what comes out."""
-        self._sides.append(block(12, value_info(name, shape)))
+    def output(self, name: str, shape: Sequence[int | str], kind: int = FLOAT) -> None:
+        """Name what comes out, of a kind of `TYPES`."""
+        self._sides.append(block(12, value_info(name, shape, kind)))
 
     def file(self) -> bytes:
         """Give the ModelProto."""

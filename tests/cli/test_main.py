@@ -86,6 +86,26 @@ def test_check_tells_whether_this_machine_could_see_objects(
     )
 
 
+def test_check_tells_whether_a_model_of_ones_own_could_run_on_this_machine(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_text(
+        "talaia: 1\nsite: eyes\nname: Eyes\nros2: {}\n"
+        "object_models: {ground: {file: g.onnx, kind: segmentation, classes: [a, b]}}\n"
+        "devices: {c: {name: C, streams: {one: {name: One, models: {ground: {}}, "
+        "source: {topic: /i, type: sensor_msgs/msg/Image}}}}}\n"
+    )
+    assert main(["check", str(path)]) == 0
+    said = capsys.readouterr().out
+    file = tmp_path / "g.onnx"
+    assert f"c/one: model ground (segmentation) cannot run on this machine: {file} is" in said
+    assert "correct object_models.ground.file" in said
+    file.touch()
+    assert main(["check", str(path)]) == 0
+    assert "model ground (segmentation) can run on this machine" in capsys.readouterr().out
+
+
 def test_schema_is_json_schema_and_the_example_uses_only_its_keys(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

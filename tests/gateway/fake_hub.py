@@ -40,6 +40,7 @@ from talaia.wire.frames import (
     Hello,
     LinkHeld,
     LogLine,
+    ModelOverlay,
     PictureFrame,
     RobotGraph,
     RobotLogAck,
@@ -76,6 +77,7 @@ class FakeHub:
         self.away: dict[str, str] = {}
         self.pictures: list[PictureFrame] = []
         self.boxes: list[DetectedBoxes] = []
+        self.overlays: list[ModelOverlay] = []
         self.taps: list[TopicList | TapSchema | TapMessage | TapError | RobotGraph] = []
         self.media_bytes = 0
         self.media: list[ServerConnection] = []
@@ -226,6 +228,8 @@ class FakeHub:
                 self.pictures.append(message)
             elif isinstance(message, DetectedBoxes):
                 self.boxes.append(message)
+            elif isinstance(message, ModelOverlay):
+                self.overlays.append(message)
             elif isinstance(message, TopicList | TapSchema | TapMessage | TapError | RobotGraph):
                 self.taps.append(message)
             self._changed.set()

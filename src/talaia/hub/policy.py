@@ -111,6 +111,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     # The stream was looked at when its socket was opened.
     browser.CameraPicture: AccessNeed.SESSION,
     browser.CameraPictureBoxes: AccessNeed.SESSION,
+    browser.CameraPictureOverlay: AccessNeed.SESSION,
     # So was the topic, and it is again with each change of rights or of the description.
     browser.TopicUpdate: AccessNeed.SESSION,
     browser.TopicMessage: AccessNeed.SESSION,
@@ -152,6 +153,7 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.PictureFrame,
         frames.StreamError,
         frames.DetectedBoxes,
+        frames.ModelOverlay,
         # Who of the takers gets what of these is looked up topic by topic (`may_tap`).
         frames.TopicList,
         frames.TapSchema,

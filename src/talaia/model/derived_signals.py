@@ -73,7 +73,7 @@ def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
     counts = {}
     for device_id, device in site.devices.items():
         for signal_id, signal in device.signals.items():
-            if not isinstance(signal.source, DetectionSource):
+            if not isinstance(signal.source, DetectionSource) or signal.source.model:
                 continue
             camera = f"{device_id}/{signal.source.stream}"
             stream = device.streams.get(signal.source.stream)
@@ -91,7 +91,7 @@ def sky_cameras(site: Site) -> dict[str, tuple[str, SkyLens]]:
     for device_id, device in site.devices.items():
         for signal_id, signal in device.signals.items():
             source = signal.source
-            if not isinstance(source, DetectionSource) or source.sees != CLOUDS:
+            if not isinstance(source, DetectionSource) or source.sees != CLOUDS or source.model:
                 continue
             stream = device.streams.get(source.stream)
             if stream is not None and stream.sky is not None:
@@ -113,7 +113,7 @@ def lane_signals(site: Site) -> dict[str, LaneSignal]:
     for device_id, device in site.devices.items():
         for signal_id, signal in device.signals.items():
             source = signal.source
-            if not isinstance(source, DetectionSource) or source.sees not in LANE:
+            if not isinstance(source, DetectionSource) or source.sees not in LANE or source.model:
                 continue
             stream = device.streams.get(source.stream)
             if stream is not None and stream.lane is not None:
@@ -144,12 +144,14 @@ def detection_setup_of(site: Site, device: str, stream: str) -> DetectionSetup |
 
 
 def camera_meaning(site: Site, device: str, stream: str) -> tuple[object, ...]:
-    """Give all that decides what a camera tells, of things, of the sky and of the lane."""
+    """Give all that decides what a camera tells: of things, sky and lane, and by models."""
     described = site.devices[device].streams.get(stream)
-    lens = None if described is None else described.sky
-    lane = None if described is None else described.lane
-    at = None if described is None or (lens is None and lane is None) else described.source
-    return detection_setup_of(site, device, stream), lens, lane, at
+    if described is None:
+        return None, None, None, {}, None
+    lens, lane = described.sky, described.lane
+    models = {name: (use, site.object_models.get(name)) for name, use in described.models.items()}
+    at = described.source if lens is not None or lane is not None or models else None
+    return detection_setup_of(site, device, stream), lens, lane, models, at
 
 
 def with_counts(site: Site) -> Site:

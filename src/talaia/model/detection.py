@@ -1,4 +1,8 @@
-"""What is to be seen on a camera's pictures. Values only: `talaia.objects` sees."""
+"""What is to be seen on a camera's pictures. Values only: `talaia.objects` sees.
+
+Long, because one kind of source has all that a signal may tell of a camera, and its words stand
+beside it.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,7 @@ __all__ = [
     "LANE_WIDTH",
     "Blur",
     "Clip",
+    "DepthScale",
     "Detect",
     "DetectAt",
     "DetectionSource",
@@ -46,14 +51,35 @@ class DetectAt(StrEnum):
 
 
 class ModelKind(StrEnum):
-    """How a detector's file tells its boxes; see `talaia.objects.detector.OutputFormat`."""
+    """What a model's file tells of a picture, and how.
+
+    The first two tell boxes, see `talaia.objects.detector.OutputFormat`; of each of the others
+    there is a module in `talaia.objects.kinds`.
+    """
 
     NANODET = "nanodet"
     YOLO = "yolo"
+    SEGMENTATION = "segmentation"
+    CLASSIFICATION = "classification"
+    KEYPOINTS = "keypoints"
+    DEPTH = "depth"
+
+    @property
+    def tells_boxes(self) -> bool:
+        """Whether it is a detector: `Detect` and `Blur` take it."""
+        return self in (ModelKind.NANODET, ModelKind.YOLO)
+
+
+class DepthScale(StrEnum):
+    """What the numbers of a depth model are."""
+
+    # Larger is nearer, in no unit, as of MiDaS and Depth Anything.
+    NEARNESS = "nearness"
+    METRES = "metres"
 
 
 class Measured(StrEnum):
-    """What a signal tells of the things of a class on a camera."""
+    """What a signal tells of the things of a class on a camera, or of what a model says of it."""
 
     # How many are there.
     COUNT = "count"
@@ -65,6 +91,17 @@ class Measured(StrEnum):
     RIGHT = "right"
     # Of the fastest (m/s), on a camera that knows its floor.
     SPEED = "speed"
+    # Of a segmentation (all in %). How much of the area a class covers; how far up from the area's
+    # lower edge it reaches without a break; where it begins and ends, of the picture's width.
+    SHARE = "share"
+    AHEAD = "ahead"
+    LEFT_EDGE = "left_edge"
+    RIGHT_EDGE = "right_edge"
+    # Of a classification: how likely a class is (%), and which is the likeliest.
+    PROBABILITY = "probability"
+    SUREST = "surest"
+    # Of depth: how near the nearest in the area is, in metres or in % of the picture's own range.
+    NEAREST = "nearest"
 
 
 class PictureZone(Shape, frozen=True, kw_only=True):
@@ -186,11 +223,18 @@ class Blur(Shape, frozen=True, kw_only=True):
 
 
 class ObjectModel(Shape, frozen=True, kw_only=True):
-    """A detector of one's own, as an ONNX file.
+    """A model of one's own that looks at pictures, as an ONNX file.
 
     Attributes:
         file: where it is, absolute or beside the description, on the machine that looks.
-        classes: their names, in the order in which the file numbers them.
+        kind: what it tells of a picture, and how.
+        classes: their names, in the order in which the file numbers them; ``depth`` has none, and
+            ``keypoints`` the one whose points it tells.
+        points: of ``keypoints``: their names, in the file's order; without them COCO's 17 of a
+            person.
+        bones: of ``keypoints``: which points are drawn joined, two names each; without ``points``
+            COCO's.
+        scale: of ``depth``: what its numbers are.
         side: of the square that it is shown (px).
         mean: taken from each colour, 0 to 255, in the order in which they are given.
         spread: each colour is divided by it then.
@@ -200,7 +244,10 @@ class ObjectModel(Shape, frozen=True, kw_only=True):
 
     file: str
     kind: ModelKind
-    classes: tuple[str, ...]
+    classes: tuple[str, ...] = ()
+    points: tuple[str, ...] = ()
+    bones: tuple[tuple[str, str], ...] = ()
+    scale: DepthScale = DepthScale.NEARNESS
     side: int = 640
     mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spread: tuple[float, float, float] = (255.0, 255.0, 255.0)
@@ -267,9 +314,12 @@ class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
             a camera that looks at all of the sky (`SkyLens`): how much of it is covered (%).
             ``lane_offset`` (m to the left of its middle), ``lane_heading`` (rad, counter-clockwise)
             and ``lane_width`` (m) of one that looks at the lane before the vehicle (`LaneView`).
+        model: this one of the camera's `Stream.models` tells it; ``sees`` is one of its classes or
+            points then, and empty for ``surest`` and ``nearest``.
         within: only those whose feet (the middle of the box's lower edge) are in this part of the
             picture: left, top, right, bottom, each 0 to 1; the drive path, say.
-        zone: only those whose feet are in this one of the camera's `Detect.zones`.
+        zone: only those whose feet are in this one of the camera's `Detect.zones`, or of the zones
+            that ``model`` has there.
         line: this one of the camera's `Detect.lines`; goes with ``measure: left`` or ``right``.
         measure: what is told of them.
         over: of crossings, those of the last so many seconds; 0 counts on from when the camera was
@@ -279,6 +329,7 @@ class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
 
     stream: str = ""
     sees: str = ""
+    model: str = ""
     within: tuple[float, float, float, float] | None = None
     zone: str = ""
     line: str = ""
@@ -289,4 +340,4 @@ class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
     def counts_all(self) -> bool:
         """Whether it counts all of its class on the whole picture."""
         anywhere = self.within is None and not self.zone and not self.line
-        return anywhere and self.measure is Measured.COUNT
+        return anywhere and not self.model and self.measure is Measured.COUNT

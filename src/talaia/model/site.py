@@ -44,6 +44,7 @@ from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa:
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
 from talaia.model.maps.site_map import SiteMap  # noqa: TC001 - msgspec reads it
 from talaia.model.night_section import NightSection  # noqa: TC001 - msgspec reads it
+from talaia.model.picture_models.picture_model import PictureModel  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
 from talaia.model.topics import TopicRule, blurred_topics
@@ -155,6 +156,8 @@ class Stream(Shape, frozen=True, kw_only=True):
         sky: it looks at all of the sky: a signal of its device may tell the clouds; see `SkyLens`.
         lane: it sees the lane before the vehicle, of which signals of its device tell; see
             `LaneView`.
+        models: models of one's own that look at its pictures and tell no boxes, by their names in
+            `Site.object_models`; see `PictureModel`.
         blur: faces are made unrecognizable before a picture leaves the gateway; see `Blur`.
 
     """
@@ -168,6 +171,7 @@ class Stream(Shape, frozen=True, kw_only=True):
     detect: Detect | None = None
     sky: SkyLens | None = None
     lane: LaneView | None = None
+    models: dict[str, PictureModel] = {}
     blur: Blur | None = None
     visibility: Visibility = Visibility.VIEW
 
@@ -301,7 +305,7 @@ class Site(Shape, frozen=True, kw_only=True):
         services: what the hub works out from the site's data; see `AiServices`.
         alarms: by name; see `Alarm`.
         anomaly_groups: signals that are judged together, by name; see `SignalGroup`.
-        object_models: detectors of one's own, by name; see `ObjectModel`.
+        object_models: models of one's own that look at pictures, by name; see `ObjectModel`.
         topics: who may have which raw topics of the robot; the first rule that fits counts.
             Without one: admins, and those with the right ``tap``. See `TopicRule`.
         boards: grids of tiles that the hub's pages offer, by name; see `Board`.

@@ -6,6 +6,7 @@ import importlib.util
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.derived_signals import detecting_cameras
+from talaia.model.picture_models.model_signals import model_cameras
 from talaia.objects.worker import OWN_FILE, OWN_REMEDY
 
 if TYPE_CHECKING:
@@ -25,13 +26,21 @@ class DetectionAvailability(NamedTuple):
 
 
 def detection_availability(site: Site, folder: Path) -> Iterator[DetectionAvailability]:
-    """Say of each camera that detects whether that could be done on this machine.
+    """Say of each camera that is looked at whether that could be done on this machine.
 
     Args:
         site: a description in which nothing is wrong.
         folder: where relative paths of its detectors begin.
 
     """
+    for looking in model_cameras(site):
+        who = f"{looking.camera}: model {looking.name} ({looking.model.kind})"
+        problem = _missing_part(site, folder, looking.name)
+        if problem:
+            said = f"{who} cannot run on this machine: {problem}"
+        else:
+            said = f"{who} can run on this machine (at the gateway)"
+        yield DetectionAvailability(well=not problem, said=said)
     for camera, detect in detecting_cameras(site):
         problem = _missing_part(site, folder, detect.model)
         what = ", ".join(detect.classes) or "nothing that counts"

@@ -15,17 +15,22 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 __all__ = [
+    "MOST_PLACE",
     "Box",
     "Letterbox",
     "as_picture_parts",
     "boxes_from_centres",
     "boxes_from_distances",
     "fit_to_square",
+    "kept_boxes",
     "suppress_overlaps",
 ]
 
 # Boxes of one class that share more of their area than this are one thing.
 SAME = 0.5
+# Places of a broken file may be any numbers (px); so far from the square all are as far, and their
+# products still fit 32 bits.
+MOST_PLACE = 1e6
 # A picture that shows more than this is a picture of a crowd; the surest are told.
 MOST = 100
 
@@ -196,16 +201,24 @@ def suppress_overlaps(
         Class, score and corners of each.
 
     """
+    kept = kept_boxes(boxes, scores, least, same=same, most=most)
+    return [(label, score, boxes[row]) for row, label, score in kept]
+
+
+def kept_boxes(
+    boxes: Floats, scores: Floats, least: float, *, same: float = SAME, most: int = MOST
+) -> list[tuple[int, int, float]]:
+    """Give the same by the row, class and score of each, where more is told of a box."""
     # A broken file may give NaN; `argmax` would prefer it to everything.
     label = np.nan_to_num(scores, nan=0.0).argmax(axis=1)
     sure = np.nan_to_num(scores, nan=0.0)[np.arange(len(label)), label]
     fine = (sure >= least) & np.isfinite(boxes).all(axis=1)
-    found: list[tuple[int, float, Floats]] = []
+    found: list[tuple[int, int, float]] = []
     # Before the costly part: what cannot be among the surest is of no use.
     order = np.flatnonzero(fine)[np.argsort(-sure[fine], kind="stable")][: most * 10]
     while order.size and len(found) < most:
         best, order = order[0], order[1:]
-        found.append((int(label[best]), float(sure[best]), boxes[best]))
+        found.append((int(best), int(label[best]), float(sure[best])))
         # Only within a class: a person on a bicycle is both.
         alike = (label[order] == label[best]) & (_overlap_with(boxes[best], boxes[order]) > same)
         order = order[~alike]

@@ -21,10 +21,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from talaia.model.detection import ModelKind
 from talaia.objects.detection import LABEL_LETTERS
 from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
 from talaia.objects.face_detector import FaceDetector
+from talaia.objects.kinds.catalog import KINDS
+from talaia.objects.kinds.picture_input import InputSetting
 from talaia.objects.network import error_text, open_network
 from talaia.objects.providers import CPU, parse_provider
 
@@ -32,6 +35,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
+
+    # From a picture, and how sure something must be at the least, to the answer.
+    Look = Callable[[NDArray[np.uint8], float], dict[str, object]]
 
 __all__ = ["HEAD", "MOST_FILES", "MOST_MEMORY", "main"]
 
@@ -62,7 +68,7 @@ def main() -> None:
     # No handler is set: the kernel's own action ends the process, which needs no Python to run.
     signal.alarm(LONGEST_LOAD_S)
     try:
-        detector, classes, note = _load_network(json.loads(line))
+        read_picture, note = _load_network(json.loads(line))
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
         _write_answer(answers, problem=error_text(error))
         return
@@ -82,13 +88,10 @@ def main() -> None:
         # Only now, with the whole picture here: a slow writer is not the detector's fault.
         signal.alarm(LONGEST_LOOK_S)
         try:
-            boxes = detector.detect_objects(picture, least)
+            answer = read_picture(picture, least)
         except Exception as error:  # noqa: BLE001 - as above
-            _write_answer(answers, problem=error_text(error))
-        else:
-            _write_answer(
-                answers, things=[(classes[box[0]], *map(float, box[1:])) for box in boxes]
-            )
+            answer = {"problem": error_text(error)}
+        _write_answer(answers, **answer)
         signal.alarm(0)
 
 
@@ -123,7 +126,7 @@ def _lower_priority(*, on_device: bool) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequence[str], str]:
+def _load_network(job: dict[str, Any]) -> tuple[Look, str]:
     """Load what a job names; with why it does not run on what it should, if it does not.
 
     Raises:
@@ -136,15 +139,21 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector | FaceDetector, Sequenc
     run, note = _open_on(file, job.get("provider", CPU))
     classes = [label[:LABEL_LETTERS] for label in job["classes"]]
     if job["kind"] == "centerface":
-        return FaceDetector(job["side"], run), classes, note
-    setting = Setting(
-        OutputFormat(job["kind"]),
-        job["side"],
-        tuple(job["mean"]),
-        tuple(job["spread"]),
-        job["blue_first"],
-    )
-    return Detector(setting, classes, run), classes, note
+        return _tell_boxes(FaceDetector(job["side"], run), classes), note
+    setting = InputSetting(job["side"], tuple(job["mean"]), tuple(job["spread"]), job["blue_first"])
+    kind = ModelKind(job["kind"])
+    if kind.tells_boxes:
+        detector = Detector(Setting(OutputFormat(kind), *setting), classes, run)
+        return _tell_boxes(detector, classes), note
+    return KINDS[kind].make_reader(setting, job["points"] or classes, run).read_picture, note
+
+
+def _tell_boxes(detector: Detector | FaceDetector, classes: Sequence[str]) -> Look:
+    def read_picture(picture: NDArray[np.uint8], least: float) -> dict[str, object]:
+        boxes = detector.detect_objects(picture, least)
+        return {"things": [(classes[box[0]], *map(float, box[1:])) for box in boxes]}
+
+    return read_picture
 
 
 def _open_on(

@@ -19,6 +19,7 @@ from talaia.objects.boxes import (
     suppress_overlaps,
 )
 from talaia.objects.errors import DetectorError
+from talaia.objects.kinds.picture_input import InputSetting, PictureInput, shapes_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -56,8 +57,8 @@ class Setting(NamedTuple):
 
     kind: OutputFormat
     side: int
-    mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    spread: tuple[float, float, float] = (255.0, 255.0, 255.0)
+    mean: tuple[float, ...] = (0.0, 0.0, 0.0)
+    spread: tuple[float, ...] = (255.0, 255.0, 255.0)
     blue_first: bool = False
 
 
@@ -82,10 +83,7 @@ class Detector:
         # What does not change while the detector lives; an instance keeps nothing from picture to
         # picture.
         self._setting, self._classes, self._run = setting, classes, run
-        factor = 1 / np.array(setting.spread, np.float32)
-        # One for each colour's rows and columns.
-        self._factor = factor[:, None, None]
-        self._offset = (np.array(setting.mean, np.float32) * factor)[:, None, None]
+        self._input = PictureInput(InputSetting(*setting[1:]))
 
     def detect_objects(self, picture: NDArray[np.uint8], least: float) -> list[Box]:
         """Find things on a picture.
@@ -99,14 +97,8 @@ class Detector:
 
         """
         square, frame = fit_to_square(picture, self._setting.side)
-        # Rows × columns × colours to one batch of colours × rows × columns, as detectors are
-        # exported; before they are made floats, which is four times as much.
-        colours = square.transpose(2, 0, 1)
-        planes = np.ascontiguousarray(colours[::-1] if self._setting.blue_first else colours)
-        shown = planes.astype(np.float32)
-        shown *= self._factor
-        shown -= self._offset
-        boxes, scores = self._decode_outputs(self._run(shown[None]), least)
+        shown = self._input.arrange_colours(square)
+        boxes, scores = self._decode_outputs(self._run(shown), least)
         return as_picture_parts(suppress_overlaps(boxes, scores, least), frame)
 
     def _decode_outputs(
@@ -148,10 +140,9 @@ class Detector:
         return boxes_from_centres(told[:, :4]), told[:, 4:]
 
     def _shape_error(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
-        shapes = ", ".join(" × ".join(map(str, output.shape)) for output in outputs)
         return DetectorError(
             f"a detector of the kind {self._setting.kind.value} gives {expected}; "
-            f"this file gives {shapes or 'nothing'}: choose another kind or list of classes"
+            f"this file gives {shapes_text(outputs)}: choose another kind or list of classes"
         )
 
 

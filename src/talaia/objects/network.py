@@ -48,9 +48,18 @@ def open_network(
     inputs = session.get_inputs()
     if len(inputs) != 1:
         raise DetectorError(f"{file} wants {len(inputs)} inputs; expected one, a picture")
-    name = inputs[0].name
+    name, wants = inputs[0].name, inputs[0].shape
+    if inputs[0].type != "tensor(float)":
+        raise DetectorError(
+            f"{file} wants {inputs[0].type}; expected a picture of 32-bit floats, tensor(float)"
+        )
 
     def run(shown: NDArray[np.float32]) -> Sequence[NDArray[np.float32]]:
+        if not _fits(wants, shown.shape):
+            raise DetectorError(
+                f"{file} cannot be run: it wants {_shape_text(wants)}, and is shown "
+                f"{_shape_text(shown.shape)}; correct its side, or export it for such pictures"
+            )
         try:
             found: Sequence[NDArray[np.float32]] = session.run(None, {name: shown})
         except Exception as error:
@@ -58,6 +67,20 @@ def open_network(
         return found
 
     return run
+
+
+def _fits(wants: Sequence[object], shape: Sequence[int]) -> bool:
+    # What is no number may be of any size; of an input without a shape nothing is known.
+    if not wants:
+        return True
+    pairs = zip(wants, shape, strict=False)
+    return len(wants) == len(shape) and all(
+        not isinstance(size, int) or size == own for size, own in pairs
+    )
+
+
+def _shape_text(shape: Sequence[object]) -> str:
+    return " × ".join(str(size) if isinstance(size, int) else "any" for size in shape)
 
 
 def _open_session(

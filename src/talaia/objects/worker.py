@@ -24,16 +24,19 @@ from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from talaia.model.coco_classes import COCO
+from talaia.model.detection import ModelKind
+from talaia.model.picture_models.picture_model import points_of
 from talaia.objects.child import HEAD, LONGEST_LOAD_S, LONGEST_LOOK_S
 from talaia.objects.detection import Detection
 from talaia.objects.detector import NANODET
 from talaia.objects.errors import DetectorError
 from talaia.objects.face_detector import FACES
+from talaia.objects.kinds.catalog import KINDS
 from talaia.objects.providers import CPU
 
 if TYPE_CHECKING:
@@ -42,6 +45,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.model.detection import ObjectModel
+    from talaia.objects.kinds.catalog import Scene
 
 __all__ = ["FACE_FILE", "FACE_REMEDY", "OWN_FILE", "Worker", "WorkerTimes", "face_model"]
 
@@ -52,6 +56,7 @@ OWN_REMEDY = "create it: python tools/make_detector.py"
 # The same of what finds faces, by tools/make_face_detector.py.
 FACE_FILE = Path(__file__).parent / "models" / "centerface.onnx"
 FACE_REMEDY = "create it: python tools/make_face_detector.py"
+_T = TypeVar("_T")
 # Names of models begin so that are CenterFace; no description can name one of its own like that.
 _FACES_BEGIN = "faces:"
 # The child ends itself before this; the rest is for a machine that is busy.
@@ -159,6 +164,28 @@ class Worker:
                 waits to be begun anew this is raised at once.
 
         """
+        return await self._ask_process(model, rgb, least, _read_boxes)
+
+    async def read_scene(self, model: str, rgb: NDArray[np.uint8], least: float) -> Scene:
+        """Let a model that tells no boxes say what it sees on a picture; as `detect_objects`.
+
+        Args:
+            model: a name of the models', of one of the kinds in `objects.kinds.catalog`.
+            rgb: rows × columns × 3.
+            least: what is less sure (0 to 1) is left out, where its kind knows such a thing.
+
+        Raises:
+            DetectorError: it cannot see now.
+
+        """
+        about = self._models.get(model)
+        if about is None or about.kind not in KINDS:
+            raise DetectorError(f"there is no model {model!r} that tells anything but boxes")
+        return await self._ask_process(model, rgb, least, KINDS[about.kind].read_answer)
+
+    async def _ask_process(
+        self, model: str, rgb: NDArray[np.uint8], least: float, read: Callable[[dict[str, Any]], _T]
+    ) -> _T:
         running = self._running.get(model)
         if running is None:
             running = self._running[model] = _Running(
@@ -166,7 +193,7 @@ class Worker:
                 partial(self._told, model),
                 self._times,
             )
-        return await running.detect_objects(rgb, least)
+        return await running.ask_process(rgb, least, read)
 
     def _make_job(self, model: str) -> dict[str, Any]:
         if not model:
@@ -186,6 +213,7 @@ class Worker:
             "spread": about.spread,
             "blue_first": about.blue_first,
             "classes": about.classes,
+            "points": points_of(about) if about.kind is ModelKind.KEYPOINTS else (),
             "file": str(self._folder / about.file),
             "remedy": f"put it there, or correct object_models.{model}.file",
         }
@@ -227,8 +255,10 @@ class _Running:
         # Set once by `close`; the failure that follows from it is no news.
         self._closed = False
 
-    async def detect_objects(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
-        """See `Worker.detect_objects`."""
+    async def ask_process(
+        self, rgb: NDArray[np.uint8], least: float, read: Callable[[dict[str, Any]], _T]
+    ) -> _T:
+        """See `Worker.detect_objects`; ``read`` makes of an answer what is wanted."""
         async with self._turn:
             # The turn may come after the end, for one who waited for it.
             if self._closed:
@@ -238,18 +268,18 @@ class _Running:
                 # for its start.
                 raise DetectorError(self._why)
             loop = asyncio.get_running_loop()
-            asked = loop.run_in_executor(self._thread, self._child.detect_blocking, rgb, least)
+            asked = loop.run_in_executor(self._thread, self._child.ask_blocking, rgb, least, read)
             # Killing the process is the only way to end a thread that waits in `read`.
             late = loop.call_later(PATIENCE_S, self._child.kill_process)
             try:
-                things = await asked
+                found = await asked
             except DetectorError as error:
                 self._fail_waiting(str(error))
                 raise
             finally:
                 late.cancel()
             self._mark_working()
-            return things
+            return found
 
     def _fail_waiting(self, why: str) -> None:
         if self._closed:
@@ -295,8 +325,10 @@ class _Child:
         self._words: deque[str] = deque(maxlen=20)
         self.closed = False
 
-    def detect_blocking(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
-        """Show a picture; blocks.
+    def ask_blocking(
+        self, rgb: NDArray[np.uint8], least: float, read: Callable[[dict[str, Any]], _T]
+    ) -> _T:
+        """Show a picture, and read the answer by ``read``; blocks.
 
         Raises:
             DetectorError: with why nothing can be seen. The process may be gone then, and is begun
@@ -308,12 +340,7 @@ class _Child:
         shown = np.ascontiguousarray(rgb[::by, ::by], np.uint8)
         told = self._told_of(HEAD.pack(*shown.shape[:2], least), shown.data.cast("B"))
         try:
-            return [
-                # From another process that may be broken: each number is made one and kept within
-                # the picture.
-                Detection(str(box[0]), *(min(max(float(one), 0.0), 1.0) for one in box[1:]))
-                for box in told["things"]
-            ]
+            return read(told)
         except (KeyError, ValueError, TypeError, IndexError) as error:
             self.end_process()
             raise DetectorError(f"invalid answer of the detector's process: {error!r}") from error
@@ -436,6 +463,15 @@ class _Child:
                 with contextlib.suppress(OSError):
                     pipe.close()
         return code
+
+
+def _read_boxes(answer: dict[str, Any]) -> list[Detection]:
+    return [
+        # From another process that may be broken: each number is made one and kept within the
+        # picture.
+        Detection(str(box[0]), *(min(max(float(one), 0.0), 1.0) for one in box[1:]))
+        for box in answer["things"]
+    ]
 
 
 def _write_to_child(process: subprocess.Popen[bytes], data: bytes | memoryview) -> None:

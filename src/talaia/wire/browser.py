@@ -22,6 +22,7 @@ from talaia.wire.browser_messages.camera import (
     BoxesRequest,
     CameraPicture,
     CameraPictureBoxes,
+    CameraPictureOverlay,
     PictureShown,
     ViewerAttention,
 )
@@ -105,6 +106,7 @@ __all__ = [
     "BoxesRequest",
     "CameraPicture",
     "CameraPictureBoxes",
+    "CameraPictureOverlay",
     "CommandUpdate",
     "DeviceUpdate",
     "DriveUpdate",

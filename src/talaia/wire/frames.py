@@ -67,6 +67,13 @@ from talaia.wire.gateway_messages.files import (
     RecordingRequest,
 )
 from talaia.wire.gateway_messages.interlocks import EnclosureState, InterlockState, OverrideRequest
+from talaia.wire.gateway_messages.model_overlays import (
+    MAX_OVERLAY_RUNS,
+    ClassLikelihood,
+    DetectedPose,
+    ModelOverlay,
+    OverlayLayer,
+)
 from talaia.wire.gateway_messages.night import (
     NightArmRequest,
     NightDisarmRequest,
@@ -159,6 +166,7 @@ __all__ = [
     "MAX_GRAPH_NODES",
     "MAX_LOG_LINES",
     "MAX_LOG_TEXT",
+    "MAX_OVERLAY_RUNS",
     "MAX_PICTURE",
     "MAX_TAPPED",
     "MAX_TOPICS",
@@ -175,6 +183,7 @@ __all__ = [
     "ChangePhase",
     "ChangeRequest",
     "ChangeState",
+    "ClassLikelihood",
     "CommandCancel",
     "CommandPhase",
     "CommandRequest",
@@ -184,6 +193,7 @@ __all__ = [
     "DescriptionUpdate",
     "DetectedBoxes",
     "DetectedObject",
+    "DetectedPose",
     "DeviceState",
     "DriveFrame",
     "DriveState",
@@ -209,6 +219,7 @@ __all__ = [
     "LogLine",
     "MediaFromGateway",
     "MediaFromHub",
+    "ModelOverlay",
     "NewestBatch",
     "NightArmRequest",
     "NightDisarmRequest",
@@ -217,6 +228,7 @@ __all__ = [
     "NightState",
     "ObservationAck",
     "ObservationUpdate",
+    "OverlayLayer",
     "OverrideRequest",
     "PictureForm",
     "PictureFrame",

@@ -12,6 +12,8 @@ from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
     Beat,
     BeatReply,
+    ModelOverlay,
+    OverlayLayer,
     PictureForm,
     PictureFrame,
     StreamError,
@@ -133,3 +135,39 @@ async def test_a_camera_is_read_for_those_at_the_hub_and_those_at_the_gateway() 
     pictures.watch(["cam/front"], {})
     looks.hold("cam/back")
     assert pictures.watched() == {"cam/front", "cam/back"}
+
+
+def overlay(seq: int, model: str) -> ModelOverlay:
+    layer = OverlayLayer(rows=0, columns=0, runs=b"", near=None, far=None, poses=[], likely=[])
+    return ModelOverlay(stream="cam/front", seq=seq, time_us=0, model=model, layer=layer)
+
+
+async def test_overlays_are_the_newest_of_each_model_and_take_turns_with_pictures() -> None:
+    pictures = linked()
+    pictures.watch(["cam/front"], {"cam/front": ["h264", "jpeg"]})
+    pictures.send_overlay(overlay(1, "ground"))
+    assert not pictures.wants_overlay("cam/front")
+    assert await sent(pictures) == []
+    # Of the pictures as they are it is the same camera.
+    pictures.watch(["cam/front"], {"cam/front": ["h264"]}, overlays=["cam/front!unblurred"])
+    assert pictures.wants_overlay("cam/front")
+    for seq in (2, 3, 4):
+        pictures.send_overlay(overlay(seq, "ground"))
+        pictures.send_overlay(overlay(seq, "far"))
+    for form in ("h264", "jpeg"):
+        pictures.offer(picture(4, key=True, form=form))
+    # What was offered from a thread is taken on the loop.
+    await asyncio.sleep(0)
+    kinds = [one for one in await sent(pictures) if not isinstance(one, Beat)]
+    assert [type(one).__name__ for one in kinds] == [
+        "PictureFrame", "ModelOverlay", "PictureFrame", "ModelOverlay",
+    ]  # fmt: skip
+    assert {(one.model, one.seq) for one in kinds if isinstance(one, ModelOverlay)} == {
+        ("ground", 4), ("far", 4),
+    }  # fmt: skip
+    # Of before a lost line nothing is sent.
+    pictures.send_overlay(overlay(5, "ground"))
+    pictures.link_lost()
+    assert not pictures.wants_overlay("cam/front")
+    pictures.link_up()
+    assert [one for one in await sent(pictures) if not isinstance(one, Beat)] == []

@@ -293,6 +293,7 @@ export interface StreamShape {
   readonly public: boolean;
   readonly detect?: DetectShape | null;
   readonly lane?: LaneShape | null;
+  readonly models?: readonly PictureModelShape[];
   readonly blurred?: boolean;
   readonly may_unblur?: boolean;
 }
@@ -2237,6 +2238,12 @@ export interface WriteOnly {
   readonly keys?: Readonly<Record<string, string>> | null;
 }
 
+/** Two points of a thing that are drawn joined, by their numbers. */
+export interface BoneShape {
+  readonly start: number;
+  readonly end: number;
+}
+
 /** That it crossed a line on the picture. */
 export interface CrossingShape {
   readonly line: string;
@@ -2282,6 +2289,18 @@ export interface PictureMarkShape {
   readonly name: string;
   readonly points: readonly PicturePlace[];
   readonly counts: readonly MarkCountShape[];
+}
+
+/** A model of one's own that looks at a camera's pictures and tells no boxes. */
+export interface PictureModelShape {
+  readonly id: string;
+  readonly kind: ModelKind;
+  readonly classes: readonly string[];
+  readonly points: readonly string[];
+  readonly bones: readonly BoneShape[];
+  readonly confidence: number;
+  readonly max_rate: number;
+  readonly zones: readonly PictureMarkShape[];
 }
 
 /** A place on a picture, by parts of its width and height from the upper left. */
@@ -3068,13 +3087,29 @@ export type ImageType =
   | "DARK"
   | "BIAS";
 
-/** What a signal tells of the things of a class on a camera. */
+/** What a signal tells of the things of a class on a camera, or of what a model says of it. */
 export type Measured =
   | "count"
   | "dwell"
   | "left"
   | "right"
-  | "speed";
+  | "speed"
+  | "share"
+  | "ahead"
+  | "left_edge"
+  | "right_edge"
+  | "probability"
+  | "surest"
+  | "nearest";
+
+/** What a model's file tells of a picture, and how. */
+export type ModelKind =
+  | "nanodet"
+  | "yolo"
+  | "segmentation"
+  | "classification"
+  | "keypoints"
+  | "depth";
 
 /** Where one try at a request stands. */
 export type ObservationState =

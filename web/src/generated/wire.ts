@@ -50,6 +50,36 @@ export interface DetectedObject {
   readonly bottom: number;
 }
 
+/** A thing with its points; places are parts of the picture, from the upper left. */
+export interface DetectedPose {
+  readonly t: "pose";
+  readonly score: number;
+  readonly left: number;
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
+  readonly points: readonly (readonly [number, number, number])[];
+}
+
+/** How likely a class is of the whole picture. */
+export interface ClassLikelihood {
+  readonly t: "likelihood";
+  readonly label: string;
+  readonly share: number;
+}
+
+/** What is drawn: a map, things with points, or words; by the model's kind. */
+export interface OverlayLayer {
+  readonly t: "layer";
+  readonly rows: number;
+  readonly columns: number;
+  readonly runs: Uint8Array;
+  readonly near: number | null;
+  readonly far: number | null;
+  readonly poses: readonly (DetectedPose)[];
+  readonly likely: readonly (ClassLikelihood)[];
+}
+
 /** Send me these channels of a site, at most every so many ms. */
 export interface Subscribe {
   readonly t: "subscribe";
@@ -514,6 +544,15 @@ export interface CameraPictureBoxes {
   readonly things: readonly (DetectedObject)[];
 }
 
+/** What a model tells of the picture ``seq``, which may be shown already, or never come. */
+export interface CameraPictureOverlay {
+  readonly t: "shot_overlay";
+  readonly seq: number;
+  readonly time_us: number;
+  readonly model: string;
+  readonly layer: OverlayLayer;
+}
+
 /** The page has drawn picture ``seq``; the hub may send another. At most two are under way. */
 export interface PictureShown {
   readonly t: "shown";
@@ -530,6 +569,7 @@ export interface ViewerAttention {
 export interface BoxesRequest {
   readonly t: "boxes_ask";
   readonly on: boolean;
+  readonly overlays: boolean;
 }
 
 /** What is known of the topic: at the beginning, and whenever it changes. */
@@ -619,6 +659,7 @@ export type ToBrowser =
 export type MediaToBrowser =
   | CameraPicture
   | CameraPictureBoxes
+  | CameraPictureOverlay
   | RequestError
   | SessionEnded;
 
@@ -669,6 +710,7 @@ export const TO_BROWSER: ReadonlySet<string> = new Set([
 export const MEDIA_TO_BROWSER: ReadonlySet<string> = new Set([
   "shot",
   "shot_boxes",
+  "shot_overlay",
   "problem",
   "ended",
 ]);
@@ -723,9 +765,10 @@ export const DEFAULTS = {
   ended: {},
   shot: { key: true, codec: "", small: false },
   shot_boxes: {},
+  shot_overlay: {},
   shown: {},
   glance: {},
-  boxes_ask: {},
+  boxes_ask: { overlays: false },
   topic_update: { listed: false, type: "", latched: false, max_rate: 0.0, definition: "", problem: "" },
   topic_message: { seq: 0, time_us: 0, publish_us: 0, age_ms: 0, size: 0 },
   topic_bytes: { seq: 0, time_us: 0, publish_us: 0, age_ms: 0, encoding: "", every: 1 },

@@ -1,4 +1,4 @@
-/** Which objects a person wants to see on a camera's picture; kept in this browser. */
+/** Which objects, and of which models, a person wants to see on a camera's picture; kept in this browser. */
 
 export interface ObjectsChoice {
   /** Boxes are drawn at all. */
@@ -43,6 +43,29 @@ export function keepObjects(notes: BrowserStorage | null, person: string, site: 
   }
 }
 
-function keyOf(person: string, site: string, stream: string): string {
-  return `talaia.objects ${JSON.stringify([person, site, stream])}`;
+/** By model: whether what it tells is drawn. One that is not in it is as pages show it to everybody. */
+export type ShownModels = Readonly<Record<string, boolean>>;
+
+/** @param notes - null where this browser keeps nothing: then the choice holds for this page */
+export function readShownModels(notes: BrowserStorage | null, person: string, site: string, stream: string): ShownModels {
+  let kept: unknown;
+  try {
+    kept = JSON.parse(notes?.getItem(keyOf(person, site, stream, "models")) ?? "null");
+  } catch {
+    return {};
+  }
+  if (typeof kept !== "object" || kept === null) return {};
+  return Object.fromEntries(Object.entries(kept).filter((entry): entry is [string, boolean] => typeof entry[1] === "boolean"));
+}
+
+export function keepShownModels(notes: BrowserStorage | null, person: string, site: string, stream: string, shown: ShownModels): void {
+  try {
+    notes?.setItem(keyOf(person, site, stream, "models"), JSON.stringify(shown));
+  } catch {
+    // Full, or forbidden: it holds for this page.
+  }
+}
+
+function keyOf(person: string, site: string, stream: string, what = "objects"): string {
+  return `talaia.${what} ${JSON.stringify([person, site, stream])}`;
 }

@@ -1,6 +1,6 @@
 /** One camera's pictures over a socket of their own, so that they never stand before a command. */
 
-import type { MediaToBrowser, CameraPicture, CameraPictureBoxes } from "../generated/wire.js";
+import type { MediaToBrowser, CameraPicture, CameraPictureBoxes, CameraPictureOverlay } from "../generated/wire.js";
 import { backoffMs, comeback } from "./backoff.js";
 import { decodeMedia, encodeMessage, FrameError } from "./codec.js";
 
@@ -11,6 +11,8 @@ export interface MediaListener {
   readonly onShot: (shot: CameraPicture, shown: () => void) => void;
   /** What is seen on a picture; only after `boxes(true)`. */
   readonly onBoxes?: (boxes: CameraPictureBoxes) => void;
+  /** What a model tells of a picture; only after `requestOverlays(true)`. */
+  readonly onOverlay?: (overlay: CameraPictureOverlay) => void;
   /** The camera gives pictures that cannot be shown; the next `onShot` ends that. */
   readonly onTrouble: (why: string) => void;
   /** `why` is the hub's sentence when it said one. */
@@ -31,6 +33,7 @@ export class MediaSocket {
   private readonly stopWaiting: () => void;
   private still = false;
   private boxed = false;
+  private overlaid = false;
 
   constructor(
     private readonly options: MediaOptions,
@@ -59,7 +62,20 @@ export class MediaSocket {
   requestBoxes(on: boolean): void {
     if (this.boxed === on) return;
     this.boxed = on;
-    if (this.socket?.readyState === 1) this.socket.send(encodeMessage({ t: "boxes_ask", on }));
+    this.sendRequest(this.socket);
+  }
+
+  /** Tells the hub whether to say what models tell of the pictures. */
+  requestOverlays(on: boolean): void {
+    if (this.overlaid === on) return;
+    this.overlaid = on;
+    this.sendRequest(this.socket);
+  }
+
+  private sendRequest(socket: WebSocket | null): void {
+    if (socket?.readyState !== 1) return;
+    const on = this.boxed;
+    socket.send(encodeMessage(this.overlaid ? { t: "boxes_ask", on, overlays: true } : { t: "boxes_ask", on }));
   }
 
   /** Begins anew, as after a loss: what came cannot be gone on with. */
@@ -75,7 +91,7 @@ export class MediaSocket {
     socket.onopen = () => {
       this.attempt = 0;
       if (this.still) socket.send(encodeMessage({ t: "glance", still: true }));
-      if (this.boxed) socket.send(encodeMessage({ t: "boxes_ask", on: true }));
+      if (this.boxed || this.overlaid) this.sendRequest(socket);
       this.listener.onState("open", "");
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
@@ -106,6 +122,9 @@ export class MediaSocket {
       }
       case "shot_boxes":
         this.listener.onBoxes?.(message);
+        return;
+      case "shot_overlay":
+        this.listener.onOverlay?.(message);
         return;
       case "problem":
         // A camera that is away may come back; one that is not ours, or not there, will not.

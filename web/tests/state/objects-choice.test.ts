@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { AS_DESCRIBED, keepObjects, readObjects } from "../../src/state/objects-choice.js";
+import { AS_DESCRIBED, keepObjects, keepShownModels, readObjects, readShownModels } from "../../src/state/objects-choice.js";
 
 function notes(): Map<string, string> & Pick<Storage, "getItem" | "setItem" | "removeItem"> {
   const kept = new Map<string, string>();
@@ -45,4 +45,18 @@ test("a browser that keeps nothing, or is full, is no hindrance", () => {
   const full = { getItem: () => null, removeItem: () => undefined, setItem: () => { throw new Error("full"); } };
   keepObjects(full, "a", "b", "c", CHOICE);
   expect(readObjects(full, "a", "b", "c")).toEqual(AS_DESCRIBED);
+});
+
+test("which models are drawn is kept for each person and camera, beside the objects", () => {
+  const kept = notes();
+  keepObjects(kept, "ada", "agv", "c", CHOICE);
+  keepShownModels(kept, "ada", "agv", "c", { ground: false, far: true });
+  expect(readShownModels(kept, "ada", "agv", "c")).toEqual({ ground: false, far: true });
+  expect(readShownModels(kept, "bob", "agv", "c")).toEqual({});
+  expect(readObjects(kept, "ada", "agv", "c")).toEqual(CHOICE);
+  expect(readShownModels(null, "ada", "agv", "c")).toEqual({});
+  for (const key of kept.keys()) kept.set(key, '{"ground": "no", "far": true}');
+  expect(readShownModels(kept, "ada", "agv", "c")).toEqual({ far: true });
+  for (const key of kept.keys()) kept.set(key, "[");
+  expect(readShownModels(kept, "ada", "agv", "c")).toEqual({});
 });

@@ -158,3 +158,19 @@ test("names in the address can not change its meaning", () => {
   );
   expect(mediaPath("a", "camera/front", ["jpeg"], true)).toBe("/ws/media/unblurred?site=a&stream=camera%2Ffront&forms=jpeg");
 });
+
+test("overlays are asked for beside boxes, and of a fresh socket again", () => {
+  const socket = open();
+  sockets[0]?.onopen?.();
+  socket.requestOverlays(true);
+  socket.requestOverlays(true);
+  socket.requestBoxes(true);
+  expect(sockets[0]?.sent).toEqual([
+    { t: "boxes_ask", on: false, overlays: true },
+    { t: "boxes_ask", on: true, overlays: true },
+  ]);
+  sockets[0]?.die();
+  vi.advanceTimersByTime(125);
+  sockets[1]?.onopen?.();
+  expect(sockets[1]?.sent).toEqual([{ t: "boxes_ask", on: true, overlays: true }]);
+});

@@ -75,9 +75,11 @@ def _without_own_signals(device: Device) -> Device:
         for name, signal in device.signals.items()
         if not isinstance(signal.source, DerivedSource | DetectionSource)
     }
-    # The detector goes as well: an adapter has nothing to do with it.
+    # What looks at pictures goes as well: an adapter has nothing to do with it.
     streams = {
-        name: stream if stream.detect is None else msgspec.structs.replace(stream, detect=None)
+        name: msgspec.structs.replace(stream, detect=None, models={})
+        if stream.detect is not None or stream.models
+        else stream
         for name, stream in device.streams.items()
     }
     if len(signals) == len(device.signals) and streams == device.streams:

@@ -12,6 +12,7 @@ from talaia.gateway.detection.camera_detection import (
 )
 from talaia.gateway.detection.clip_films import ClipFilms
 from talaia.gateway.detection.lane_watch import LaneWatch
+from talaia.gateway.detection.model_watch import ModelWatch, OverlayOutlet
 from talaia.gateway.detection.sighting_reports import DetectionReporter
 from talaia.gateway.detection.sky_watch import SkyWatch
 from talaia.objects.worker import Worker
@@ -52,16 +53,20 @@ class DetectionPart(GatewayPart):
         site, settings = description.site, base.settings
         self.reporter = DetectionReporter(settings.data / "sightings", base.lanes, base.file_thread)
         self._clips = ClipFilms(site, video.films, self.reporter.report_sighting)
-        self.detection = ObjectDetection(
-            site=site,
-            numbers=description.numbering.numbers_of(site),
-            pictures=video.frames,
-            worker=lambda on_status: Worker(
+
+        def make_worker(on_status: Callable[[str, str], None]) -> Worker:
+            return Worker(
                 site.object_models,
                 settings.folder,
                 on_status,
                 provider=settings.detector_provider,
-            ),
+            )
+
+        self.detection = ObjectDetection(
+            site=site,
+            numbers=description.numbering.numbers_of(site),
+            pictures=video.frames,
+            worker=make_worker,
             outlet=DetectionOutputs(
                 samples=samples.sink,
                 boxes=video.pictures.boxes,
@@ -70,7 +75,7 @@ class DetectionPart(GatewayPart):
             ),
             clock=base.clock,
         )
-        self._watches: dict[str, SkyWatch | LaneWatch] = {
+        self._watches: dict[str, SkyWatch | LaneWatch | ModelWatch] = {
             name: watch(
                 site=site,
                 numbers=description.numbering.numbers_of(site),
@@ -80,6 +85,16 @@ class DetectionPart(GatewayPart):
             )
             for name, watch in (("sky", SkyWatch), ("lane", LaneWatch))
         }
+        self._watches["models"] = ModelWatch(
+            site=site,
+            numbers=description.numbering.numbers_of(site),
+            pictures=video.frames,
+            publish=self.detection.publish_counts,
+            clock=base.clock,
+            worker=make_worker,
+            overlays=OverlayOutlet(video.pictures.wants_overlay, video.pictures.send_overlay),
+            events=base.events,
+        )
         self._blur_detectors = video.blur_detectors
         self._numbering = description.numbering
         self.readings = ReadingsWithDetections(adapters.adapter, self.detection)

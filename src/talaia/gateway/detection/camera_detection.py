@@ -162,9 +162,9 @@ class ObjectDetection:
         self._latest = {
             address: reading
             for address, reading in self._latest.items()
-            if address in counted
-            and counted[address][0] in self._cameras
-            and _source_of(before, address) == _source_of(site, address)
+            if _source_of(before, address) == _source_of(site, address) is not None
+            # What is told by another look at pictures grows old by itself.
+            and (address not in counted or counted[address][0] in self._cameras)
         }
         if self._running:
             self._begin_cameras(site)

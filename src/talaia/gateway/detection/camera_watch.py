@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["CameraWatch"]
+__all__ = ["WAIT_S", "CameraWatch"]
 
 # For a picture is waited so long at a time.
 WAIT_S = 0.5

@@ -200,7 +200,9 @@ class MessageDispatcher:
                 # `override` judges by itself; nothing of driving changes what is due.
                 return
             case StreamSubscription():
-                self._pictures.watch(message.streams, message.forms, message.boxes)
+                self._pictures.watch(
+                    message.streams, message.forms, message.boxes, overlays=message.overlays
+                )
                 self.update_watched_streams()
             case KeyframeRequest():
                 self._pictures.ask_key(message.stream, message.form)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from talaia.gateway.video.frame_source import FrameSource
     from talaia.model.detection import Blur
     from talaia.objects.detection import Detection
-    from talaia.wire.frames import BeatReply, DetectedBoxes, PictureFrame
+    from talaia.wire.frames import BeatReply, DetectedBoxes, ModelOverlay, PictureFrame
 
 __all__ = ["PictureUplink"]
 
@@ -96,6 +96,10 @@ class PictureUplink:
         # Whether the hub is new enough to be told why a stream has no pictures.
         self._tells_trouble = False
         self._boxed: frozenset[str] = frozenset()  # Streams for which boxes are wanted, too.
+        self._overlaid: frozenset[str] = frozenset()  # And those for which overlays are.
+        # By stream and model: the newest that has not been sent. One and a picture take turns.
+        self._overlays: dict[tuple[str, str], bytes] = {}
+        self._overlay_turn = False
         self.dropped = 0  # Pictures left out because too many waited.
 
     def _wake_sender(self) -> None:
@@ -108,10 +112,12 @@ class PictureUplink:
         streams: Collection[str],
         forms: Mapping[str, Sequence[str]],
         boxes: Collection[str] = (),
+        overlays: Collection[str] = (),
     ) -> None:
-        """Take from the hub what is looked at, as what, and where boxes are wanted, too."""
+        """Take from the hub what is looked at, as what, and where more is wanted, too."""
         with self._lock:
             self._boxed = frozenset(map(camera_address, boxes))
+            self._overlaid = frozenset(map(camera_address, overlays))
             self._asked = {
                 stream: frozenset(forms[stream]) if stream in forms else _FOR_OLD_HUB
                 for stream in streams
@@ -192,6 +198,16 @@ class PictureUplink:
         if self._linked and boxes.stream in self._boxed:
             self.enqueue_small(MEDIA_FROM_GATEWAY.encode(boxes))
 
+    def wants_overlay(self, camera: str) -> bool:
+        """Tell whether anybody looks at what models tell of a camera's pictures."""
+        return self._linked and camera in self._overlaid
+
+    def send_overlay(self, overlay: ModelOverlay) -> None:
+        """Take what a model tells of a picture, for those who want to know."""
+        if self.wants_overlay(overlay.stream):
+            self._overlays[overlay.stream, overlay.model] = MEDIA_FROM_GATEWAY.encode(overlay)
+            self._wake.set()
+
     def _enqueue_picture(self, picture: PictureFrame) -> None:
         if not self._linked:
             return
@@ -221,7 +237,11 @@ class PictureUplink:
         while True:
             if self._small:
                 return self._small.popleft()
+            if self._overlays and (self._overlay_turn or not self._waiting):
+                self._overlay_turn = False
+                return self._overlays.pop(next(iter(self._overlays)))
             if self._waiting:
+                self._overlay_turn = True
                 return self._next_picture()
             # Before the taps are asked: one that comes from now on sets it again.
             self._wake.clear()
@@ -258,6 +278,7 @@ class PictureUplink:
     def link_up(self) -> None:
         """Begin with nothing old."""
         self._waiting.clear()
+        self._overlays.clear()
         self._small.clear()
         with self._lock:
             self._room.clear()
@@ -274,5 +295,6 @@ class PictureUplink:
         """Take no more until the next connection."""
         self._linked = False
         self._waiting.clear()
+        self._overlays.clear()
         if self._taps is not None:
             self._taps.link_lost()

@@ -9,8 +9,9 @@ from talaia.model.checks.identifiers import Finding, check_above, finding_of, id
 from talaia.model.checks.zone_checks import floor_fits, measure_fits, zones_fit
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
-from talaia.model.detection import CLOUDS, LANE, DetectAt, DetectionSource
+from talaia.model.detection import CLOUDS, LANE, DetectAt, DetectionSource, ModelKind
 from talaia.model.errors import UnknownWord
+from talaia.model.picture_models.model_checks import kind_fits, model_signal_fits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,7 +53,9 @@ def _check_model(where: str, model: ObjectModel) -> Iterator[Finding]:
     # A NUL ends a path for the system, and Python refuses it with an error of its own.
     if not model.file.strip() or "\0" in model.file:
         yield Finding(f"{where}.file", "there is no file", "write: file: models/ours.onnx")
-    if not 1 <= len(model.classes) <= _MOST_CLASSES:
+    yield from kind_fits(where, model)
+    least = 0 if model.kind is ModelKind.DEPTH else 1
+    if not least <= len(model.classes) <= _MOST_CLASSES:
         problem = f"expected 1 to {_MOST_CLASSES} classes, found {len(model.classes)}"
         remedy = "write their names in the order in which the file numbers them"
         yield Finding(f"{where}.classes", problem, remedy)
@@ -61,8 +64,11 @@ def _check_model(where: str, model: ObjectModel) -> Iterator[Finding]:
         if label in model.classes[:index]:
             yield Finding(f"{where}.classes[{index}]", f"{label!r} is there twice", "rename one")
     low, high = _SIDES
-    if not low <= model.side <= high or model.side % 32:
-        problem = f"expected {low} to {high} pixels, a multiple of 32, found {model.side}"
+    # Detectors' grids have steps of up to 32 px; of the others Depth Anything has steps of 14.
+    step = 32 if model.kind.tells_boxes or model.kind is ModelKind.KEYPOINTS else 1
+    if not low <= model.side <= high or model.side % step:
+        steps = f", a multiple of {step}" if step > 1 else ""
+        problem = f"expected {low} to {high} pixels{steps}, found {model.side}"
         yield Finding(f"{where}.side", problem, "640 is usual")
     for index, value in enumerate(model.mean):
         if not math.isfinite(value):
@@ -106,6 +112,9 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
     if detect.model and detect.model not in site.object_models:
         yield _unknown_model(site, f"{where}.model", detect.model)
         return
+    if detect.model and not site.object_models[detect.model].kind.tells_boxes:
+        yield _no_detector(site, f"{where}.model", detect.model)
+        return
     known = classes_of(site, detect.model)
     for index, label in enumerate(detect.classes):
         if label not in known:
@@ -120,6 +129,11 @@ def _unknown_model(site: Site, where: str, model: str) -> Finding:
     return finding_of(UnknownWord(where, "model", model, site.object_models))
 
 
+def _no_detector(site: Site, where: str, model: str) -> Finding:
+    problem = f"a model of the kind {site.object_models[model].kind} tells no boxes"
+    return Finding(where, problem, f"write at the stream: models: {{{model}: {{}}}}")
+
+
 def blur_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
     """List what is wrong with what is to be blurred on a camera."""
     blur = stream.blur
@@ -130,6 +144,8 @@ def blur_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
         yield Finding(where, "nothing is to be blurred", remedy)
     if blur.plates and blur.plates not in site.object_models:
         yield _unknown_model(site, f"{where}.plates", blur.plates)
+    elif blur.plates and not site.object_models[blur.plates].kind.tells_boxes:
+        yield _no_detector(site, f"{where}.plates", blur.plates)
     # Written so that NaN is found as well. Nothing at all would be found with a confidence of 1.
     for key, least, most in (
         ("confidence", 0.05, 0.9),
@@ -153,7 +169,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
     source = signal.source
     if not isinstance(source, DetectionSource):
         return
-    if signal.type is not SignalType.NUMBER:
+    if signal.type is not SignalType.NUMBER and not source.model:
         yield Finding(where, f"a {signal.type} counts nothing", "write: type: number")
     for key in source.foreign:
         problem = "what a camera sees comes from nowhere else"
@@ -164,12 +180,15 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         remedy = "write: stream: front_camera"
         yield Finding(f"{where}.stream", "on which camera is it to be seen?", remedy)
         return
-    if not source.sees:
+    stream = device.streams.get(source.stream)
+    if not source.sees and not source.model:
         yield Finding(f"{where}.sees", "what is to be counted?", "write: sees: person")
         return
-    stream = device.streams.get(source.stream)
     if stream is None:
         yield finding_of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
+        return
+    if source.model:
+        yield from model_signal_fits(site, where, stream, signal)
         return
     if source.sees == CLOUDS and stream.sky is not None:
         yield from _clouds_fit(site, where, signal, stream.sky)

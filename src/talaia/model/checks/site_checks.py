@@ -59,6 +59,7 @@ from talaia.model.driving.drive_checks import drive_findings
 from talaia.model.errors import DescriptionError
 from talaia.model.list_texts import LIST_TYPES, parse_list
 from talaia.model.maps.map_checks import map_findings, tag_findings
+from talaia.model.picture_models.model_checks import picture_models_fit
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, SignalType, Site
 from talaia.model.twins.twin_checks import twin_findings
@@ -218,6 +219,7 @@ def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         yield from blur_fits(site, f"{at}.blur", stream)
         yield from sky_fits(f"{at}.sky", stream)
         yield from lane_fits(f"{at}.lane", stream)
+        yield from picture_models_fit(site, f"{at}.models", stream)
         if rules is not None:
             yield from rules.stream_findings(f"{at}.source", stream)
     for command_id, command in device.commands.items():

@@ -11,34 +11,54 @@ from talaia.model.detection import Measured
 from talaia.model.errors import UnknownWord
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from talaia.model.detection import Detect, DetectionSource, FloorPoints, PicturePoint
+    from talaia.model.detection import (
+        Detect,
+        DetectionSource,
+        FloorPoints,
+        PictureLine,
+        PicturePoint,
+        PictureZone,
+    )
 
-__all__ = ["floor_fits", "measure_fits", "zones_fit"]
+__all__ = ["floor_fits", "measure_fits", "picture_zones_fit", "zones_fit"]
 
 _MOST_EACH, _MOST_POINTS = 32, 64
 _LONGEST_OVER_S = 86_400.0
 _CROSSINGS = (Measured.LEFT, Measured.RIGHT)
+# What a detector's boxes tell; the others are of `picture_models`.
+_OF_THINGS = (Measured.COUNT, Measured.DWELL, *_CROSSINGS, Measured.SPEED)
 # Three points whose triangle is smaller than this (parts of the picture, or m²) lie on one line.
 _FLAT = 1e-4
 
 
 def zones_fit(where: str, detect: Detect) -> Iterator[Finding]:
     """List what is wrong with a camera's zones and lines, and with the points of its floor."""
-    for kind, things, least in (("zones", detect.zones, 3), ("lines", detect.lines, 2)):
-        if len(things) > _MOST_EACH:
-            yield Finding(f"{where}.{kind}", f"expected at most {_MOST_EACH}, found {len(things)}")
-        for name, thing in things.items():
-            at = f"{where}.{kind}.{name}"
-            yield from id_fits(at, name)
-            yield from name_fits(f"{at}.name", thing.name)
-            if not least <= len(thing.points) <= _MOST_POINTS:
-                problem = f"expected {least} to {_MOST_POINTS} points, found {len(thing.points)}"
-                yield Finding(f"{at}.points", problem, "as [[0.2, 0.5], [0.8, 0.5], [0.8, 1]]")
-            yield from _points_fit(f"{at}.points", thing.points)
+    yield from picture_zones_fit(where, detect.zones)
+    yield from _marks_fit(f"{where}.lines", detect.lines, 2)
     if detect.floor is not None:
         yield from floor_fits(f"{where}.floor", detect.floor)
+
+
+def picture_zones_fit(where: str, zones: Mapping[str, PictureZone]) -> Iterator[Finding]:
+    """List what is wrong with zones of a picture."""
+    yield from _marks_fit(f"{where}.zones", zones, 3)
+
+
+def _marks_fit(
+    where: str, marks: Mapping[str, PictureZone | PictureLine], least: int
+) -> Iterator[Finding]:
+    if len(marks) > _MOST_EACH:
+        yield Finding(where, f"expected at most {_MOST_EACH}, found {len(marks)}")
+    for name, mark in marks.items():
+        at = f"{where}.{name}"
+        yield from id_fits(at, name)
+        yield from name_fits(f"{at}.name", mark.name)
+        if not least <= len(mark.points) <= _MOST_POINTS:
+            problem = f"expected {least} to {_MOST_POINTS} points, found {len(mark.points)}"
+            yield Finding(f"{at}.points", problem, "as [[0.2, 0.5], [0.8, 0.5], [0.8, 1]]")
+        yield from _points_fit(f"{at}.points", mark.points)
 
 
 def floor_fits(where: str, floor: FloorPoints) -> Iterator[Finding]:
@@ -69,6 +89,10 @@ def _area(three: Sequence[PicturePoint]) -> float:
 
 def measure_fits(where: str, source: DetectionSource, detect: Detect) -> Iterator[Finding]:
     """List what is wrong with what a signal tells of a camera's zone or line."""
+    if source.measure not in _OF_THINGS:
+        problem = f"a detector tells no {source.measure}"
+        yield Finding(f"{where}.measure", problem, f"one of: {', '.join(_OF_THINGS)}")
+        return
     crosses = source.measure in _CROSSINGS
     if source.zone and source.zone not in detect.zones:
         yield _unknown(f"{where}.zone", "zone", source.zone, tuple(detect.zones))

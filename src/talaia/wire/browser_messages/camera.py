@@ -6,11 +6,26 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from talaia.wire.gateway_messages.field_types import MAX_PICTURE, Count, Micros, Pixels, Word
+from talaia.wire.gateway_messages.field_types import (
+    MAX_PICTURE,
+    Count,
+    Micros,
+    Name,
+    Pixels,
+    Word,
+)
+from talaia.wire.gateway_messages.model_overlays import OverlayLayer
 from talaia.wire.gateway_messages.pictures import DetectedObject
 from talaia.wire.message import Message
 
-__all__ = ["BoxesRequest", "CameraPicture", "CameraPictureBoxes", "PictureShown", "ViewerAttention"]
+__all__ = [
+    "BoxesRequest",
+    "CameraPicture",
+    "CameraPictureBoxes",
+    "CameraPictureOverlay",
+    "PictureShown",
+    "ViewerAttention",
+]
 
 
 class CameraPicture(Message, frozen=True, kw_only=True, tag="shot"):
@@ -62,7 +77,28 @@ class CameraPictureBoxes(Message, frozen=True, kw_only=True, tag="shot_boxes"):
     things: Annotated[list[DetectedObject], Meta(max_length=100)]
 
 
+class CameraPictureOverlay(Message, frozen=True, kw_only=True, tag="shot_overlay"):
+    """What a model tells of the picture ``seq``, which may be shown already, or never come.
+
+    Attributes:
+        time_us: when that picture was taken.
+        model: its name in the description.
+
+    """
+
+    seq: Count
+    time_us: Micros
+    model: Name
+    layer: OverlayLayer
+
+
 class BoxesRequest(Message, frozen=True, kw_only=True, tag="boxes_ask"):
-    """The page wants `CameraPictureBoxes` from here on, or no more."""
+    """The page wants `CameraPictureBoxes` from here on, or no more.
+
+    Attributes:
+        overlays: it wants `CameraPictureOverlay`s.
+
+    """
 
     on: bool
+    overlays: bool = False

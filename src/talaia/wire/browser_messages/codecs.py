@@ -7,6 +7,7 @@ from talaia.wire.browser_messages.camera import (
     BoxesRequest,
     CameraPicture,
     CameraPictureBoxes,
+    CameraPictureOverlay,
     PictureShown,
     ViewerAttention,
 )
@@ -123,7 +124,9 @@ ToBrowser = (
 
 
 # Errors and the end of a session come on each socket: the page may have only this one open.
-MediaToBrowser = CameraPicture | CameraPictureBoxes | RequestError | SessionEnded
+MediaToBrowser = (
+    CameraPicture | CameraPictureBoxes | CameraPictureOverlay | RequestError | SessionEnded
+)
 
 
 MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest

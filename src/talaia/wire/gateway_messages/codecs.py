@@ -27,6 +27,7 @@ from talaia.wire.gateway_messages.files import (
     RecordingRequest,
 )
 from talaia.wire.gateway_messages.interlocks import EnclosureState, InterlockState, OverrideRequest
+from talaia.wire.gateway_messages.model_overlays import ModelOverlay
 from talaia.wire.gateway_messages.night import (
     NightArmRequest,
     NightDisarmRequest,
@@ -167,6 +168,7 @@ MediaFromGateway = (
     PictureFrame
     | StreamError
     | DetectedBoxes
+    | ModelOverlay
     | TopicList
     | TapSchema
     | TapMessage

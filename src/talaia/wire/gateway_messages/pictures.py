@@ -79,12 +79,14 @@ class StreamSubscription(Message, frozen=True, kw_only=True, tag="watch"):
         forms: by stream: the `PictureForm`s that are wanted; a stream that is not in it is wanted
             as JPEG, by a hub that knows nothing else.
         boxes: of which the `DetectedBoxes` are wanted, too.
+        overlays: of which the `ModelOverlay`s are.
 
     """
 
     streams: Annotated[list[Name], Meta(max_length=1000)]
     forms: Forms = {}
     boxes: Annotated[list[Name], Meta(max_length=1000)] = []
+    overlays: Annotated[list[Name], Meta(max_length=1000)] = []
 
 
 class KeyframeRequest(Message, frozen=True, kw_only=True, tag="key"):

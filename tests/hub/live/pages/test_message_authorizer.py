@@ -221,8 +221,8 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
     looking = {
         about: await world.viewer("operator", about, STREAM) for about in ("agv/base", "agv/power")
     }
-    # One wants to know what is seen, too.
-    await looking["agv/base"].say(browser.BoxesRequest(on=True))
+    # One wants to know what is seen, too, and what models tell.
+    await looking["agv/base"].say(browser.BoxesRequest(on=True, overlays=True))
     await world.gateways["agv"].hear(
         frames.StreamSubscription, lambda watch: watch.boxes == ["base/eye"]
     )
@@ -242,6 +242,13 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
         )
         stream = picture.stream
         await camera.say(frames.DetectedBoxes(stream=stream, seq=1, time_us=1, things=[thing]))
+        likely = frames.ClassLikelihood(label=hidden(about), share=0.5)
+        layer = frames.OverlayLayer(
+            rows=0, columns=0, runs=b"", near=None, far=None, poses=[], likely=[likely]
+        )
+        await camera.say(
+            frames.ModelOverlay(stream=stream, seq=1, time_us=1, model="room", layer=layer)
+        )
         await camera.say(picture)
     kinds = set()
     for about, viewer in looking.items():
@@ -251,7 +258,9 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
         assert not any(isinstance(each, browser.CameraPicture) for each in viewer.heard)
     boxes = await looking["agv/base"].hear(browser.CameraPictureBoxes)
     assert [thing.label for thing in boxes.things] == [hidden("agv/base")]
-    kinds.add(type(boxes))
+    overlay = await looking["agv/base"].hear(browser.CameraPictureOverlay)
+    assert [likely.label for likely in overlay.layer.likely] == [hidden("agv/base")]
+    kinds |= {type(boxes), type(overlay)}
     assert not looking["agv/power"].heard
     # With those of the other sockets, every outbound type was produced by these tests or by those
     # of topics (`test_topic_sockets`).

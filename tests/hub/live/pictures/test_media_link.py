@@ -52,6 +52,7 @@ async def test_between_the_pieces_of_a_large_message_everything_else_has_a_turn(
         picture=lambda _: None,
         trouble=lambda _: None,
         boxes=lambda _: None,
+        overlay=lambda _: None,
         taps=lambda _: events.append("piece"),
         admit=admit,
     )

@@ -12,6 +12,8 @@ import "./detection-boxes.js";
 import type { FramedObject } from "./detection-boxes.js";
 import "./picture-marks.js";
 import type { PictureMark } from "./mark-shapes.js";
+import "./model-overlay.js";
+import type { PictureOverlay } from "./overlay-layer.js";
 import type { PixelSize } from "./picture-fit.js";
 import "../base/icon.js";
 import type { IconName } from "../base/icons.js";
@@ -214,6 +216,8 @@ export class CameraView extends LitElement {
   @property({ attribute: false }) things: readonly FramedObject[] = [];
   /** Its zones and lines. */
   @property({ attribute: false }) marks: readonly PictureMark[] = [];
+  /** What models tell of it. */
+  @property({ attribute: false }) overlays: readonly PictureOverlay[] = [];
   /** Something is drawn over it: its own buttons and marks are out of the way. */
   @property({ type: Boolean }) editing = false;
   /** It was seen on an earlier picture than the one that is shown. */
@@ -250,6 +254,9 @@ export class CameraView extends LitElement {
     const exposure = this.still && this.drawn;
     return html`<div class=${this.drawn && !live && !exposure ? "aged" : ""}>
       ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
+      ${this.drawn && this.overlays.length > 0 && !this.editing
+        ? html`<t-model-overlay .overlays=${this.overlays} .picture=${this.picture} .zoom=${this.zoom}></t-model-overlay>`
+        : nothing}
       ${this.drawn && this.marks.length > 0 && !this.editing
         ? html`<t-picture-marks .marks=${this.marks} .picture=${this.picture} .zoom=${this.zoom}></t-picture-marks>`
         : nothing}

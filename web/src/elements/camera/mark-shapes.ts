@@ -64,9 +64,15 @@ export function sideSpots(points: readonly ViewPoint[], away: number, middle: Vi
   return { left: { x: middle.x + x, y: middle.y + y }, right: { x: middle.x - x, y: middle.y - y } };
 }
 
+/** What is told of a class in per cent, in words before the number. */
+const PERCENT: Readonly<Record<string, string>> = { share: "", ahead: "ahead ", left_edge: "from ", right_edge: "to " };
+
 /** @param value - what a signal tells at its mark; null for one that tells nothing now (stale, or not yet) */
 export function markCount(measure: string, label: string, value: number | null): string {
   if (measure === "dwell") return value === null ? "longest \u2013" : `longest ${formatDuration(value)}`;
+  if (measure === "nearest") return value === null ? "nearest \u2013" : `nearest ${String(Number(value.toPrecision(2)))}`;
+  const percent = PERCENT[measure];
+  if (percent !== undefined) return `${label} ${percent}${value === null ? "\u2013" : `${String(Math.round(value))}\u00a0%`}`;
   const many = value === null ? null : Math.round(value);
   if (measure === "left" || measure === "right") return `${measure} ${many === null ? "\u2013" : String(many)}`;
   return many === null ? `\u2013 ${label}` : countText(many, label);

@@ -278,6 +278,7 @@ export class PageDevice extends LitElement {
             .name=${stream.name}
             .detect=${stream.detect}
             .lane=${stream.lane}
+            .models=${stream.models}
             ?blurred=${stream.blurred}
             ?unblurrable=${stream.may_unblur}
             .online=${this.isOnline(detail)}

@@ -163,6 +163,7 @@ export class PageActuate extends LitElement {
           .name=${stream?.name ?? ""}
           .detect=${stream?.detect}
           .lane=${stream?.lane}
+          .models=${stream?.models}
           ?blurred=${stream?.blurred}
           ?unblurrable=${stream?.may_unblur}
           ?driving=${seat !== null && seat.machine.phase !== "idle"}

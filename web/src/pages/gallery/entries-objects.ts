@@ -4,6 +4,12 @@ import { html, type TemplateResult } from "lit";
 import { styled } from "../../elements/base/style-directive.js";
 import "../../elements/camera/detection-boxes.js";
 import type { FramedObject } from "../../elements/camera/detection-boxes.js";
+import "../../elements/camera/model-overlay.js";
+import "../../elements/camera/models-strip.js";
+import type { ModelRow } from "../../elements/camera/models-strip.js";
+import type { PictureOverlay } from "../../elements/camera/overlay-layer.js";
+import type { PictureModelShape } from "../../generated/api.js";
+import type { OverlayLayer } from "../../generated/wire.js";
 import "../../elements/camera/objects-overlay.js";
 import type { DetectorState } from "../../elements/camera/objects-overlay.js";
 import "../../elements/camera/objects-choice.js";
@@ -67,6 +73,54 @@ function renderSeen(more: Partial<SightingFacts>, picture = ""): TemplateResult 
   return html`<t-sighting .sighting=${{ ...SEEN, ...more }} camera="Front camera" picture=${picture} zone="Europe/Madrid"><a href="/gallery">Chart</a></t-sighting>`;
 }
 
+const NO_LAYER: OverlayLayer = { t: "layer", rows: 0, columns: 0, runs: new Uint8Array(), near: null, far: null, poses: [], likely: [] };
+
+function modelOf(kind: PictureModelShape["kind"], more: Partial<PictureModelShape> = {}): PictureModelShape {
+  return { id: kind, kind, classes: [], points: [], bones: [], confidence: 0.5, max_rate: 5, zones: [], ...more };
+}
+
+/** A map of 60 by 80 cells, each by its place (0 to 1). */
+function mapOf(valueAt: (x: number, y: number) => number, more: Partial<OverlayLayer> = {}): OverlayLayer {
+  const cells = Array.from({ length: 4800 }, (_, at) => valueAt((at % 80) / 80, Math.floor(at / 80) / 60));
+  return { ...NO_LAYER, rows: 60, columns: 80, runs: Uint8Array.from(cells.flatMap((value) => [1, value])), ...more };
+}
+
+const GROUND = modelOf("segmentation", { classes: ["background", "floor", "wall", "door"] });
+const GROUND_LAYER = mapOf((x, y) => (y > 0.55 + Math.abs(x - 0.5) * 0.3 ? 1 : x < 0.3 ? 2 : x > 0.7 && x < 0.9 && y > 0.2 ? 3 : 0));
+const SKELETON = [[0, 1], [1, 2], [1, 3], [1, 4], [4, 5], [4, 6]] as const;
+const POSE = modelOf("keypoints", {
+  classes: ["person"],
+  points: ["head", "neck", "left hand", "right hand", "hip", "left foot", "right foot"],
+  bones: SKELETON.map(([start, end]) => ({ start, end })),
+});
+const POSE_LAYER: OverlayLayer = {
+  ...NO_LAYER,
+  poses: [
+    {
+      t: "pose", score: 0.91, left: 0.3, top: 0.25, right: 0.6, bottom: 0.95,
+      points: [[0.45, 0.3, 0.9], [0.45, 0.42, 0.9], [0.34, 0.55, 0.8], [0.57, 0.36, 0.8], [0.45, 0.65, 0.9], [0.4, 0.92, 0.7], [0.52, 0.92, 0.3]],
+    },
+  ],
+};
+const DEPTH = modelOf("depth");
+const DEPTH_LAYER = mapOf((x, y) => (y < 0.05 ? 255 : Math.round(15 * Math.min(1, y * 0.7 + (Math.hypot(x - 0.3, y - 0.6) < 0.2 ? 0.4 : 0)))), { near: 0.84, far: 6.2 });
+
+function renderModel(overlays: readonly PictureOverlay[], ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
+  return html`<div ${styled({ position: "relative", "aspect-ratio": "4 / 3", background: ground })}>
+    <t-model-overlay .overlays=${overlays}></t-model-overlay>
+  </div>`;
+}
+
+function renderModels(models: readonly ModelRow[]): TemplateResult {
+  return html`<div ${styled({ "min-block-size": "6rem", background: "#667" })}><t-models .models=${models}></t-models></div>`;
+}
+
+const FLOOR: readonly ModelRow["words"][number][] = [
+  { text: "floor 38\u00a0%", colour: 2 },
+  { text: "wall 17\u00a0%", colour: 3 },
+  { text: "door 7\u00a0%", colour: 4 },
+];
+
 export const entries: readonly GalleryEntry[] = [
   {
     tag: "t-boxes",
@@ -98,6 +152,39 @@ export const entries: readonly GalleryEntry[] = [
       { name: "some seen", show: () => renderObjects(true, "telling", [{ label: "person", many: 2 }, { label: "dog", many: 1 }]) },
       { name: "the detector is silent", show: () => renderObjects(true, "silent", []) },
       { name: "while driving", show: () => renderObjects(true, "telling", [{ label: "person", many: 1 }], true) },
+    ],
+  },
+  {
+    tag: "t-model-overlay",
+    states: [
+      { name: "areas", show: () => renderModel([{ model: GROUND, layer: GROUND_LAYER, earlier: false }]) },
+      { name: "areas of an earlier picture", show: () => renderModel([{ model: GROUND, layer: GROUND_LAYER, earlier: true }]) },
+      { name: "areas on white", show: () => renderModel([{ model: GROUND, layer: GROUND_LAYER, earlier: false }], "#fff") },
+      { name: "key points", show: () => renderModel([{ model: POSE, layer: POSE_LAYER, earlier: false }]) },
+      { name: "key points of an earlier picture", show: () => renderModel([{ model: POSE, layer: POSE_LAYER, earlier: true }]) },
+      { name: "depth", show: () => renderModel([{ model: DEPTH, layer: DEPTH_LAYER, earlier: false }], "#345") },
+      { name: "nothing", show: () => renderModel([]) },
+    ],
+  },
+  {
+    tag: "t-models",
+    states: [
+      { name: "off", show: () => renderModels([{ id: "ground", on: false, state: "waiting", words: [] }]) },
+      { name: "waiting for the model", show: () => renderModels([{ id: "ground", on: true, state: "waiting", words: [] }]) },
+      { name: "areas", show: () => renderModels([{ id: "ground", on: true, state: "telling", words: FLOOR }]) },
+      { name: "more classes than have room", show: () => renderModels([{ id: "ground", on: true, state: "telling", words: [...FLOOR, ...FLOOR, ...FLOOR] }]) },
+      { name: "nothing of it", show: () => renderModels([{ id: "ground", on: true, state: "telling", words: [] }]) },
+      { name: "the model is silent", show: () => renderModels([{ id: "ground", on: true, state: "silent", words: FLOOR }]) },
+      {
+        name: "several",
+        show: () =>
+          renderModels([
+            { id: "ground", on: true, state: "telling", words: FLOOR },
+            { id: "room", on: true, state: "telling", words: [{ text: "hall 93\u00a0%", colour: 0 }, { text: "kitchen 5\u00a0%", colour: 0 }] },
+            { id: "pose", on: true, state: "telling", words: [{ text: "2\u00a0× person", colour: 0 }] },
+            { id: "far", on: false, state: "waiting", words: [] },
+          ]),
+      },
     ],
   },
   {

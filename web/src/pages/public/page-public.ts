@@ -155,6 +155,7 @@ export class PagePublic extends LitElement {
           .name=${stream.name}
           .detect=${stream.detect}
           .lane=${stream.lane}
+          .models=${stream.models}
           ?blurred=${stream.blurred}
           ?unblurrable=${stream.may_unblur}
           .online=${online}

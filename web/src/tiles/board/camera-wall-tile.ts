@@ -58,6 +58,7 @@ export class CameraWallTile extends LitElement {
           .name=${stream.name}
           .detect=${stream.detect}
           .lane=${stream.lane}
+          .models=${stream.models}
           .online=${context?.online ?? false}
           ?filling=${this.alone || this.single}
           ?driving=${context?.pictures.isDriven(stream.address) ?? false}

@@ -5,7 +5,7 @@ import { LiveValuesController } from "../../controllers/live-values.js";
 import { laneMark } from "../../elements/camera/lane-shape.js";
 import { markCount, type PictureMark } from "../../elements/camera/mark-shapes.js";
 import "./marks-button.js";
-import type { DetectShape, LaneShape, PictureMarkShape } from "../../generated/api.js";
+import type { DetectShape, LaneShape, PictureMarkShape, PictureModelShape } from "../../generated/api.js";
 
 const NONE: readonly PictureMark[] = [];
 /** One choice for all cameras of this browser; kept only where they are hidden. */
@@ -14,6 +14,7 @@ const HIDDEN_KEY = "talaia.marks.hidden";
 export class CameraMarks {
   private detects: DetectShape | null = null;
   private lane: LaneShape | null = null;
+  private models: readonly PictureModelShape[] = [];
   private hidden: boolean;
   private readonly values: LiveValuesController;
 
@@ -26,8 +27,8 @@ export class CameraMarks {
   }
 
   /** Call it from `willUpdate`. */
-  setSubject(site: string, detects: DetectShape | null, lane: LaneShape | null = null): void {
-    [this.detects, this.lane] = [detects, lane];
+  setSubject(site: string, detects: DetectShape | null, lane: LaneShape | null = null, models: readonly PictureModelShape[] = []): void {
+    [this.detects, this.lane, this.models] = [detects, lane, models];
     const counts = this.described.flatMap((mark) => mark.counts.map(({ signal }) => signal));
     const wanted = lane === null ? counts : [...counts, lane.offset, lane.heading, lane.width];
     this.values.observeChannels(site, this.hidden ? [] : [...new Set(wanted)].filter((signal) => signal !== ""));
@@ -36,7 +37,7 @@ export class CameraMarks {
   /** What lies over the picture now. */
   get marks(): readonly PictureMark[] {
     if (this.hidden) return NONE;
-    const zones = (this.detects?.zones ?? []).map((mark) => this.markNow("zone", mark));
+    const zones = [...(this.detects?.zones ?? []), ...this.modelZones].map((mark) => this.markNow("zone", mark));
     const lines = (this.detects?.lines ?? []).map((mark) => this.markNow("line", mark));
     const lane = this.laneNow();
     const marks = [...zones, ...lines, ...(lane === null ? [] : [lane])];
@@ -50,7 +51,11 @@ export class CameraMarks {
   }
 
   private get described(): readonly PictureMarkShape[] {
-    return [...(this.detects?.zones ?? []), ...(this.detects?.lines ?? [])];
+    return [...(this.detects?.zones ?? []), ...(this.detects?.lines ?? []), ...this.modelZones];
+  }
+
+  private get modelZones(): readonly PictureMarkShape[] {
+    return this.models.flatMap(({ zones }) => zones);
   }
 
   private markNow(kind: PictureMark["kind"], { id, name, points, counts }: PictureMarkShape): PictureMark {

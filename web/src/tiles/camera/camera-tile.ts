@@ -18,8 +18,9 @@ import { H264Player, supportsH264 } from "./h264-player.js";
 import { BoxSync, type CurrentBoxes } from "./box-sync.js";
 import { JpegPlayer } from "./jpeg-player.js";
 import { CameraMarks } from "./camera-marks.js";
+import { ModelOverlays } from "./model-overlays.js";
 import { ObjectDetection } from "./object-detection.js";
-import type { DetectShape, LaneShape } from "../../generated/api.js";
+import type { DetectShape, LaneShape, PictureModelShape } from "../../generated/api.js";
 
 const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
 /** The age on the picture changes this often. */
@@ -89,6 +90,8 @@ export class CameraTile extends LitElement {
   /** What is looked for on its pictures; null where nothing is. */
   @property({ attribute: false }) detect: DetectShape | null | undefined = null;
   @property({ attribute: false }) lane: LaneShape | null | undefined = null;
+  /** What else looks at its pictures. */
+  @property({ attribute: false }) models: readonly PictureModelShape[] | undefined = [];
   /** It shows single exposures (see `showsExposures`): none is live, and one without contrast is a picture, too. */
   @property({ type: Boolean }) still = false;
   /** Faces on its pictures are blurred for those who may not see them. */
@@ -124,6 +127,7 @@ export class CameraTile extends LitElement {
   });
   private readonly objects = new ObjectDetection(this, browserStorage());
   private readonly marked = new CameraMarks(this, browserStorage());
+  private readonly modelled = new ModelOverlays(this, browserStorage());
   private readonly inStep = new BoxSync<DecodedPicture, CameraPicture>();
   private dueTimer: ReturnType<typeof setTimeout> | undefined;
   private arrivals: number[] = [];
@@ -159,7 +163,8 @@ export class CameraTile extends LitElement {
   override willUpdate(changed: PropertyValues<this>): void {
     // Of another camera nothing has been asked.
     if (changed.has("stream") || changed.has("site")) this.unblurred = false;
-    this.marked.setSubject(this.site, this.detect ?? null, this.lane ?? null);
+    this.marked.setSubject(this.site, this.detect ?? null, this.lane ?? null, this.models ?? []);
+    this.modelled.setSubject(this.site, this.stream, this.models ?? []);
     this.objects.setSubject({ site: this.site, stream: this.stream, detects: this.detect ?? null });
   }
 
@@ -194,11 +199,12 @@ export class CameraTile extends LitElement {
       .full=${this.full}
       ?still=${this.still}
       .marks=${this.marked.marks}
+      .overlays=${this.modelled.overlaysOn(this.last, now, this.driving)}
       .things=${this.objects.framedThings(things)}
       ?earlier=${this.seen?.standing === "earlier"}
       ?editing=${this.editing}
       @t-fullscreen=${this.onFullScreenRequest}
-        ><slot name="over" slot="over"></slot><slot name="hud" slot="hud"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${
+        ><slot name="over" slot="over"></slot><slot name="hud" slot="hud"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${this.modelled.renderStrip(now)}${
           this.marked.renderButton()
         }${
           this.blurred && this.stream !== ""
@@ -266,6 +272,9 @@ export class CameraTile extends LitElement {
           this.inStep.addBoxes(boxes, now);
           this.seen = this.inStep.currentBoxes(now);
         },
+        onOverlay: (overlay) => {
+          this.modelled.receiveOverlay(overlay, performance.now());
+        },
         onTrouble: (why) => {
           this.media = "bad";
           this.why = why;
@@ -290,6 +299,9 @@ export class CameraTile extends LitElement {
     const on = this.objects.isWanted && !document.hidden && this.inSight;
     this.socket?.requestBoxes(on);
     if (!on) this.inStep.clearBoxes();
+    const drawn = this.modelled.isWanted && !document.hidden && this.inSight;
+    this.socket?.requestOverlays(drawn);
+    if (!drawn) this.modelled.clearOverlays();
   }
 
   private readonly onFullScreenRequest = (event: Event): void => {
@@ -359,6 +371,7 @@ export class CameraTile extends LitElement {
     this.film = null;
     clearTimeout(this.dueTimer);
     this.inStep.close();
+    this.modelled.clearOverlays();
     this.seen = null;
     this.last = null;
     this.socket = null;

@@ -223,12 +223,13 @@ export class CameraPart extends DevicePart {
       </div>
       ${map(
         streams,
-        ({ address, name, detect, lane, blurred, may_unblur: unblurrable }) => html`<t-camera
+        ({ address, name, detect, lane, models, blurred, may_unblur: unblurrable }) => html`<t-camera
           .site=${this.site}
           .stream=${address}
           .name=${name}
           .detect=${detect}
           .lane=${lane}
+          .models=${models}
           ?blurred=${blurred}
           ?unblurrable=${unblurrable}
           .online=${this.online}

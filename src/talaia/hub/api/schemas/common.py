@@ -35,6 +35,7 @@ from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydant
 from talaia.hub.api.schemas.sighting_schemas import (  # noqa: TC001 - pydantic reads them
     LaneShape,
     PictureMarkShape,
+    PictureModelShape,
     SeenShape,
 )
 from talaia.hub.auth.permissions import Right  # noqa: TC001 - pydantic reads it
@@ -256,6 +257,7 @@ class StreamShape(Schema):
     public: bool
     detect: DetectShape | None = None
     lane: LaneShape | None = None
+    models: list[PictureModelShape] = []
     blurred: bool = False
     may_unblur: bool = False
 

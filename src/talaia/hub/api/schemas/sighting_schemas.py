@@ -6,15 +6,17 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from talaia.model.detection import Measured  # noqa: TC001 - pydantic reads it
+from talaia.model.detection import Measured, ModelKind  # noqa: TC001 - pydantic reads them
 
 __all__ = [
+    "BoneShape",
     "CrossingShape",
     "LabelShape",
     "LaneShape",
     "MarkCountShape",
     "PathPlace",
     "PictureMarkShape",
+    "PictureModelShape",
     "PicturePlace",
     "ReviewDay",
     "ReviewDays",
@@ -66,6 +68,26 @@ class LaneShape(BaseModel):
     heading: str = Field(description="signal: it is turned so against the lane (rad)")
     width: str = Field(description="signal: so wide is the lane (m)")
     max_age: float = Field(description="older than this they are stale (s)")
+
+
+class BoneShape(BaseModel):
+    """Two points of a thing that are drawn joined, by their numbers."""
+
+    start: int
+    end: int
+
+
+class PictureModelShape(BaseModel):
+    """A model of one's own that looks at a camera's pictures and tells no boxes."""
+
+    id: str = Field(description="its name in the site description")
+    kind: ModelKind
+    classes: list[str]
+    points: list[str] = Field(description="of keypoints, in the order in which they are told")
+    bones: list[BoneShape] = Field(description="of keypoints: which points are drawn joined")
+    confidence: float = Field(description="what is less sure is not drawn, 0 to 1")
+    max_rate: float = Field(description="pictures a second that are looked at, at the most (Hz)")
+    zones: list[PictureMarkShape]
 
 
 class StayShape(BaseModel):

@@ -12,6 +12,7 @@ import numpy as np
 
 from talaia.hub.api.driving.drive_schemas import DrivenJointShape
 from talaia.hub.api.driving.lane_views import describe_lane
+from talaia.hub.api.driving.picture_model_views import describe_models, mark_shapes
 from talaia.hub.api.maps.site_map_views import describe_map, glance_at
 from talaia.hub.api.schemas.account_schemas import DeviceSummary
 from talaia.hub.api.schemas.common import (
@@ -27,7 +28,7 @@ from talaia.hub.api.schemas.common import (
     StreamShape,
 )
 from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
-from talaia.hub.api.schemas.sighting_schemas import MarkCountShape, PictureMarkShape, PicturePlace
+from talaia.hub.api.schemas.sighting_schemas import MarkCountShape
 from talaia.hub.api.sites.command_states import command_part, signal_part, state_need
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
@@ -64,7 +65,6 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from talaia.hub.live.sites import LiveSite
-    from talaia.model.detection import PictureLine, PictureZone
     from talaia.model.discovery.role_proposal import DeviceRoles
     from talaia.model.site import Command, Device, Drive, Signal, Site
     from talaia.model.units.conversion import Conversion
@@ -244,6 +244,7 @@ def _device_schema(
                 public=stream.visibility is Visibility.PUBLIC,
                 detect=_detect_schema(site, device_id, stream_id, grants),
                 lane=describe_lane(site, device_id, stream_id, grants),
+                models=describe_models(site, device_id, stream_id, grants),
                 blurred=stream.blur is not None,
                 may_unblur=stream.blur is not None
                 and sees_unblurred(grants, site, device_id, stream_id),
@@ -346,7 +347,7 @@ def _detect_schema(
     lines: dict[str, list[MarkCountShape]] = {}
     for signal_id, signal in device.signals.items():
         source = signal.source
-        if not isinstance(source, DetectionSource) or source.stream != stream_id:
+        if not isinstance(source, DetectionSource) or source.stream != stream_id or source.model:
             continue
         if not sees_signal(grants, site, device_id, signal_id):
             continue
@@ -363,23 +364,9 @@ def _detect_schema(
     return DetectShape(
         classes=list(detect.classes),
         confidence=detect.confidence,
-        zones=_mark_schemas(detect.zones, zones),
-        lines=_mark_schemas(detect.lines, lines),
+        zones=mark_shapes(detect.zones, zones),
+        lines=mark_shapes(detect.lines, lines),
     )
-
-
-def _mark_schemas(
-    marks: Mapping[str, PictureZone | PictureLine], counts: Mapping[str, list[MarkCountShape]]
-) -> list[PictureMarkShape]:
-    return [
-        PictureMarkShape(
-            id=mark_id,
-            name=mark.name,
-            points=[PicturePlace(x=x, y=y) for x, y in mark.points],
-            counts=counts.get(mark_id, []),
-        )
-        for mark_id, mark in marks.items()
-    ]
 
 
 def _command_schema(

@@ -102,6 +102,7 @@ _KINDS: dict[type[Message], tuple[str, Allowance]] = {
     frames.ObservationUpdate: ("night", _REPORTS),
     frames.PictureFrame: ("pictures", _PICTURES),
     frames.DetectedBoxes: ("boxes", _PICTURES),
+    frames.ModelOverlay: ("overlays", _PICTURES),
     frames.StreamError: ("topics", _ABOUT_TAPS),
     frames.TapMessage: ("taps", _TAPS),
     frames.TopicList: ("topics", _ABOUT_TAPS),

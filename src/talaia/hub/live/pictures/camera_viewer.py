@@ -36,6 +36,8 @@ __all__ = ["Viewer"]
 _FAREWELL_S = 0.3
 # Problems that wait; the oldest goes.
 _MOST_NOTES = 8
+# Models of one camera whose word waits; a description has no more.
+_MOST_OVERLAYS = 8
 # What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
@@ -100,8 +102,8 @@ class Viewer:
         self.flow = PicturePacing(able)
         # Pages that name no abilities are of older versions, which do not read problems.
         self.hears_problems = bool(able)
-        # What is seen on the pictures is wanted, too.
-        self.wants_boxes = False
+        # What is seen on the pictures is wanted, too, and what models tell of them.
+        self.wants_boxes = self.wants_overlays = False
         # Told that what it wants, or its need of a picture to begin with, may have changed.
         self.on_flow: Callable[[Viewer], None] = lambda _viewer: None
         # The form that the camera was last asked for because of this page.
@@ -113,6 +115,8 @@ class Viewer:
         self._notes: deque[Frame] = deque(maxlen=_MOST_NOTES)
         # What is seen on the newest picture; only the newest counts.
         self._boxes: Frame | None = None
+        # The newest of each model that has not gone out, by its name.
+        self._overlays: dict[str, Frame] = {}
         # Something may be sent.
         self._wake = asyncio.Event()
         # The session is over.
@@ -129,6 +133,14 @@ class Viewer:
     def boxes(self, frame: Frame) -> None:
         """Hand over what is seen on a picture, in place of what has not gone out yet."""
         self._boxes = frame
+        self._wake.set()
+
+    def queue_overlay(self, model: str, frame: Frame) -> None:
+        """Hand over what a model tells, in place of what it told and has not gone out yet."""
+        self._overlays.pop(model, None)
+        self._overlays[model] = frame
+        if len(self._overlays) > _MOST_OVERLAYS:
+            del self._overlays[next(iter(self._overlays))]
         self._wake.set()
 
     def _send_state(self) -> None:
@@ -183,7 +195,7 @@ class Viewer:
                 case ViewerAttention():
                     self.flow.glance(still=message.still)
                 case BoxesRequest():
-                    self._ask_boxes(on=message.on)
+                    self._ask_boxes(on=message.on, overlays=message.overlays)
             self._wake.set()
             self._send_state()
 
@@ -200,12 +212,15 @@ class Viewer:
             if self._boxes is not None and not self.flow.waits:
                 boxes, self._boxes = self._boxes, None
                 await self._send(boxes)
+            while self._overlays and not self.flow.waits:
+                await self._send(self._overlays.pop(next(iter(self._overlays))))
 
-    def _ask_boxes(self, *, on: bool) -> None:
-        if on != self.wants_boxes:
-            self.wants_boxes = on
+    def _ask_boxes(self, *, on: bool, overlays: bool) -> None:
+        if (on, overlays) != (self.wants_boxes, self.wants_overlays):
+            self.wants_boxes, self.wants_overlays = on, overlays
             # Those of before are of pictures that have gone.
             self._boxes = None
+            self._overlays.clear()
             self.on_flow(self)
 
     async def _send(self, frame: Frame) -> None:

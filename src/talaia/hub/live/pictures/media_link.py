@@ -23,6 +23,7 @@ from talaia.wire.frames import (
     BeatReply,
     Bye,
     DetectedBoxes,
+    ModelOverlay,
     PictureFrame,
     RobotGraph,
     StreamError,
@@ -64,6 +65,7 @@ class MediaReceivers(NamedTuple):
     trouble: Callable[[StreamError], None]
     # What is seen.
     boxes: Callable[[DetectedBoxes], None]
+    overlay: Callable[[ModelOverlay], None]
     taps: Callable[[TapFromGateway], None]
     # Waited for before each message is read on.
     admit: Callable[[Message], Awaitable[None]]
@@ -124,6 +126,8 @@ class GatewayCamera:
                     receivers.trouble(message)
                 case DetectedBoxes():
                     receivers.boxes(message)
+                case ModelOverlay():
+                    receivers.overlay(message)
                 case TapMessage() | TopicList() | TapSchema() | TapError() | RobotGraph():
                     receivers.taps(message)
                     # What has come already is read without a pause: of a large message all pieces,
@@ -185,6 +189,7 @@ class MediaLinks:
                     picture=lambda picture: self._publish(key, picture),
                     trouble=lambda said: self._media.trouble(site, said),
                     boxes=lambda boxes: self._media.boxes(site, boxes),
+                    overlay=lambda overlay: self._media.publish_overlay(site, overlay),
                     taps=lambda said: self._receive_tap(key, camera, said),
                     admit=partial(self._flood_guard.admit_frame, key),
                 )

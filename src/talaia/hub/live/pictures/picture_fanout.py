@@ -10,7 +10,12 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.hub.live.pictures.picture_pacing import Ready
-from talaia.wire.browser import MEDIA_TO_BROWSER, CameraPicture, CameraPictureBoxes
+from talaia.wire.browser import (
+    MEDIA_TO_BROWSER,
+    CameraPicture,
+    CameraPictureBoxes,
+    CameraPictureOverlay,
+)
 from talaia.wire.frames import (
     KeyframeRequest,
     PictureForm,
@@ -27,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.pages.outbox import Frame
     from talaia.hub.live.pictures.camera_viewer import Viewer
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.wire.frames import DetectedBoxes, PictureFrame, StreamError
+    from talaia.wire.frames import DetectedBoxes, ModelOverlay, PictureFrame, StreamError
 
 __all__ = ["PictureFanout"]
 
@@ -51,8 +56,9 @@ class PictureFanout:
         self._timers: dict[tuple[str, str], asyncio.TimerHandle] = {}
         # What the gateway was asked for last; asked again only when it changes.
         self._forms: dict[tuple[str, str], frozenset[PictureForm]] = {}
-        # Streams of which boxes are asked for, too.
+        # Streams of which boxes are asked for, too, and of which overlays.
         self._boxed: set[tuple[str, str]] = set()
+        self._overlaid: set[tuple[str, str]] = set()
         # Who looks for the hub itself: in which form, and who is handed each picture.
         self._eyes: dict[tuple[str, str], tuple[PictureForm, Callable[[PictureFrame], None]]] = {}
         # Why a stream cannot be shown, as its pages were last told; a picture ends it.
@@ -93,7 +99,10 @@ class PictureFanout:
                 if where == site
             }
             boxed = sorted(stream for where, stream in self._boxed if where == site)
-            live.link.send(StreamSubscription(streams=list(forms), forms=forms, boxes=boxed))
+            overlaid = sorted(stream for where, stream in self._overlaid if where == site)
+            live.link.send(
+                StreamSubscription(streams=list(forms), forms=forms, boxes=boxed, overlays=overlaid)
+            )
 
     def watch_stream(
         self, site: str, stream: str, form: PictureForm, take: Callable[[PictureFrame], None]
@@ -118,16 +127,24 @@ class PictureFanout:
         if key not in self._boxed:
             return
         said = CameraPictureBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
-        written: dict[bool, Frame] = {}
+        frame_for = _written_once(said)
         for viewer in self._viewers_of_camera(key):
             if viewer.wants_boxes:
-                frame = written.get(viewer.text)
-                if frame is None:
-                    encode = (
-                        MEDIA_TO_BROWSER.encode_text if viewer.text else MEDIA_TO_BROWSER.encode
-                    )
-                    frame = written[viewer.text] = encode(said)
-                viewer.boxes(frame)
+                viewer.boxes(frame_for(viewer))
+
+    def publish_overlay(self, site: str, overlay: ModelOverlay) -> None:
+        """Hand what a model tells of a picture to those who asked; as `boxes`."""
+        key = (site, overlay.stream)
+        if key not in self._overlaid:
+            return
+        frame_for = _written_once(
+            CameraPictureOverlay(
+                seq=overlay.seq, time_us=overlay.time_us, model=overlay.model, layer=overlay.layer
+            )
+        )
+        for viewer in self._viewers_of_camera(key):
+            if viewer.wants_overlays:
+                viewer.queue_overlay(overlay.model, frame_for(viewer))
 
     def close(self) -> None:
         """Stop the timers."""
@@ -209,8 +226,15 @@ class PictureFanout:
             wanted |= {self._eyes[key][0]}
         # Of a camera, whichever of its streams is looked at.
         camera = (key[0], camera_address(key[1]))
-        boxed = any(viewer.wants_boxes for viewer in self._viewers_of_camera(camera))
-        if self._forms.get(key, frozenset()) == wanted and (camera in self._boxed) == boxed:
+        looking = self._viewers_of_camera(camera)
+        boxed = any(viewer.wants_boxes for viewer in looking)
+        overlaid = any(viewer.wants_overlays for viewer in looking)
+        before = (
+            self._forms.get(key, frozenset()),
+            camera in self._boxed,
+            camera in self._overlaid,
+        )
+        if before == (wanted, boxed, overlaid):
             return
         self._forms[key] = wanted
         if not wanted:
@@ -218,6 +242,7 @@ class PictureFanout:
             self._troubles.pop(key, None)
         # Before it is asked for: `watch` tells all of a site from these.
         (self._boxed.add if boxed else self._boxed.discard)(camera)
+        (self._overlaid.add if overlaid else self._overlaid.discard)(camera)
         self.watch(key[0])
 
     def _viewers_of_camera(self, camera: tuple[str, str]) -> list[Viewer]:
@@ -230,3 +255,19 @@ class PictureFanout:
         if not self._viewers.get(key):
             self._viewers.pop(key, None)
             self._request_stream(key)
+
+
+def _written_once(
+    said: CameraPictureBoxes | CameraPictureOverlay,
+) -> Callable[[Viewer], Frame]:
+    """Give a function that gives the message as a viewer reads it, written once for all of them."""
+    written: dict[bool, Frame] = {}
+
+    def frame_for(viewer: Viewer) -> Frame:
+        frame = written.get(viewer.text)
+        if frame is None:
+            encode = MEDIA_TO_BROWSER.encode_text if viewer.text else MEDIA_TO_BROWSER.encode
+            frame = written[viewer.text] = encode(said)
+        return frame
+
+    return frame_for
