@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -10,7 +9,12 @@ import numpy as np
 
 from talaia.extensions.declarations import DetectorExtension
 from talaia.extensions.installed import installed_extensions
-from talaia.hub.anomaly.base import AnomalyDetector, dump_detector, load_detector
+from talaia.hub.anomaly.base import (
+    AnomalyDetector,
+    copy_detector,
+    dump_detector,
+    load_detector,
+)
 from talaia.hub.anomaly.baseline import Quartiles
 from talaia.hub.anomaly.episode_runner import EpisodeRunner
 from talaia.hub.anomaly.episodes import Episodes
@@ -198,7 +202,7 @@ class DetectorRunner(EpisodeRunner):
                 scores[place] = self.score
             return scores, turns
         while at < len(values):
-            before = copy.deepcopy(self.detector)
+            before = copy_detector(self.detector)
             part = self.detector.see_many(times[at:], values[at:])
             begins = self._pass_scores(times[at:], part, turns)
             scores[at : at + begins] = part[:begins]

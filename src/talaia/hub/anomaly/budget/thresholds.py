@@ -36,12 +36,12 @@ FEWEST_COUNTED = 3
 # The greatest two may be faults.
 _DOUBTED = 2
 # The level that a detector's tail is fitted above: so many peaks from the top.
-_ANCHOR, _FITTED, _POOLED = 14, 40, 30
+_ANCHOR, _FITTED, _POOLED = 5, 10, 30
 # More false alarms are not asked for: 50 a week for eight weeks.
 _MOST_POOLED = 400
-# A tail of fewer peaks is taken for a heavy one.
+# How heavy a tail is (its slope on the logarithm): usually, and within what bounds.
 _FEWEST_PEAKS = 5
-_HEAVY, _LIGHTEST, _HEAVIEST = 0.5, 0.01, 1.5
+_USUAL, _COUNTS_AS, _LIGHTEST, _HEAVIEST = 0.3, 6, 0.15, 0.8
 
 
 class Basis(StrEnum):
@@ -123,12 +123,14 @@ def _fit_tail(peaks: Sequence[Peak], blocks: int) -> _TailFit:
     values = _pool(there)
     if not values:
         # Nothing came near: whatever does is rarer than what was seen.
-        return _TailFit(math.ulp(0.0), _HEAVY, 1, blocks)
+        return _TailFit(math.ulp(0.0), _USUAL, 1, blocks)
     count = min(len(values), _ANCHOR)
-    index = _HEAVY
+    index = _USUAL
     if len(values) >= _FEWEST_PEAKS:
-        logs = [math.log(value) for value in values]
-        index = _mean_spacing(logs[:_FITTED])
+        logs = [math.log(value) for value in values[:_FITTED]]
+        # From so few it is known badly: the usual one counts as so many more spacings.
+        there = len(logs) - 1 - _DOUBTED
+        index = (there * _mean_spacing(logs) + _COUNTS_AS * _USUAL) / (there + _COUNTS_AS)
         index = min(max(index, _LIGHTEST), _HEAVIEST)
     return _TailFit(values[count - 1], index, count, blocks)
 
