@@ -127,6 +127,16 @@ def test_a_fault_that_nobody_confirmed_does_not_make_the_site_deaf():
     assert after.of[key][0] < 2 * before.of[key][0]
 
 
+def test_a_machine_that_stands_still_half_of_the_time_does_not_make_the_site_deaf():
+    tails = tails_of(3, 1.0, 3)
+    peaks = tails["device/signal0", "change"].peaks[0]
+    # While it stands a change of nothing at all is a rare one, but no great one.
+    for at, peak in enumerate(peaks):
+        peak.greatest *= 1e-30 if at % 2 else 1.0
+    for key, needs in site_thresholds(tails, 1.0).of.items():
+        assert needs[0] < 10 * max(peak.greatest for peak in tails[key].peaks[0])
+
+
 def test_a_site_without_a_single_peak_has_finite_thresholds():
     tail = ScoreTail()
     for block in range(WEEK_BLOCKS):

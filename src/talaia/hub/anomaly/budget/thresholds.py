@@ -36,12 +36,12 @@ FEWEST_COUNTED = 3
 # The greatest two may be faults.
 _DOUBTED = 2
 # The level that a detector's tail is fitted above: so many peaks from the top.
-_ANCHOR, _FITTED, _POOLED = 5, 10, 30
+_ANCHOR, _FITTED, _POOLED = 2, 10, 30
 # More false alarms are not asked for: 50 a week for eight weeks.
 _MOST_POOLED = 400
 # How heavy a tail is (its slope on the logarithm): usually, and within what bounds.
 _FEWEST_PEAKS = 5
-_USUAL, _COUNTS_AS, _LIGHTEST, _HEAVIEST = 0.3, 6, 0.15, 0.8
+_USUAL, _COUNTS_AS, _LIGHTEST, _HEAVIEST = 0.25, 6, 0.15, 0.4
 
 
 class Basis(StrEnum):
