@@ -129,8 +129,8 @@ def _fit_tail(peaks: Sequence[Peak], blocks: int) -> _TailFit:
     if len(values) >= _FEWEST_PEAKS:
         logs = [math.log(value) for value in values[:_FITTED]]
         # From so few it is known badly: the usual one counts as so many more spacings.
-        there = len(logs) - 1 - _DOUBTED
-        index = (there * _mean_spacing(logs) + _COUNTS_AS * _USUAL) / (there + _COUNTS_AS)
+        many = len(logs) - 1 - _DOUBTED
+        index = (many * _mean_spacing(logs) + _COUNTS_AS * _USUAL) / (many + _COUNTS_AS)
         index = min(max(index, _LIGHTEST), _HEAVIEST)
     return _TailFit(values[count - 1], index, count, blocks)
 
