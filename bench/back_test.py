@@ -1,6 +1,6 @@
 """What a test on a month of stored history takes: one signal at 1 Hz, by the hub's own code.
 
-    PYTHONPATH=src python bench/back_test.py [--days 30] [--detector together]
+    PYTHONPATH=src python bench/back_test.py [--days 30] [--runs 1] [--detector together]
 
 The signal has a rhythm of the day, a drift and noise, rounded to three decimals; it is written to a
 store on SQLite in a temporary folder and read from there. A test computes half of the time at most,
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import math
 import sys
 import tempfile
 import time
@@ -55,33 +56,39 @@ async def _test_past(store: HistoryStore, days: int, detector: str) -> BackTest:
     return test
 
 
-async def _measure(folder: str, days: int, detector: str) -> float:
+async def _measure(folder: str, days: int, runs: int, detector: str) -> float:
     store = HistoryStore(f"sqlite:///{Path(folder) / 'history.db'}", SystemClock())
     await store.create_tables()
     await store.open()
     await _fill_store(store, days)
-    began, used = time.perf_counter(), time.process_time()
-    test = await _test_past(store, days, detector)
-    took, used = time.perf_counter() - began, time.process_time() - used
+    least = math.inf
+    for _ in range(runs):
+        began, used = time.perf_counter(), time.process_time()
+        test = await _test_past(store, days, detector)
+        took, used = time.perf_counter() - began, time.process_time() - used
+        if test.state is not TestState.DONE:
+            raise SystemExit(f"the test is {test.state}: {test.problem}")
+        print(
+            f"{detector}: {test.rows} samples, {test.count} anomalies; of a core {used:.1f} s with"
+            f" all that reads, {test.cpu_s:.1f} s the detector:"
+            f" {test.cpu_s / max(1, test.rows) * 1e6:.1f} µs a sample; waited for {took:.1f} s",
+            flush=True,
+        )
+        least = min(least, used * 30 / days)
     await store.close()
-    if test.state is not TestState.DONE:
-        raise SystemExit(f"the test is {test.state}: {test.problem}")
-    print(
-        f"{detector}: {test.rows} samples, {test.count} anomalies; of a core {used:.1f} s with all"
-        f" that reads (limit {MOST_S:g} for 30 days), {test.cpu_s:.1f} s the detector:"
-        f" {test.cpu_s / max(1, test.rows) * 1e6:.1f} µs a sample; waited for {took:.1f} s"
-    )
-    return used * 30 / days
+    print(f"a month, by the least of them: {least:.0f} s of a core (limit {MOST_S:g})")
+    return least
 
 
 def main() -> int:
     """Print what it took; 1 when that is above the limit."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--days", type=int, default=30)
+    parser.add_argument("--runs", type=int, default=1, help="the least of them counts")
     parser.add_argument("--detector", default="together")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        return int(asyncio.run(_measure(folder, asked.days, asked.detector)) > MOST_S)
+        return int(asyncio.run(_measure(folder, asked.days, asked.runs, asked.detector)) > MOST_S)
 
 
 if __name__ == "__main__":
