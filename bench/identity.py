@@ -49,8 +49,8 @@ class Scene(NamedTuple):
     colours: list[list[list[float] | None]]
 
 
-def draw_scene(seed: int) -> Scene:
-    """Draw a scene, and show it to the shipped detector."""
+def draw_scene(seed: int, file: str = "") -> Scene:
+    """Draw a scene, and show it to the shipped detector, or to another ``file``."""
     import onnxruntime
 
     from talaia.model.coco_classes import COCO
@@ -60,7 +60,7 @@ def draw_scene(seed: int) -> Scene:
 
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1
-    session = onnxruntime.InferenceSession(str(OWN_FILE), options)
+    session = onnxruntime.InferenceSession(file or str(OWN_FILE), options)
     name = session.get_inputs()[0].name
     detector = Detector(NANODET, COCO, lambda shown: session.run(None, {name: shown}))
     times, truth, found, colours = [], [], [], []
@@ -78,11 +78,11 @@ def draw_scene(seed: int) -> Scene:
     return Scene(times, truth, found, colours)
 
 
-def kept_scene(seed: int, folder: Path) -> Scene:
+def kept_scene(seed: int, folder: Path, file: str = "") -> Scene:
     """Give a scene, drawn once."""
     path = folder / f"scene{seed}.json"
     if not path.exists():
-        path.write_text(json.dumps(draw_scene(seed)._asdict()))
+        path.write_text(json.dumps(draw_scene(seed, file)._asdict()))
         print(f"scene {seed} drawn", file=sys.stderr, flush=True)
     read = json.loads(path.read_text())
     return Scene(*(read[key] for key in Scene._fields))
