@@ -195,7 +195,12 @@ class DetectorRunner(EpisodeRunner):
         scores, at = np.empty(len(values)), 0
         turns: list[AnomalyBegan | AnomalyEnded] = []
         # Magnitudes are those of the newest sample, so with a tail each is looked at by itself.
-        if not self.detector.faster_many or self.tail is not None or self.needs:
+        one_by_one = self.tail is not None or bool(self.needs)
+        if (
+            isinstance(self.detector, GuardedDetector)
+            or not self.detector.faster_many
+            or one_by_one
+        ):
             for place, pair in enumerate(zip(times.tolist(), values.tolist(), strict=True)):
                 turn = self.score_sample(*pair)
                 turns += [] if turn is None else [turn]
