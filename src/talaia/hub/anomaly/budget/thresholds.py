@@ -35,9 +35,9 @@ FEWEST_BLOCKS = WEEK_BLOCKS // 7
 FEWEST_COUNTED = 3
 # The greatest two may be faults.
 _DOUBTED = 2
-# The level that a detector's tail is measured from: as many peaks from the top as are due, but so
-# many at the least and at the most. Its slope is of so many peaks, or of three times as many as
-# that where these are more.
+# The level that a detector's tail is measured from: two peaks from the top for each week that was
+# seen, but so many at the least and at the most. Its slope is of so many peaks, or of three times
+# as many as that where these are more.
 _NEAREST, _FARTHEST, _FITTED, _POOLED = 2, 14, 10, 30
 # More false alarms are not asked for: 50 a week for eight weeks.
 _MOST_POOLED = 400
@@ -106,11 +106,11 @@ def site_thresholds(tails: Mapping[tuple[str, str], ScoreTail], a_week: float) -
     if blocks < FEWEST_BLOCKS:
         return SiteThresholds(Basis.LEARNING, blocks, needed, {})
     due = a_week * blocks / WEEK_BLOCKS
+    anchor = min(max(2 * blocks // WEEK_BLOCKS, _NEAREST), _FARTHEST)
     fits, rated = {}, []
     for key, tail in tails.items():
         if tail.blocks < FEWEST_BLOCKS:
             continue
-        anchor = round(min(max(due, _NEAREST), _FARTHEST))
         fits[key] = [_fit_tail(peaks, tail.blocks, anchor) for peaks in tail.peaks]
         for peaks in tail.peaks:
             rated += _rate_peaks(peaks, tail.blocks, anchor)
