@@ -87,7 +87,21 @@ class Observatory:
         return client.said()
 
     def fault(self, words: str) -> None:
+        """Bring a fault about with the client of a person on site."""
         assert words in self.client("observatory_servcli", "client", "fault", *words.split())
+
+    async def cause_fault(self, words: str) -> None:
+        """Bring a fault about as `fault` does, without a program of its own; it is there then."""
+        begun = time.monotonic_ns()
+        self.order(words)
+        device, _, fault = words.partition(" ")
+        what = {"device": device, "asked": fault, "phase": "fault"}
+        await until(
+            lambda: any(
+                line["t"] > begun and what.items() <= line.items() for line in self.ledger()
+            ),
+            what=words,
+        )
 
     def order(self, words: str) -> None:
         """Bring a fault about, or act by hand, at once and without a program of its own."""

@@ -82,14 +82,14 @@ def ends(site: Observatory, device: str, what: str, began: Began) -> list[dict[s
 async def test_in_rain_both_shells_close_and_no_telescope_is_waited_for(site: Observatory) -> None:
     began = await opened(site)
     assert "not parked" in site.client("telescope_servcli", "client", "unpark")
-    site.fault("telescope stuck")
-    site.fault("weather rain")
+    await site.cause_fault("telescope stuck")
+    await site.cause_fault("weather rain")
     await until_told(site, "enclosure_closed", began)
     closed = ends(site, "dome", "close", began)[0]
     assert (closed["phase"], closed["said"]) == ("done", "the dome is closed")
     rained = site.asked("weather", "rain", began.ledger_ns)[0]["t"]
     assert (closed["t"] - rained) / 1e9 < 30
-    site.fault("telescope ok")
+    await site.cause_fault("telescope ok")
     await until(lambda: ends(site, "telescope", "park", began), what="the telescope is asked, too")
 
 
@@ -97,14 +97,14 @@ async def test_one_shell_that_is_stuck_is_asked_again_and_told_as_not_closed(
     site: Observatory,
 ) -> None:
     began = await opened(site)
-    site.fault("dome west stuck")
-    site.fault("weather rain")
+    await site.cause_fault("dome west stuck")
+    await site.cause_fault("weather rain")
     await until_told(site, "NOT CLOSED after 3 tries", began)
     tries = ends(site, "dome", "close", began)
     assert len(tries) >= 3
     assert "stuck: west; no end switch was reached" in {each["said"] for each in tries}
     assert told(site, "enclosure_closed", began) == []
-    site.fault("dome ok")
+    await site.cause_fault("dome ok")
     await until_told(site, "alarm_over", began)
     assert ends(site, "dome", "close", began)[-1]["said"] == "the dome is closed"
 
@@ -113,8 +113,8 @@ async def test_an_end_switch_that_lies_is_a_disagreement_and_the_roof_is_asked_t
     site: Observatory,
 ) -> None:
     began = await opened(site)
-    site.fault("dome west lying closed")
-    site.fault("weather rain")
+    await site.cause_fault("dome west lying closed")
+    await site.cause_fault("weather rain")
     await until_told(site, "enclosure_disagrees", began)
     said = told(site, "enclosure_disagrees", began)[0]
     assert "West end switch: yes, West shell: 100 %" in said
@@ -124,6 +124,6 @@ async def test_an_end_switch_that_lies_is_a_disagreement_and_the_roof_is_asked_t
     assert len(tries) >= 3
     assert {each["said"] for each in tries} <= {"the dome is closed", "another command came"}
     assert told(site, "enclosure_closed", began) == []
-    site.fault("dome ok")
+    await site.cause_fault("dome ok")
     await until_told(site, "enclosure_agrees", began)
     await until_told(site, "enclosure_closed", began)

@@ -120,8 +120,8 @@ async def test_a_roof_that_does_not_close_reaches_people_with_and_without_the_hu
         gateway = site.start_gateway(
             "--hub", f"ws://127.0.0.1:{port}", "--notices", str(tmp_path / "notices.toml")
         )
-        site.fault("dome stuck")
-        site.fault("weather rain")
+        await site.cause_fault("dome stuck")
+        await site.cause_fault("weather rain")
         # There is no hub: the gateway itself tells people.
         await until(lambda: mailbox.to("guard"), what="the gateway's own notice")
         assert site.note("NOT CLOSED")
@@ -141,7 +141,7 @@ async def test_a_roof_that_does_not_close_reaches_people_with_and_without_the_hu
         await until(lambda: len(site.note("NOT CLOSED")) >= times + 3, what="it goes on")
         # One that was on its way may still have come.
         assert len(mailbox.mails) <= before + 1, mailbox.mails
-        site.fault("dome ok")
+        await site.cause_fault("dome ok")
         await until(lambda: site.note("alarm_over"), what="the roof is closed")
         await until(lambda: any("over" in each for each in mailbox.to("anna")), what="its end")
         # While the hub was there the gateway was silent.

@@ -91,7 +91,7 @@ async def test_rain_without_a_hub_aborts_parks_and_closes_within_the_bound(
 
 async def test_a_weather_station_that_falls_silent_closes_as_rain_does(site: Observatory) -> None:
     since = await observing(site)
-    site.fault("weather hang")
+    await site.cause_fault("weather hang")
     await until(lambda: closed(site, since), what="the dome closed")
     assert any("no value newer than" in line for line in site.note("enclosure_closes"))
 
@@ -100,11 +100,11 @@ async def test_a_stuck_shutter_is_tried_again_and_then_an_alarm_says_not_closed(
     site: Observatory,
 ) -> None:
     since = await observing(site)
-    site.fault("dome stuck")
-    site.fault("weather rain")
+    await site.cause_fault("dome stuck")
+    await site.cause_fault("weather rain")
     await site.told("NOT CLOSED after 3 tries", 90)
     assert len(site.asked("dome", "close", since)) >= 4
-    site.fault("dome ok")
+    await site.cause_fault("dome ok")
     await site.told("alarm_over", 60)
     assert site.asked("dome", "close")[-1]["said"] == "the dome is closed"
 

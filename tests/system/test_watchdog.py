@@ -96,7 +96,7 @@ async def test_a_killed_gateway_leaves_a_watchdog_that_closes_the_roof(site: Obs
     # What waits for years takes little.
     assert psutil.Process(watchdog).memory_info().rss < 24e6
     since = gateway.kill()
-    site.fault("weather rain")
+    await site.cause_fault("weather rain")
     await until(lambda: closed_at(site, since), 90, "the dome closed")
     took = (closed_at(site, since) - since) / 1e9
     assert took < AFTER_S + JOIN_S + PARK_AND_CLOSE_S
@@ -117,7 +117,7 @@ async def test_a_frozen_gateway_is_closed_for_and_takes_over_when_it_thaws(
     since = time.monotonic_ns()
     os.kill(gateway.popen.pid, signal.SIGSTOP)
     try:
-        site.fault("weather rain")
+        await site.cause_fault("weather rain")
         await until(lambda: closed_at(site, since), 90, "the dome closed")
     finally:
         os.kill(gateway.popen.pid, signal.SIGCONT)
@@ -205,7 +205,7 @@ async def test_a_gateway_that_cannot_read_the_domes_sensors_sends_it_no_heartbea
     await site.parts[0].says("ready")
     gateway = site.start_gateway()
     await until(lambda: len(site.asked("dome", "heartbeat")) > 2, 60, "heartbeats")
-    site.fault("dome hang")
+    await site.cause_fault("dome hang")
     await gateway.says("heartbeat_withheld  Dome: its sensors say nothing")
-    site.fault("dome ok")
+    await site.cause_fault("dome ok")
     await gateway.says("heartbeat_sent_again  Dome")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 import pytest
+from patience import until_answered
 from playwright.async_api import expect
 from rosbags.rosbag2 import StoragePlugin, Writer
 
@@ -112,7 +113,9 @@ async def test_scene_messages_and_log_are_those_of_the_moment(chromium, hub, tmp
     plot = page.locator("t-field-plot")
     await expect(plot).to_contain_text("position.x 20.0")
     scene = page.locator("t-scene")
-    await page.wait_for_function(f"{SCENE}.points.length > 50 && {SCENE}.painted > 0")
+    await until_answered(
+        lambda: page.evaluate(f"{SCENE}.points.length > 50 && {SCENE}.painted > 0")
+    )
     log = page.locator("t-tile-log")
     await expect(log.locator("li").first).to_contain_text("second 20")
     await picture(page, "within")

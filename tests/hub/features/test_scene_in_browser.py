@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from patience import PATIENCE_S
+from patience import PATIENCE_S, until_answered
 from playwright.async_api import async_playwright, expect
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
@@ -194,7 +194,7 @@ SCENE = """(() => {
 
 async def shown_scan(page):
     """Wait until a scan is drawn; give its points (m) and where they are on the canvas (px)."""
-    await page.wait_for_function(f"{SCENE}.points.length > 0")
+    await until_answered(lambda: page.evaluate(f"{SCENE}.points.length > 0"))
     found = await page.evaluate(SCENE)
     return np.array(found["points"]), [(place["x"], place["y"]) for place in found["px"]]
 
@@ -222,7 +222,8 @@ async def test_the_scan_is_where_the_house_is_and_a_goal_goes_by_the_command_pat
     # By transforms that come after the scan it is drawn anew.
     await robot.publish("/tf")
     expected = true_points(ranges)
-    await page.wait_for_function(f"Math.abs({SCENE}.points[0]?.[0] - {expected[0][0]}) < 0.01")
+    drawn = f"Math.abs({SCENE}.points[0]?.[0] - {expected[0][0]}) < 0.01"
+    await until_answered(lambda: page.evaluate(drawn))
     points, places = await shown_scan(page)
     assert np.abs(points - expected).max() < 0.002
     # What the map has there is solid: the house's own hulls, and no ray of the lidar.
