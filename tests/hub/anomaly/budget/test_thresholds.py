@@ -94,12 +94,15 @@ def test_the_unit_of_a_signal_does_not_matter(seed, unit):
 @settings(max_examples=8, deadline=None)
 @given(st.integers(0, 10_000))
 def test_each_detector_gets_a_fair_share(seed):
-    tails = tails_of(seed, 8.0, 4)
-    thresholds = site_thresholds(tails, 4.0)
-    told = [
-        sum(peak.greatest >= thresholds.of[key][0] for peak in tail.peaks[0])
-        for key, tail in tails.items()
-    ]
+    # In the mean of five sites: of one, chance alone leaves a detector with one in a hundred times.
+    told = np.zeros(4)
+    for site in range(5):
+        tails = tails_of(seed + 10_001 * site, 8.0, 4)
+        thresholds = site_thresholds(tails, 4.0)
+        told += [
+            sum(peak.greatest >= thresholds.of[key][0] for peak in tail.peaks[0]) / 5
+            for key, tail in tails.items()
+        ]
     assert min(told) >= 2
     # 32 are due; what falls into neighbouring blocks is one alarm and several peaks.
     assert 16 <= sum(told) <= 64
