@@ -25,8 +25,10 @@ import identity_scenes as scenes
 import motmetrics
 import numpy as np
 
+from talaia.model.detection import Detect, DetectionSource, Measured, PictureLine
 from talaia.objects.detection import Detection
 from talaia.objects.floor_lines import LineCounter
+from talaia.objects.movements import Movements
 from talaia.objects.tracker import Tracker, TrackerRule
 
 if TYPE_CHECKING:
@@ -47,8 +49,8 @@ class Scene(NamedTuple):
     colours: list[list[list[float] | None]]
 
 
-def draw_scene(seed: int) -> Scene:
-    """Draw a scene, and show it to the shipped detector."""
+def draw_scene(seed: int, file: str = "") -> Scene:
+    """Draw a scene, and show it to the shipped detector, or to another ``file``."""
     import onnxruntime
 
     from talaia.model.coco_classes import COCO
@@ -58,7 +60,7 @@ def draw_scene(seed: int) -> Scene:
 
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = 1
-    session = onnxruntime.InferenceSession(str(OWN_FILE), options)
+    session = onnxruntime.InferenceSession(file or str(OWN_FILE), options)
     name = session.get_inputs()[0].name
     detector = Detector(NANODET, COCO, lambda shown: session.run(None, {name: shown}))
     times, truth, found, colours = [], [], [], []
@@ -76,11 +78,11 @@ def draw_scene(seed: int) -> Scene:
     return Scene(times, truth, found, colours)
 
 
-def kept_scene(seed: int, folder: Path) -> Scene:
+def kept_scene(seed: int, folder: Path, file: str = "") -> Scene:
     """Give a scene, drawn once."""
     path = folder / f"scene{seed}.json"
     if not path.exists():
-        path.write_text(json.dumps(draw_scene(seed)._asdict()))
+        path.write_text(json.dumps(draw_scene(seed, file)._asdict()))
         print(f"scene {seed} drawn", file=sys.stderr, flush=True)
     read = json.loads(path.read_text())
     return Scene(*(read[key] for key in Scene._fields))
@@ -147,7 +149,7 @@ def own(**rule: float) -> Joins:
     def join(things: Sequence[Detection], at_us: int, colours: Sequence[Any]) -> list[int]:
         looks = [None if look is None else np.array(look) for look in colours]
         tracked = tracker.add_picture(things, at_us, looks)
-        join.feet = {one.track: one.foot for one in tracked}  # type: ignore[attr-defined]
+        join.moved = tracked, tracker  # type: ignore[attr-defined]
         return [one.track if one.hits >= 3 else 0 for one in tracked]
 
     return join
@@ -159,7 +161,7 @@ def own_without_colours(**rule: float) -> Joins:
 
     def join(things: Sequence[Detection], at_us: int, _: Sequence[Any]) -> list[int]:
         numbers = seen(things, at_us, [None] * len(things))
-        join.feet = seen.feet  # type: ignore[attr-defined]
+        join.moved = seen.moved  # type: ignore[attr-defined]
         return numbers
 
     return join
@@ -267,9 +269,11 @@ def judge(scene: Scene, join: Joins, seed: int, line_from: float = 3.0) -> Judge
     """Run one scene."""
     account = motmetrics.MOTAccumulator(auto_id=True)
     begin, end = scenes.LINE
-    counter = LineCounter([scenes.project(line_from, begin[1]), scenes.project(*end)])
+    line = (scenes.project(line_from, begin[1]), scenes.project(*end))
+    counter = LineCounter(line)
+    movements = Movements(Detect(lines={"line": PictureLine(name="Line", points=line)}))
     crossings = scenes.true_crossings(seed, line_from)
-    counts = {1: 0, -1: 0}
+    counts = {1: 0, -1: 0, 0: 0}
     took = 0.0
     for at_us, truth, found, colours in zip(
         scene.times, scene.truth, scene.found, scene.colours, strict=True
@@ -277,18 +281,22 @@ def judge(scene: Scene, join: Joins, seed: int, line_from: float = 3.0) -> Judge
         things = [Detection("person", *box) for box in found]
         before = time.perf_counter()
         numbers = join(things, at_us, colours)
-        feet = getattr(join, "feet", {})
         took += time.perf_counter() - before
         shown = [(n, thing) for n, thing in zip(numbers, things, strict=True) if n]
         apart = np.array([[1 - overlap_of(box, thing[2:]) for _, thing in shown]
                           for box in truth.values()]).reshape(len(truth), len(shown))  # fmt: skip
         apart[apart > SAME_BOX] = np.nan
         account.update([int(at) for at in truth], [n for n, _ in shown], apart)
+        if moved := getattr(join, "moved", None):
+            tracked, tracker = moved
+            movements.add_picture(tracked, at_us, tracker.in_sight_us, tracker.forgotten_us)
+            continue
         for number, thing in shown:
-            foot = feet.get(number, ((thing.left + thing.right) / 2, thing.bottom))
-            side = counter.move_track(number, foot, at_us)
-            if side:
-                counts[side] += 1
+            foot = ((thing.left + thing.right) / 2, thing.bottom)
+            counts[counter.move_track(number, foot, at_us)] += 1
+    for side, measure in ((1, Measured.LEFT), (-1, Measured.RIGHT)):
+        source = DetectionSource(stream="", sees="person", line="line", measure=measure)
+        counts[side] += round(movements.value_of(source))
     # From near to far, what is left of the line is greater y.
     wanted = {1: 0, -1: 0}
     for _, side in crossings:

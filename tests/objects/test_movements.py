@@ -74,6 +74,23 @@ def test_crossings_are_counted_by_direction_and_those_of_the_last_while_alone() 
     assert moving.movements.story_of(1).crossings == (("Door", 1, 1),)
 
 
+def test_who_was_hardly_seen_before_the_line_has_crossed_it_and_who_turns_round_has_not() -> None:
+    moving = Moving()
+    # Sure only beyond the line; of the other nobody has seen anything before it.
+    moving.show(at_place(0.52)._replace(came=(0.4, 0.5)), at_place(0.55, track=2))
+    assert moving.value(line="door", measure=Measured.RIGHT) == 1
+    assert moving.movements.story_of(1).crossings == (("Door", 0, 1),)
+    # Back to where they were before: that is seen, and counted as ever.
+    for x in (0.55, 0.52, 0.45):
+        moving.show(at_place(x), at_place(0.55, track=2))
+    assert moving.value(line="door", measure=Measured.LEFT) == 1
+    # Seen on this side first, and turned round before the line.
+    moving.show(at_place(0.45, track=3)._replace(came=(0.3, 0.5)))
+    for x in (0.48, 0.45, 0.3):
+        moving.show(at_place(x, track=3))
+    assert moving.value(line="door", measure=Measured.RIGHT) == 1
+
+
 def test_one_who_sways_on_a_line_and_one_who_goes_around_its_end_do_not_cross_it() -> None:
     counter = LineCounter([(0.5, 1.0), (0.5, 0.5)])
     swaying = [

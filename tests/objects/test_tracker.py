@@ -153,3 +153,39 @@ def test_colours_tell_shirts_apart_and_are_none_of_what_is_tiny() -> None:
     assert one.sum() == other.sum() == 1
     assert one @ other == 0
     assert colours_of(red[:5, :5], person(0.5)) is None
+
+
+def came_of(tracker: Tracker, pictures: list[list[Detection]]) -> list[tuple[float, float] | None]:
+    told = [tracker.add_picture(things, at * STEP) for at, things in enumerate(pictures)]
+    return [one.came for picture in told for one in picture if one.track]
+
+
+def test_one_who_comes_in_is_traced_back_to_where_an_unsure_box_showed_them_first() -> None:
+    walk = np.linspace(0.05, 0.30, 13)
+    # Hardly seen at the edge, missed on some pictures, then sure.
+    coming = [[person(x, score=0.35)] for x in walk[:8:2]] + [[person(x)] for x in walk[8:]]
+    told = came_of(Tracker(), coming)
+    # Told once, on the third sure picture.
+    assert [one is not None for one in told] == [False, False, True, False, False]
+    assert told[2] == pytest.approx((0.05, 0.8))
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        [person(0.9, score=0.35)],
+        [person(0.30, score=0.35, high=0.1)],
+        [Detection("dog", 0.35, 0.25, 0.4, 0.35, 0.8)],
+    ],
+    ids=["far away", "of another size", "of another class"],
+)
+def test_an_unsure_box_of_something_else_says_nothing_of_where_one_came_from(before) -> None:
+    told = came_of(Tracker(), [before, *([person(0.3)] for _ in range(3))])
+    assert told[-1] == pytest.approx((0.3, 0.8))
+
+
+def test_one_who_is_found_again_came_from_where_they_were_lost() -> None:
+    there = [[person(0.4)] for _ in range(10)]
+    lost: list[list[Detection]] = [[] for _ in range(30)]
+    told = came_of(Tracker(), there + lost + [[person(0.45)] for _ in range(5)])
+    assert [one for one in told if one is not None] == [pytest.approx((0.4, 0.8))]

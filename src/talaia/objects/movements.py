@@ -183,6 +183,9 @@ class Movements:
                     mover.stays[name] = _Stay(at_us)
                 mover.stays[name].enter_zone(at_us, max(_LEFT_US, self._in_sight_us))
         for name, line in self._lines.items():
+            if one.came is not None:
+                # Who comes in may have crossed it before they were believed.
+                line.move_track(one.track, one.came, at_us)
             side = line.move_track(one.track, foot, at_us)
             if side:
                 mover.crossings.setdefault(name, [0, 0])[0 if side > 0 else 1] += 1

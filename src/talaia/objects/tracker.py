@@ -15,6 +15,7 @@ Long, because a track's whole life is told here: begun, followed, lost, and foun
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -51,6 +52,9 @@ _FIRST_VELOCITY = 1.0
 _MOST_TRACKS = 200
 # A detector errs on single pictures: a thing is there when it was seen so often.
 HITS = 3
+# Boxes that are nobody's are remembered, so many, to see where one came from: with no longer a gap
+# between two of them (s), and heights that differ by no more.
+_MOST_WEAK, _WEAK_GAP_S, _WEAK_SIZE = 100, 0.8, 1.25
 
 
 class TrackerRule(NamedTuple):
@@ -89,6 +93,8 @@ class TrackedThing(NamedTuple):
         thing: as the detector told it.
         foot: where it stands, the middle of the lower edge of its box (parts of the picture),
             steadier than the box itself.
+        came: where it was seen first, if only by a box that was not sure; told on the picture on
+            which it is believed.
 
     """
 
@@ -96,6 +102,15 @@ class TrackedThing(NamedTuple):
     hits: int
     thing: Detection
     foot: tuple[float, float]
+    came: tuple[float, float] | None = None
+
+
+class _WeakBox(NamedTuple):
+    """A box that was too unsure to be anybody's."""
+
+    at_us: int
+    label: str
+    box: Floats
 
 
 class _Seen(NamedTuple):
@@ -121,6 +136,9 @@ class _Track:
         self.hits, self.began_us, self.last_us, self.at_us = 1, at_us, at_us, at_us
         # It may still turn out to be somebody who was lost.
         self.is_new = True
+        # Its first box; and where it was seen first, until that is told.
+        self.first = box
+        self.came: tuple[float, float] | None = None
         # A slow mean, for light and pose change; none while they were never known.
         self.colours: Floats | None = None
 
@@ -186,6 +204,8 @@ class Tracker:
         self._shape = shape
         # In sight, or lost and not forgotten.
         self._tracks: list[_Track] = []
+        # Nobody's boxes of the last moment, in order of time.
+        self._weak: deque[_WeakBox] = deque(maxlen=_MOST_WEAK)
         self._given = 0  # The number given last.
         self._at_us = 0  # Time of the newest picture.
 
@@ -235,10 +255,13 @@ class Tracker:
     def _tracked(self, thing: Detection, track: _Track | None) -> TrackedThing:
         if track is None:
             return TrackedThing(0, 0, thing, ((thing.left + thing.right) / 2, thing.bottom))
-        x, y, _, height = track.place
+        came, track.came = track.came, None
         # By the filter: boxes tremble, and who stands at a line would cross it all the time.
-        foot = (float(x), float((y + height / 2) / self._shape))
-        return TrackedThing(track.number, track.hits, thing, foot)
+        return TrackedThing(track.number, track.hits, thing, self._foot_of(track.place), came)
+
+    def _foot_of(self, box: Floats) -> tuple[float, float]:
+        x, y, _, height = box
+        return float(x), float((y + height / 2) / self._shape)
 
     def _pass_time(self, at_us: int) -> None:
         if at_us < self._at_us:
@@ -290,6 +313,7 @@ class Tracker:
             if at not in whose:
                 whose[at] = self._begin_track(label, boxes[at], at_us, looks[at])
         self._find_again(label, whose, at_us)
+        self._weak.extend(_WeakBox(at_us, label, boxes[at]) for at in weak if at not in whose)
         return whose
 
     def _find_again(self, label: str, whose: dict[int, _Track], at_us: int) -> None:
@@ -311,7 +335,27 @@ class Tracker:
                 track.colours = 0.5 * (old.colours + track.colours)
             self._tracks.remove(old)
         for at in new:
+            # Who was lost has a way of their own already.
+            if whose[at].hits == HITS:
+                whose[at].came = self._trace_back(whose[at])
             whose[at].is_new = False
+
+    def _trace_back(self, track: _Track) -> tuple[float, float]:
+        """Find where boxes that were not sure show a thing before its first sure one.
+
+        Who comes into the picture is seen in part at first, and a detector is not sure of that.
+        """
+        at_us, box = track.began_us, track.first
+        for weak in reversed(self._weak):
+            gap_s = (at_us - weak.at_us) / 1e6
+            if weak.label != track.label or gap_s <= 0:
+                continue
+            apart = np.hypot(*(weak.box[:2] - box[:2])) / box[3]
+            size = weak.box[3] / box[3]
+            near = apart <= self._rule.near + self._rule.reach * gap_s
+            if gap_s <= _WEAK_GAP_S and near and 1 / _WEAK_SIZE <= size <= _WEAK_SIZE:
+                at_us, box = weak.at_us, weak.box
+        return self._foot_of(box)
 
     def _begin_track(self, label: str, box: Floats, at_us: int, look: Floats | None) -> _Track:
         self._given += 1

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+from talaia.hub.anomaly.base import copy_detector, dump_detector
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.rarity import Rarity
 from talaia.hub.anomaly.runner import DetectorRunner
@@ -83,3 +84,27 @@ def test_anomalies_begin_and_end_at_the_same_samples_with_the_same_words(kind):
     whole = [getattr(each, "began_us", 0) or each.time_us for each in expected]
     assert [getattr(each, "began_us", 0) or each.time_us for each in found] == whole
     assert (one.episodes.since, one.learning) == (many.episodes.since, many.learning)
+
+
+def test_a_copy_of_a_detector_knows_the_same_and_learns_nothing_from_the_other():
+    times, values = signal(6, 1_500)
+    detector = KINDS["together"].make(unit="V")
+    detector.see_many(times[:1_400], values[:1_400])
+    before = dump_detector(detector)
+    copied = copy_detector(detector)
+    assert dump_detector(copied) == before
+    detector.see_many(times[1_400:], values[1_400:])
+    detector.forgive()
+    assert dump_detector(detector) != before
+    assert dump_detector(copied) == before
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1e-9, 1.0, 1e140])
+def test_stretches_are_compared_alike_in_every_unit_and_beside_a_spike(unit):
+    times, values = signal(7, 2_500)
+    values[1_800] = 1e6
+    one, many = KINDS["nearest"].make(), KINDS["nearest"].make()
+    pairs = zip(times.tolist(), (values * unit).tolist(), strict=True)
+    expected = [one.see(at, value) for at, value in pairs]
+    found = np.concatenate([many.see_many(*part) for part in in_parts(times, values * unit, 7)])
+    assert np.abs(found - expected).max() < 1e-9

@@ -11,7 +11,7 @@ are Euclidean, not Mahalanobis: the decision page says what both measure.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import msgspec
 import numpy as np
@@ -36,8 +36,12 @@ _KEPT = _STRETCHES + 2 * _LENGTH
 _MOST_FORGIVEN = 50
 # The stretch that is compared with and begins earliest does so that much before the newest one.
 _FARTHEST = _LENGTH + _STRETCHES - 1
-# So many samples are scored at once, and so many lags: what that takes fits a processor's cache.
-_BLOCK, _LAGS = 128, 100
+# So many samples are scored at once, and so many lags (bytes): what that takes fits a processor's
+# cache.
+_BLOCK, _LAG_BYTES = 128, 800
+# The nearest ones are sought among so many, where these are farther apart than such a square of
+# half the range of the values: one ten-thousandth of a square is then known to a ten-thousandth.
+_CANDIDATES, _TOLD_APART = 5, 1e-4
 
 
 class Nearest(AnomalyDetector, kw_only=True):
@@ -106,8 +110,8 @@ class Nearest(AnomalyDetector, kw_only=True):
         first, many = self.end, len(values)
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.end += many
-        apart = _lagged_distances(self.values[first - _LENGTH + 1 - _FARTHEST : self.end], many)
-        distances = np.sqrt(_least_of(apart)).sum(axis=1) / _NEIGHBOURS
+        seen = self.values[first - _LENGTH + 1 - _FARTHEST : self.end]
+        distances = np.sqrt(_nearest_squares(seen, many)).sum(axis=1) / _NEIGHBOURS
         scores = self.rarity.rate_many(distances)
         self.score, self.distance = float(scores[-1]), float(distances[-1])
         strangest = -1
@@ -158,37 +162,69 @@ def _squared_distances(stretches: Floats, newest: Floats) -> Floats:
     return squares
 
 
-def _least_of(apart: Floats) -> Floats:
-    """Give the least of each row (rows × `_NEIGHBOURS`); what they were is overwritten."""
-    rows, least = np.arange(len(apart)), np.empty((len(apart), _NEIGHBOURS))
-    for place in range(_NEIGHBOURS):
-        # A few searches for the least take a third of the time of a partition.
-        at = apart.argmin(axis=1)
-        least[:, place] = apart[rows, at]
-        apart[rows, at] = np.inf
-    return least
-
-
-def _lagged_distances(values: Floats, many: int) -> Floats:
-    """Give the squared distances of the newest stretches to all those before them.
+def _nearest_squares(values: Floats, many: int) -> Floats:
+    """Give the squared distances of the newest stretches to the nearest ones before them.
 
     Args:
         values: the newest stretches (``many``, each a sample later), and `_FARTHEST` before them.
         many: how many stretches.
 
     Returns:
+        many × `_NEIGHBOURS`, in any order.
+
+    """
+    low, high = float(values.min()), float(values.max())
+    middle, half = 0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low
+    if half == 0.0:
+        return np.zeros((many, _NEIGHBOURS))
+    # Which are near is found in 32 bits, half the memory to go through; how near, in 64.
+    apart = _lagged_distances(((values - middle) / half).astype(np.float32), many)
+    rough, places = _least_of(apart, _CANDIDATES)
+    stretches = np.lib.stride_tricks.sliding_window_view(values, _LENGTH)
+    rows = np.arange(many)
+    off = stretches[rows[:, None] + places] - stretches[_FARTHEST : _FARTHEST + many, None]
+    squares = np.partition(np.einsum("ijk,ijk->ij", off, off), _NEIGHBOURS - 1)[:, :_NEIGHBOURS]
+    # What lies so near for the range of the values is not told apart in 32 bits, but for 0.
+    unsure = (rough.max(axis=1) < _TOLD_APART) & (squares.max(axis=1) > 0.0)
+    if unsure.any():
+        squares[unsure] = _least_of(_lagged_distances(values, many)[unsure], _NEIGHBOURS)[0]
+    return squares
+
+
+def _least_of(apart: NDArray[Any], many: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Give the least of each row (rows × many), and their places; what they were is overwritten."""
+    rows, least = np.arange(len(apart)), np.empty((len(apart), many), apart.dtype)
+    places = np.empty((len(apart), many), np.int64)
+    for at in range(many):
+        # A few searches for the least take a third of the time of a partition.
+        places[:, at] = apart.argmin(axis=1)
+        least[:, at] = apart[rows, places[:, at]]
+        apart[rows, places[:, at]] = np.inf
+    return least, places
+
+
+def _lagged_distances(values: NDArray[Any], many: int) -> NDArray[Any]:
+    """Give the squared distances of the newest stretches to all those before them.
+
+    Args:
+        values: see `_nearest_squares`; of 32 or 64 bits, as what is given.
+        many: how many stretches.
+
+    Returns:
         many × `_STRETCHES`, the farthest first.
 
     """
-    apart = np.empty((many, _STRETCHES))
+    kind = values.dtype
+    apart = np.empty((many, _STRETCHES), kind)
     rows = many + _LENGTH - 1
     newest = values[_FARTHEST:][:, None]
     # Row by row what each sample is held against; the column says how far before.
     earlier = np.lib.stride_tricks.sliding_window_view(values, _STRETCHES)[:rows]
     # Made once: fresh memory for each step would cost more than the sums.
-    one, two, four, eight = (np.empty((rows - less, _LAGS)) for less in (0, 1, 3, 7))
-    for lag in range(0, _STRETCHES, _LAGS):
-        lags = slice(lag, lag + _LAGS)
+    lags_at_once = _LAG_BYTES // kind.itemsize
+    one, two, four, eight = (np.empty((rows - less, lags_at_once), kind) for less in (0, 1, 3, 7))
+    for lag in range(0, _STRETCHES, lags_at_once):
+        lags = slice(lag, lag + lags_at_once)
         # Squares of single samples, then of stretches of 2, 4, 8 and 16, which with 2 and 1 more
         # are a stretch: only sums, so nothing small is lost beside the great.
         np.subtract(newest, earlier[:, lags], out=one)

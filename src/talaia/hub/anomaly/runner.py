@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -10,7 +9,12 @@ import numpy as np
 
 from talaia.extensions.declarations import DetectorExtension
 from talaia.extensions.installed import installed_extensions
-from talaia.hub.anomaly.base import AnomalyDetector, dump_detector, load_detector
+from talaia.hub.anomaly.base import (
+    AnomalyDetector,
+    copy_detector,
+    dump_detector,
+    load_detector,
+)
 from talaia.hub.anomaly.baseline import Quartiles
 from talaia.hub.anomaly.episode_runner import EpisodeRunner
 from talaia.hub.anomaly.episodes import Episodes
@@ -191,14 +195,19 @@ class DetectorRunner(EpisodeRunner):
         scores, at = np.empty(len(values)), 0
         turns: list[AnomalyBegan | AnomalyEnded] = []
         # Magnitudes are those of the newest sample, so with a tail each is looked at by itself.
-        if not self.detector.faster_many or self.tail is not None or self.needs:
+        one_by_one = self.tail is not None or bool(self.needs)
+        if (
+            isinstance(self.detector, GuardedDetector)
+            or not self.detector.faster_many
+            or one_by_one
+        ):
             for place, pair in enumerate(zip(times.tolist(), values.tolist(), strict=True)):
                 turn = self.score_sample(*pair)
                 turns += [] if turn is None else [turn]
                 scores[place] = self.score
             return scores, turns
         while at < len(values):
-            before = copy.deepcopy(self.detector)
+            before = copy_detector(self.detector)
             part = self.detector.see_many(times[at:], values[at:])
             begins = self._pass_scores(times[at:], part, turns)
             scores[at : at + begins] = part[:begins]

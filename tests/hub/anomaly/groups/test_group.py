@@ -225,3 +225,15 @@ def test_groups_have_bounds_that_are_told():
         GroupDetector(signals=[])
     with pytest.raises(ValueError, match="60 to 30000 rows to learn from, found 5"):
         GroupDetector(signals=["a"], learn_rows=5)
+
+
+def test_who_learned_for_longer_knows_better_how_signals_go_together():
+    peaks = []
+    for learned in (400, 4_000):
+        group, rows = new_group(learned), plant_rows(learned + 100, seed=5)
+        for at, (flow, current, heat) in enumerate(rows):
+            # A sensor that is off by twice what it usually moves, at once and for good.
+            off = 1.0 if at >= learned else 0.0
+            group.see_row(at * SECOND, [flow, current + off, heat])
+        peaks.append(group.peak)
+    assert peaks[1] > 2 * peaks[0]

@@ -35,13 +35,15 @@ FEWEST_BLOCKS = WEEK_BLOCKS // 7
 FEWEST_COUNTED = 3
 # The greatest two may be faults.
 _DOUBTED = 2
-# The level that a detector's tail is fitted above: so many peaks from the top.
-_ANCHOR, _FITTED, _POOLED = 14, 40, 30
+# The level that a detector's tail is measured from: two peaks from the top for each week that was
+# seen, but so many at the least and at the most. Its slope is of so many peaks, or of three times
+# as many as that where these are more.
+_NEAREST, _FARTHEST, _FITTED, _POOLED = 2, 14, 10, 30
 # More false alarms are not asked for: 50 a week for eight weeks.
 _MOST_POOLED = 400
-# A tail of fewer peaks is taken for a heavy one.
+# How heavy a tail is (its slope on the logarithm): usually, and within what bounds.
 _FEWEST_PEAKS = 5
-_HEAVY, _LIGHTEST, _HEAVIEST = 0.5, 0.01, 1.5
+_USUAL, _COUNTS_AS, _LIGHTEST, _HEAVIEST = 0.25, 12, 0.15, 0.4
 
 
 class Basis(StrEnum):
@@ -104,31 +106,34 @@ def site_thresholds(tails: Mapping[tuple[str, str], ScoreTail], a_week: float) -
     if blocks < FEWEST_BLOCKS:
         return SiteThresholds(Basis.LEARNING, blocks, needed, {})
     due = a_week * blocks / WEEK_BLOCKS
+    anchor = min(max(2 * blocks // WEEK_BLOCKS, _NEAREST), _FARTHEST)
     fits, rated = {}, []
     for key, tail in tails.items():
         if tail.blocks < FEWEST_BLOCKS:
             continue
-        fits[key] = [_fit_tail(peaks, tail.blocks) for peaks in tail.peaks]
+        fits[key] = [_fit_tail(peaks, tail.blocks, anchor) for peaks in tail.peaks]
         for peaks in tail.peaks:
-            rated += _rate_peaks(peaks, tail.blocks)
+            rated += _rate_peaks(peaks, tail.blocks, anchor)
     rareness = _rareness_for(_pool(rated), due, blocks)
     of = {key: tuple(fit.magnitude(rareness) for fit in some) for key, some in fits.items()}
     basis = Basis.COUNTED if due >= FEWEST_COUNTED else Basis.SHORT
     return SiteThresholds(basis, blocks, needed, of)
 
 
-def _fit_tail(peaks: Sequence[Peak], blocks: int) -> _TailFit:
+def _fit_tail(peaks: Sequence[Peak], blocks: int, anchor: int) -> _TailFit:
     # A long fault is one peak, however many hours it had.
     there = [(peak.first, peak.last, peak.greatest) for peak in peaks if peak.greatest > 0.0]
     values = _pool(there)
     if not values:
         # Nothing came near: whatever does is rarer than what was seen.
-        return _TailFit(math.ulp(0.0), _HEAVY, 1, blocks)
-    count = min(len(values), _ANCHOR)
-    index = _HEAVY
+        return _TailFit(math.ulp(0.0), _USUAL, 1, blocks)
+    count = min(len(values), anchor)
+    index = _USUAL
     if len(values) >= _FEWEST_PEAKS:
-        logs = [math.log(value) for value in values]
-        index = _mean_spacing(logs[:_FITTED])
+        logs = [math.log(value) for value in values[: max(_FITTED, 3 * anchor)]]
+        # From few it is known badly: the usual one counts as so many more spacings.
+        many, more = len(logs) - 1 - _DOUBTED, _COUNTS_AS / anchor
+        index = (many * _mean_spacing(logs) + more * _USUAL) / (many + more)
         index = min(max(index, _LIGHTEST), _HEAVIEST)
     return _TailFit(values[count - 1], index, count, blocks)
 
@@ -140,7 +145,7 @@ def _mean_spacing(falling: Sequence[float]) -> float:
     return sum(spacings) / len(spacings)
 
 
-def _rate_peaks(peaks: Sequence[Peak], blocks: int) -> list[tuple[int, int, float]]:
+def _rate_peaks(peaks: Sequence[Peak], blocks: int, anchor: int) -> list[tuple[int, int, float]]:
     """Tell when each peak was and how rare, by every other stretch of the time but its own.
 
     By its own tail the greatest peak is never as rare as the next one of its kind will be.
@@ -152,7 +157,11 @@ def _rate_peaks(peaks: Sequence[Peak], blocks: int) -> list[tuple[int, int, floa
         sides[peak.first // FEWEST_BLOCKS % 2].append(peak)
     halved = min(len(side) for side in sides) >= _FEWEST_PEAKS
     for mine, others in (sides, sides[::-1]):
-        fit = _fit_tail(others, max(1, blocks // 2)) if halved else _fit_tail(peaks, blocks)
+        fit = (
+            _fit_tail(others, max(1, blocks // 2), anchor)
+            if halved
+            else _fit_tail(peaks, blocks, anchor)
+        )
         rated += [
             (peak.first, peak.last, fit.rareness(peak.greatest))
             for peak in mine

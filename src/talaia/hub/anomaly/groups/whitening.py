@@ -21,8 +21,9 @@ __all__ = [
     "usual_spreads",
 ]
 
-# By so much of itself the diagonal of a covariance is raised.
-_SHRINKAGE = 0.3
+# By so much of itself the diagonal of a covariance is raised, of up to so many rows; of more it is
+# raised by less, as correlations are known better.
+_SHRINKAGE, _FEW_ROWS = 0.3, 400
 # A smoothed signal moves at least by so much of its spread squared; white noise would by 0.03.
 _LEAST_VARIANCE = 0.01
 
@@ -62,11 +63,12 @@ def shrink_covariance(departures: Floats) -> Floats:
     """Give the covariance (signals, signals) of departures (rows, signals), its diagonal raised.
 
     Ledoit and Wolf (2004): from few rows correlations are known badly, and an inverse would make
-    much of that.
+    much of that; what is best raises it by the inverse of the number of rows.
     """
+    raised = _SHRINKAGE * min(1.0, _FEW_ROWS / len(departures))
     shrunk = departures.T @ departures / len(departures)
     variances = np.maximum(np.diag(shrunk), _LEAST_VARIANCE)
-    np.fill_diagonal(shrunk, variances * (1.0 + _SHRINKAGE))
+    np.fill_diagonal(shrunk, variances * (1.0 + raised))
     return shrunk
 
 
