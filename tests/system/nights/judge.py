@@ -7,8 +7,9 @@ minute, the shutter takes twelve seconds, interlocks look at values of two secon
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from talaia.gateway.night.observation_book import MOST_WAITING
 from talaia.wire.frames import NightPhase, ObservationUpdate
 
 from .night_world import NightWorld
@@ -111,9 +112,24 @@ def judge_requests(world: NightWorld, asked: Iterable[str]) -> Iterator[str]:
             yield f"{name} is still in progress in the morning"
         elif told.state.name != "COMPLETED" and not told.why:
             yield f"{name} ended as {told.state} without a reason"
-    numbers = sorted(world.hub.updates)
-    if numbers != list(range(1, len(numbers) + 1)):
+    yield from judge_numbers(world.hub.updates)
+
+
+def judge_numbers(updates: Mapping[int, ObservationUpdate]) -> Iterator[str]:
+    """Say what of the gateway's updates never came to the hub.
+
+    With more waiting than the gateway keeps, steps within a try are left out by it. So no try may
+    be missing then, and nothing of what was told last; how each try ended is judged besides.
+    """
+    numbers = sorted(updates)
+    whole = list(range(1, len(numbers) + 1))
+    if numbers == whole:
+        return
+    if numbers[-1] <= MOST_WAITING:
         yield f"the hub lacks updates: it has {numbers}"
+    tries = sorted({int(update.id.rpartition("-")[2]) for update in updates.values()})
+    if tries != list(range(1, len(tries) + 1)):
+        yield f"the hub lacks tries: it has {tries}"
 
 
 def judge_pictures(world: NightWorld) -> Iterator[str]:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from .judge import judge_roof
+from talaia.gateway.night.observation_book import MOST_WAITING
+from talaia.model.observing.states import ObservationState
+from talaia.wire.frames import ObservationUpdate
+
+from .judge import judge_numbers, judge_roof
 from .sky_robot import Truth
 
 FINE = Truth(
@@ -44,3 +48,29 @@ def test_a_roof_that_cannot_move_is_not_blamed_and_has_its_time_afterwards() -> 
     loose = FINE._replace(roof="open", rain=1.0)
     assert judge_roof(ledger((300, stuck), (60, loose), (30, FINE)), []) == []
     assert len(judge_roof(ledger((300, stuck), (120, loose)), [])) == 1
+
+
+def told(*steps: tuple[int, int]) -> dict[int, ObservationUpdate]:
+    """Give updates by number: each is of the try with the second number."""
+    return {
+        number: ObservationUpdate(
+            number=number,
+            id=f"dome-{made:06d}",
+            request=f"r{made}",
+            state=ObservationState.IN_PROGRESS,
+            time=0.0,
+        )
+        for number, made in steps
+    }
+
+
+def test_an_update_that_never_came_is_missed() -> None:
+    assert list(judge_numbers(told((1, 1), (2, 1), (3, 2)))) == []
+    assert len(list(judge_numbers(told((1, 1), (3, 2))))) == 1
+
+
+def test_of_a_long_night_without_a_hub_steps_may_be_left_out_but_no_try() -> None:
+    steps = [(number, 1 + number // 100) for number in range(1, MOST_WAITING + 100, 7)]
+    assert list(judge_numbers(told(*steps))) == []
+    without = [(number, made) for number, made in steps if made != 3]
+    assert len(list(judge_numbers(told(*without)))) == 1
