@@ -46,14 +46,24 @@ class _Waiting(NamedTuple):
 class RobotLogIntake:
     """Writes lines down in the order in which they come."""
 
-    def __init__(self, store: RobotLogStore, clock: Clock, *, days: float, most: int) -> None:
+    def __init__(
+        self,
+        store: RobotLogStore,
+        clock: Clock,
+        *,
+        days: float,
+        most: int,
+        retry_s: float = _RETRY_S,
+    ) -> None:
         """Keep lines for ``days`` (0: for good), and at most ``most`` of each site."""
         self._store, self._clock = store, clock
-        self._days, self._most = days, most
+        self._days, self._most, self._retry_s = days, most, retry_s
         self._waiting: deque[_Waiting] = deque()
         self._wake = asyncio.Event()
         loop_s = clock.monotonic_ns() / 1e9
         self._trim_due_s = loop_s + _FIRST_TRIM_S
+        # The database is away: said once, and once when it is back.
+        self._away = False
 
     def handle_batch(self, live: LiveSite, batch: RobotLogBatch) -> None:
         """Take lines; their gateway is told when they are kept."""
@@ -80,9 +90,14 @@ class RobotLogIntake:
                 while self._waiting:
                     await self._store_next()
                 await self._trim_old()
+                if self._away:
+                    self._away = False
+                    _LOG.warning("lines of robots' logs are kept again")
             except StoreDown as error:
-                _LOG.warning("lines of robots' logs wait: %s", error)
-                await asyncio.sleep(_RETRY_S)
+                if not self._away:
+                    _LOG.warning("lines of robots' logs wait: %s", error)
+                self._away = True
+                await asyncio.sleep(self._retry_s)
                 self._wake.set()
 
     async def _store_next(self) -> None:
