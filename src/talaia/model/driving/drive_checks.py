@@ -36,6 +36,8 @@ def drive_findings(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     """Check one device's driving."""
     yield from _topic_findings(where, drive)
     yield from _limit_findings(where, drive)
+    if drive.message is DriveMessage.PTZ:
+        yield from _sole_findings(site, where, drive)
     if drive.max_reverse is not None:
         yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
     # The limits of the safety rules: a description may be stricter, and looser only within these.
@@ -66,6 +68,22 @@ def drive_findings(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         yield from _joint_findings(f"{where}.joints.{name}", joint, kinds)
         if drive.message is DriveMessage.PTZ:
             yield from _axis_findings(f"{where}.joints.{name}", name, joint)
+
+
+def _sole_findings(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
+    """Check that no device before this one turns the same camera: each lease is for one of them."""
+    only = next(iter(site.links()), "")
+    turned: dict[str, str] = {}
+    for device_id, device in site.devices.items():
+        if device.drive is None or device.drive.message is not DriveMessage.PTZ:
+            continue
+        camera = device.connection or only
+        if device.drive is drive:
+            if camera in turned:
+                problem = f"{turned[camera]} turns this camera already"
+                yield Finding(where, problem, "leave one of them out: two people could turn it")
+            return
+        turned[camera] = device_id
 
 
 def _topic_findings(where: str, drive: Drive) -> Iterator[Finding]:
