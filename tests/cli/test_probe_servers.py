@@ -180,7 +180,7 @@ def test_answer_that_is_no_json_says_so(case: str, capsys: pytest.CaptureFixture
         (["--mqtt", "mqtt://me:word@broker"], "--password-file"),
         (["--http", "station.local"], "expected http://192.168.1.30/api/status"),
         (["--http", "http://[::1"], "expected http://192.168.1.30/api/status"),
-        (["--user", "me"], "are for --mqtt and --http"),
+        (["--user", "me"], "are for --mqtt, --http and --onvif"),
     ],
 )
 def test_address_that_is_none_is_told_before_anything_is_asked(
