@@ -38,10 +38,13 @@ class HubPages:
         if seat is None:
             return HubList(clustered=False, bus=False, epoch=0, hubs=[], problems=[])
         own, now_ns = seat.own_notice(), self._clock.monotonic_ns()
-        hubs = [_shape(own, own=True, silent_s=0.0)]
-        for notice, heard_ns in seat.heard_hubs():
+        heard = list(seat.heard_hubs())
+        # One that was killed has said that it leads, and is not missed before it has been silent.
+        newest = max(notice.epoch for notice in (own, *(notice for notice, _ in heard)))
+        hubs = [_shape(own, newest, own=True, silent_s=0.0)]
+        for notice, heard_ns in heard:
             silent_s = max(0.0, (now_ns - heard_ns) / 1e9)
-            hubs.append(_shape(notice, own=False, silent_s=round(silent_s, 1)))
+            hubs.append(_shape(notice, newest, own=False, silent_s=round(silent_s, 1)))
         hubs.sort(key=lambda hub: hub.name)
         return HubList(
             clustered=True,
@@ -52,8 +55,8 @@ class HubPages:
         )
 
 
-def _shape(notice: HubNotice, *, own: bool, silent_s: float) -> HubShape:
-    role = "leads" if notice.leads else "waits"
+def _shape(notice: HubNotice, newest: int, *, own: bool, silent_s: float) -> HubShape:
+    role = "leads" if notice.leads and notice.epoch == newest else "waits"
     if notice.leaving:
         role = "leaves"
     if silent_s > SILENT_S:
