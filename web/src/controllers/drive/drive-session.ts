@@ -184,6 +184,13 @@ export class DriveSession extends Store {
     this.notifyWatchers();
   }
 
+  /** No press counts while an interlock locks driving, and what is held is let go in the same turn; empty: none does. */
+  followLock(reason: string): void {
+    const barred = this.machine.isBlocked("interlock");
+    if (reason === "" && barred) this.unblock("interlock");
+    else if (reason !== "" && !barred) this.block("interlock");
+  }
+
   /** The window has the focus again. */
   onFocus(): void {
     this.machine.clearHaltReason("blur");

@@ -57,7 +57,7 @@ export class JointJog extends LitElement {
   @property({ type: Boolean }) stopped = false;
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
-    this.followLock();
+    this.seat?.followLock(this.lockReason);
   });
   private readonly live = new LiveValuesController(this);
   private readonly watched = new StoreController(this);
@@ -69,7 +69,7 @@ export class JointJog extends LitElement {
 
   override willUpdate(): void {
     this.watched.setStore(this.seat);
-    this.followLock();
+    this.seat?.followLock(this.lockReason);
     const named = (this.device?.drive?.joints ?? []).map(({ position }) => this.signalOf(position));
     this.live.observeChannels(this.site, named.flatMap((signal) => signal?.channels ?? []));
   }
@@ -120,15 +120,6 @@ export class JointJog extends LitElement {
   private get lockReason(): string {
     const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
     return lock ? lockText(lock) : "";
-  }
-
-  /** No press counts while driving is locked, and what is held is let go in the same turn. */
-  private followLock(): void {
-    const { seat } = this;
-    if (!seat) return;
-    const barred = seat.machine.isBlocked("interlock");
-    if (this.lockReason === "" && barred) seat.unblock("interlock");
-    else if (this.lockReason !== "" && !barred) seat.block("interlock");
   }
 
   private readonly onHold = ({ detail: { act, source, stick, kind } }: CustomEvent<HoldDetail>): void => {

@@ -164,7 +164,7 @@ export class DrivePad extends LitElement {
   @state() private aside = false;
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
-    this.followLock();
+    this.seat?.followLock(this.lockReason);
   });
   private readonly live = new LiveValuesController(this);
   private stop: (() => void) | null = null;
@@ -189,7 +189,7 @@ export class DrivePad extends LitElement {
 
   override willUpdate(): void {
     this.observeSignals();
-    this.followLock();
+    this.seat?.followLock(this.lockReason);
     const channels = [this.speedSignal, this.sidewaysSignal, this.turnSignal].flatMap((signal) => signal?.channels ?? []);
     this.live.observeChannels(this.site, channels);
   }
@@ -273,15 +273,6 @@ export class DrivePad extends LitElement {
     if (this.rehearsing) return "";
     const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
     return lock ? lockText(lock) : "";
-  }
-
-  /** No press counts while driving is locked, and what is held is let go in the same turn. */
-  private followLock(): void {
-    const { seat } = this;
-    if (!seat) return;
-    const barred = seat.machine.isBlocked("interlock");
-    if (this.lockReason === "" && barred) seat.unblock("interlock");
-    else if (this.lockReason !== "" && !barred) seat.block("interlock");
   }
 
   private speedCapReason(): string {

@@ -77,7 +77,7 @@ export class PtzPad extends LitElement {
   @property({ attribute: false }) pictureAge: () => number = () => -1;
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
-    this.followLock();
+    this.seat?.followLock(this.lockReason);
   });
   private readonly reach = new ContextStoreController(this, reachContext);
   private readonly live = new LiveValuesController(this);
@@ -92,7 +92,7 @@ export class PtzPad extends LitElement {
   override willUpdate(): void {
     this.watchedSeat.setStore(this.seat);
     this.watchedLine.setStore(this.line);
-    this.followLock();
+    this.seat?.followLock(this.lockReason);
     this.live.observeChannels(this.site, this.device?.signals.flatMap(({ channels }) => channels) ?? []);
   }
 
@@ -194,15 +194,6 @@ export class PtzPad extends LitElement {
   private get lockReason(): string {
     const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
     return lock ? lockText(lock) : "";
-  }
-
-  /** No press counts while driving is locked, and what is held is let go in the same turn. */
-  private followLock(): void {
-    const { seat } = this;
-    if (!seat) return;
-    const barred = seat.machine.isBlocked("interlock");
-    if (this.lockReason === "" && barred) seat.unblock("interlock");
-    else if (this.lockReason !== "" && !barred) seat.block("interlock");
   }
 
   private readonly onHold = ({ detail: { act, source, stick, kind } }: CustomEvent<HoldDetail>): void => {

@@ -91,6 +91,22 @@ describe("the seat", () => {
     expect(line.take("drive")).toEqual([]);
   });
 
+  test("an interlock's lock ends what is held in the same turn, and no press counts before it is gone", () => {
+    sit();
+    seat.pressHold("key:KeyW", PUSH.forward);
+    line.sent.length = 0;
+    seat.followLock("Too steep");
+    expect(line.sent).toHaveLength(1);
+    vi.advanceTimersByTime(500);
+    expect(line.take("drive").map((frame) => frame["linear"])).toEqual([0, 0, 0]);
+    seat.followLock("Too steep, and wet");
+    seat.pressHold("key:KeyA", PUSH.left);
+    expect(line.take("drive")).toEqual([]);
+    seat.followLock("");
+    seat.pressHold("key:KeyD", PUSH.right);
+    expect(line.take("drive")).toHaveLength(1);
+  });
+
   test("a press that the system takes away ends everything that is held", () => {
     sit();
     seat.pressHold("pad", PUSH.forward, "analog");
