@@ -7,7 +7,6 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
-import psutil
 import pytest
 from detector_files import red_detector, require_runtime
 from fake_hub import FakeHub, fake_hub
@@ -23,8 +22,10 @@ from talaia.wire.frames import (
     StreamSubscription,
 )
 
+from .shown_pictures import HEIGHT, WIDTH, children, showing
+
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator
     from pathlib import Path
 
 pytestmark = pytest.mark.robot
@@ -71,7 +72,6 @@ interlocks:
     dwell: 0.5
 """)
 SITE = SITE.replace("MAT", "{name: Mat, points: [[0.3, 0.6], [0.7, 0.6], [0.7, 1], [0.3, 1]]}")
-HEIGHT, WIDTH = 48, 64
 
 
 @pytest.fixture
@@ -93,36 +93,6 @@ async def seeing(
         async with running(hub.url, tmp_path / "data", text, file=file):
             await hub.until(lambda: hub.hellos, "a hello")
             yield hub
-
-
-@asynccontextmanager
-async def showing(peer: Peer, tmp_path: Path, name: str) -> AsyncIterator[Callable[[str], None]]:
-    """Let the robot's camera show one picture after the other; what is called names the next."""
-    shown = [name]
-
-    async def show() -> None:
-        while True:
-            before = len(peer.heard("shown"))
-            await peer.do(
-                "show", file=str(tmp_path / shown[0]), height=HEIGHT, width=WIDTH,
-                seconds=0.2, hz=30,
-            )  # fmt: skip
-            await peer.until(lambda before=before: len(peer.heard("shown")) > before)
-
-    task = asyncio.ensure_future(show())
-    try:
-        yield lambda next_: shown.__setitem__(0, next_)
-    finally:
-        task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
-
-
-def children() -> list[psutil.Process]:
-    return [
-        each
-        for each in psutil.Process().children()
-        if each.status() != psutil.STATUS_ZOMBIE and "talaia.objects.child" in each.cmdline()
-    ]
 
 
 def boxed_pictures(hub) -> list[tuple]:

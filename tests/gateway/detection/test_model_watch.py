@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
-import psutil
 import pytest
 from detector_files import require_runtime
 from fake_hub import FakeHub, fake_hub
@@ -16,8 +14,10 @@ from picture_model_files import bright_depth, colour_classifier, colour_segmente
 
 from talaia.wire.frames import DescriptionUpdate, Event, InterlockState, StreamSubscription
 
+from .shown_pictures import HEIGHT, WIDTH, children, showing
+
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator
     from pathlib import Path
 
 pytestmark = pytest.mark.robot
@@ -61,7 +61,6 @@ interlocks:
     refuse: [base/*]
     dwell: 0.2
 """)  # noqa: E501 - a row for each signal
-HEIGHT, WIDTH = 48, 64
 NEAR = next(line + "\n" for line in SITE.splitlines() if line.startswith("      near:"))
 
 
@@ -83,36 +82,6 @@ async def looked_at(tmp_path: Path, text: str, file: Path | None = None) -> Asyn
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", text, file=file):
         await hub.until(lambda: hub.hellos, "a hello")
         yield hub
-
-
-@asynccontextmanager
-async def showing(peer: Peer, tmp_path: Path, name: str) -> AsyncIterator[Callable[[str], None]]:
-    """Let the robot's camera show one picture after the other; what is called names the next."""
-    shown = [name]
-
-    async def show() -> None:
-        while True:
-            before = len(peer.heard("shown"))
-            await peer.do(
-                "show", file=str(tmp_path / shown[0]), height=HEIGHT, width=WIDTH,
-                seconds=0.2, hz=30,
-            )  # fmt: skip
-            await peer.until(lambda before=before: len(peer.heard("shown")) > before)
-
-    task = asyncio.ensure_future(show())
-    try:
-        yield lambda next_: shown.__setitem__(0, next_)
-    finally:
-        task.cancel()
-        await asyncio.gather(task, return_exceptions=True)
-
-
-def children() -> list[psutil.Process]:
-    return [
-        child
-        for child in psutil.Process().children()
-        if child.status() != psutil.STATUS_ZOMBIE and "talaia.objects.child" in child.cmdline()
-    ]
 
 
 async def test_what_each_kind_tells_becomes_signals_and_an_overlay_for_who_looks(
