@@ -6,12 +6,16 @@ this one, and its servers, come by none of them.
 
 import secrets
 import socket
+import sys
 
 FIRST, MANY = 20_000, 10_000
+# Of ports that were given away, until this process ends: others would find them free until
+# somebody listens there, which takes a program seconds.
+_reservations: list[socket.socket] = []
 
 
 def free_port() -> int:
-    """Find a port of loopback at which nobody listens."""
+    """Find a port of loopback at which nobody listens, and that no other test was given."""
     while True:
         port = FIRST + secrets.randbelow(MANY)
         with socket.socket() as probe:
@@ -19,4 +23,19 @@ def free_port() -> int:
                 probe.bind(("127.0.0.1", port))
             except OSError:
                 continue
-        return port
+        if _reserve_port(port):
+            return port
+
+
+def _reserve_port(port: int) -> bool:
+    """Tell whether nobody else has it; by a name without a file, which ends with its process."""
+    if sys.platform != "linux":
+        return True
+    reservation = socket.socket(socket.AF_UNIX)
+    try:
+        reservation.bind(f"\0talaia-test-port-{port}")
+    except OSError:
+        reservation.close()
+        return False
+    _reservations.append(reservation)
+    return True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import itertools
 import random
 from concurrent.futures import ThreadPoolExecutor
@@ -65,9 +64,7 @@ class AlpacaServer:
         """
         number = next(self._transactions)
         path = property_path(address, self._client, number)
-        return parse_value(
-            await self._ask_words(self._server, HttpQuestion(self._server, path)), number
-        )
+        return parse_value(await self._ask_words(HttpQuestion(self._server, path)), number)
 
     async def put_method(self, address: str, fields: Mapping[str, Scalar], seconds: float) -> None:
         """Call a method, once.
@@ -87,7 +84,7 @@ class AlpacaServer:
         form = put_form(fields, self._client, number)
         server = self._server._replace(timeout=seconds)
         question = HttpQuestion(server, device_path(address), form=form)
-        parse_value(await self._ask_words(server, question), number)
+        parse_value(await self._ask_words(question), number)
 
     async def fetch_picture(self, camera: str) -> bytes:
         """Give a camera's newest picture as it comes: ImageBytes, or JSON of an older server.
@@ -99,7 +96,7 @@ class AlpacaServer:
         """
         path = property_path(f"{camera}/imagearray", self._client, next(self._transactions))
         question = HttpQuestion(self._pictures, path, longest=_LONGEST_PICTURE)
-        return await self._ask_words(self._pictures, question)
+        return await self._ask_words(question)
 
     async def list_devices(self) -> list[Configured] | None:
         """Give the devices that it has; none if it has no management API.
@@ -111,29 +108,17 @@ class AlpacaServer:
         """
         question = HttpQuestion(self._server, "/management/v1/configureddevices")
         try:
-            return parse_configured(await self._fetch_answer(self._server, question))
+            return parse_configured(await question.fetch_in_time(self._threads))
         except StatusRefused as error:
             if error.status in (400, 404, 405):
                 return None
             raise
 
-    async def _ask_words(self, server: HttpServer, question: HttpQuestion) -> bytes:
+    async def _ask_words(self, question: HttpQuestion) -> bytes:
         try:
-            return await self._fetch_answer(server, question)
+            return await question.fetch_in_time(self._threads)
         except StatusRefused as error:
             # By the API's text 400 is a question that cannot be read: nothing is done then.
             refused = 400 <= error.status < 500
             words = f"status {error.status}: {error.words}"
             raise AlpacaRefused(0, words, refused=refused) from error
-
-    async def _fetch_answer(self, server: HttpServer, question: HttpQuestion) -> bytes:
-        loop = asyncio.get_running_loop()
-        # All of it, for a byte a second would meet no time-out of a socket's.
-        late = loop.call_later(server.timeout, question.cut_off)
-        try:
-            return await loop.run_in_executor(self._threads, question.fetch_answer)
-        except asyncio.CancelledError:
-            question.cut_off()
-            raise
-        finally:
-            late.cancel()

@@ -96,24 +96,13 @@ class HttpAdapter(JsonAdapter):
             began = loop.time()
             try:
                 async with self._slots:
-                    data = await self._ask_server(get, threads)
+                    data = await HttpQuestion(self._server, get).fetch_in_time(threads)
             except FetchFailed as error:
                 self._wrong[get] = str(error)
             else:
                 self._read_answer(get, data)
             self._report_devices(get)
             await asyncio.sleep(max(0.0, began + self._poll_s - loop.time()))
-
-    async def _ask_server(self, get: str, threads: ThreadPoolExecutor) -> bytes:
-        loop, question = asyncio.get_running_loop(), HttpQuestion(self._server, get)
-        late = loop.call_later(self._server.timeout, question.cut_off)
-        try:
-            return await loop.run_in_executor(threads, question.fetch_answer)
-        except asyncio.CancelledError:
-            question.cut_off()
-            raise
-        finally:
-            late.cancel()
 
     def _read_answer(self, get: str, data: bytes) -> None:
         time_us, mono_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()

@@ -1,12 +1,13 @@
 """One GET or PUT, whole and bounded: to the address that was judged, no redirect.
 
-Blocks. The standard library's client takes a connection that is made already, so the name is
+The standard library's client takes a connection that is made already, so the name is
 looked up once, its address judged, and that very address is asked: a name that means another
 machine a moment later gains nothing.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import http.client
 import socket
@@ -19,6 +20,7 @@ from talaia.model.camera_addresses import why_no_camera
 if TYPE_CHECKING:
     import ssl
     from collections.abc import Mapping
+    from concurrent.futures import Executor
 
 __all__ = [
     "MAX_ANSWER",
@@ -126,6 +128,23 @@ class HttpQuestion:
             with contextlib.suppress(OSError):
                 line.shutdown(socket.SHUT_RDWR)
 
+    async def fetch_in_time(self, threads: Executor) -> bytes:
+        """Give what `fetch_answer` gives, all of it within the server's time limit.
+
+        Raises:
+            FetchFailed: there is none, or it was cut off.
+
+        """
+        loop = asyncio.get_running_loop()
+        late = loop.call_later(self._server.timeout, self.cut_off)
+        try:
+            return await loop.run_in_executor(threads, self.fetch_answer)
+        except asyncio.CancelledError:
+            self.cut_off()
+            raise
+        finally:
+            late.cancel()
+
     def fetch_answer(self) -> bytes:
         """Give the body of an answer of status 200. Blocks.
 
@@ -151,7 +170,9 @@ class HttpQuestion:
             with connection.getresponse() as answer:
                 read = _read_answer(answer, self._longest)
         except (OSError, http.client.HTTPException) as error:
-            if self._is_cut:
+            # The line's own time limit and the cut come at the same moment: either may be first.
+            late = self._line is not None and isinstance(error, TimeoutError)
+            if self._is_cut or late:
                 raise FetchFailed(_late_words(self._server.timeout)) from error
             why = (str(error) or type(error).__name__)[:200]
             where = f"at {host}:{port}"

@@ -6,7 +6,6 @@ of its services: of those only the path is used. So nobody else is ever sent a s
 
 from __future__ import annotations
 
-import asyncio
 import secrets
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -166,9 +165,8 @@ class OnvifServer:
             signature = Signature(self._user, self._password, secrets.token_bytes(16), at)
         server = self._server._replace(headers=headers)
         post = HttpPost(content_type, envelope_of(body, signature))
-        return await self._fetch_answer(
-            server, HttpQuestion(server, path, post=post, longest=_LONGEST)
-        )
+        question = HttpQuestion(server, path, post=post, longest=_LONGEST)
+        return await question.fetch_in_time(self._threads)
 
     async def _read_clock(self) -> None:
         """Learn how far the camera's clock is from ours; it tells that to everybody."""
@@ -176,24 +174,12 @@ class OnvifServer:
         post = HttpPost(content_type_of("device", action), envelope_of(f"<device:{action}/>"))
         question = HttpQuestion(self._server, self._paths["device"], post=post)
         try:
-            data = await self._fetch_answer(self._server, question)
+            data = await question.fetch_in_time(self._threads)
             told = parse_clock(parse_answer(data, action))
         except (StatusRefused, CameraFault):
             # Some tell it to nobody: then its clock is taken for right.
             told = None
         self._offset_s = 0.0 if told is None else told - time.time()
-
-    async def _fetch_answer(self, server: HttpServer, question: HttpQuestion) -> bytes:
-        loop = asyncio.get_running_loop()
-        # All of it, for a byte a second would meet no time-out of a socket's.
-        late = loop.call_later(server.timeout, question.cut_off)
-        try:
-            return await loop.run_in_executor(self._threads, question.fetch_answer)
-        except asyncio.CancelledError:
-            question.cut_off()
-            raise
-        finally:
-            late.cancel()
 
 
 def _refusal_of(refused: StatusRefused) -> CameraFault | FetchFailed:
