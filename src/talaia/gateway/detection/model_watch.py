@@ -229,16 +229,17 @@ class _Measures:
         held = self._hold_counts(scene, look)
         for address, told in self._signals.items():
             source, model = self._sources[address], self._wanted.model
-            value = self._measure(scene, source, model, self._wanted.use) * told.signal.scale
+            measured = self._measure(scene, source, model, self._wanted.use)
+            value = measured * told.signal.scale
             if math.isnan(value):
                 # The value before it grows old.
                 continue
-            steady = held.get(address, value / told.signal.scale) * told.signal.scale
+            steady = held.get(address, measured) * told.signal.scale
             readings[address] = ChannelReading(steady, look.mono_us * 1000)
             if not self._samplers[address].accept_sample(look.time_us, (value,)):
                 continue
             if told.signal.type is SignalType.TEXT:
-                texts[len(gathered)] = model.classes[round(value / told.signal.scale)]
+                texts[len(gathered)] = model.classes[round(measured)]
                 value = math.nan
             gathered.append((told.channel, value))
         columns = Columns(
