@@ -132,7 +132,7 @@ async def test_whoever_comes_to_another_hub_sees_drives_and_stops_as_at_the_one_
         await page.close()
         freed = await gateway.hear(frames.LeaseRequest, lambda ask: ask.op is LeaseOp.FREE)
         assert freed.session == asked.session
-        # All of that takes less than a beat on a fast machine: the lead may not have heard west yet.
+        # All of that takes less than a beat on a fast machine, before the lead has heard west.
         await until_answered(lambda: has_roles(hubs, other, {"east": "leads", "west": "waits"}))
         told = (await hubs.get(other, "/api/hubs")).json()["hubs"]
         assert {hub["name"]: hub["gateways"] for hub in told}["east"] == 0
