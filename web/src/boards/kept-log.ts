@@ -1,5 +1,6 @@
 /** Kept lines of a robot's log beside those that come live: each once, the newest first. Pure. */
 
+import { msg } from "@lit/localize";
 import type { LogLineShape, LogPageShape } from "../generated/api.js";
 import { levelWord, type RobotLogLine } from "./robot-log.js";
 
@@ -86,7 +87,7 @@ export class KeptLog {
 export function shownLine(line: LogLineShape): ShownLogLine {
   const { id, time_us: timeUs, level, node, text, file } = line;
   const source = file === "" ? "" : `${file}:${String(line.line)}`;
-  return { key: id, timeUs, level, word: line.left_out > 0 ? "Left out" : levelWord(level), node, text, source };
+  return { key: id, timeUs, level, word: line.left_out > 0 ? msg("Left out") : levelWord(level), node, text, source };
 }
 
 function newestFirst(one: LogLineShape, other: LogLineShape): number {

@@ -4,6 +4,7 @@
  * robot of a kind. Pure.
  */
 
+import { msg, str } from "@lit/localize";
 import type { CommandShape, DeviceShape, SignalShape, SignalType, SiteShape, StreamShape } from "../generated/api.js";
 
 /** What a board is looked at with. */
@@ -92,7 +93,7 @@ export interface ReferenceChoice {
 /** What can be named of signals: of the board's device first, then all. */
 export function signalChoices({ detail, device }: BoardSubjects, types: readonly SignalType[]): readonly ReferenceChoice[] {
   const fits = (signal: SignalShape): boolean => types.length === 0 || types.includes(signal.type);
-  const own = (device?.signals ?? []).filter(fits).map(({ id, name }) => ({ value: `${DEVICE}/${id}`, label: `${name} of the chosen device` }));
+  const own = (device?.signals ?? []).filter(fits).map(({ id, name }) => ({ value: `${DEVICE}/${id}`, label: msg(str`${name} of the chosen device`) }));
   const all = detail.devices.flatMap((other) => other.signals.filter(fits).map(({ address, name }) => ({ value: address, label: `${other.name}: ${name}` })));
   return [...all, ...own];
 }

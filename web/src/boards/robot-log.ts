@@ -1,12 +1,14 @@
 /** Lines of a robot's log (`rcl_interfaces/msg/Log`) as they come: bounded, filtered by level, node and words. Pure. */
 
+import { msg } from "@lit/localize";
+
 /** The levels of ROS 2, the least first. */
 export const LOG_LEVELS: readonly (readonly [level: number, word: string])[] = [
-  [10, "Debug"],
-  [20, "Info"],
-  [30, "Warning"],
-  [40, "Error"],
-  [50, "Fatal"],
+  [10, msg("Debug")],
+  [20, msg("Info")],
+  [30, msg("Warning")],
+  [40, msg("Error")],
+  [50, msg("Fatal")],
 ];
 
 export interface RobotLogLine {
@@ -28,7 +30,7 @@ export interface RobotLogFilter {
 const MOST = 2000;
 
 export function levelWord(level: number): string {
-  return [...LOG_LEVELS].reverse().find(([least]) => level >= least)?.[1] ?? "Debug";
+  return [...LOG_LEVELS].reverse().find(([least]) => level >= least)?.[1] ?? msg("Debug");
 }
 
 export class RobotLog {

@@ -3,6 +3,7 @@
  * that the first one is there before anybody has arranged anything. Pure.
  */
 
+import { msg, str } from "@lit/localize";
 import type { BoardShape, BoardTileShape, DeviceShape, SignalShape, SiteShape } from "../generated/api.js";
 import { TEMPLATE_KEY } from "../state/router.js";
 import { COLUMNS, firstFree, type GridItem } from "./grid.js";
@@ -107,7 +108,7 @@ function vehicleBoard(detail: SiteShape, device: DeviceShape): BoardShape {
   if (shown.length > 0) made.add("timeline", { signals: shown, seconds: 300 }, [6, rows, 4, rows]);
   made.add("alarms", {}, [shown.length > 0 ? 6 : 12, rows, 4, 2]);
   made.add("logbook", {}, [12, 4, 4, 4]);
-  return plainBoard(detail, `Cockpit of ${device.name}`, "Camera, hands and what the vehicle says.", made.tiles, device);
+  return plainBoard(detail, msg(str`Cockpit of ${device.name}`), msg("Camera, hands and what the vehicle says."), made.tiles, device);
 }
 
 function observatoryBoard(detail: SiteShape): BoardShape {
@@ -129,7 +130,7 @@ function observatoryBoard(detail: SiteShape): BoardShape {
     addCharts(made, numbers, undefined, 1);
   }
   made.add("logbook", {}, [6, 4, 4, 5]);
-  return plainBoard(detail, `Night at ${detail.name}`, "Weather, dome, sky and plan at a glance.", made.tiles);
+  return plainBoard(detail, msg(str`Night at ${detail.name}`), msg("Weather, dome, sky and plan at a glance."), made.tiles);
 }
 
 function overviewBoard(detail: SiteShape): BoardShape {
@@ -141,5 +142,5 @@ function overviewBoard(detail: SiteShape): BoardShape {
   if (states.length > 0) made.add("timeline", { signals: states.slice(0, 6).map(({ address }) => address), seconds: 300 }, [6, 4, 4, 4]);
   made.add("alarms", {}, [6, 4, 4, 4]);
   made.add("logbook", {}, [6, 4, 4, 4]);
-  return plainBoard(detail, `Overview of ${detail.name}`, "What the site says first.", made.tiles);
+  return plainBoard(detail, msg(str`Overview of ${detail.name}`), msg("What the site says first."), made.tiles);
 }

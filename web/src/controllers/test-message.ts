@@ -1,5 +1,6 @@
 /** Sends test messages for an element, one after the other, and keeps how the last one went. */
 
+import { msg } from "@lit/localize";
 import type { ReactiveControllerHost } from "lit";
 import type { WentShape } from "../generated/api.js";
 import type { ActionController } from "./action.js";
@@ -31,7 +32,7 @@ export class TestMessageController {
     return () => {
       this.last = null;
       void this.action.run(
-        "send the test",
+        msg("send the test"),
         async () => {
           this.last = { id, how: await this.send(id) };
         },

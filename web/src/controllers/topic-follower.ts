@@ -1,5 +1,6 @@
 /** Follows a raw topic for an element: its newest message, how it comes, and what is the matter with it. */
 
+import { msg } from "@lit/localize";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { TopicMessage, TopicUpdate } from "../generated/wire.js";
 import { TopicFlow } from "../series/topic-flow.js";
@@ -156,7 +157,7 @@ export class TopicFollower implements ReactiveController {
       },
       onMessage: ({ timeUs, publishUs, size, tree }) => {
         if (tree === "") {
-          this.why = "A message of it is none of its type.";
+          this.why = msg("A message of it is none of its type.");
           return;
         }
         number += 1;

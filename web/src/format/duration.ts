@@ -1,5 +1,7 @@
 /** How long, and how long ago. */
 
+import { msg, str } from "@lit/localize";
+
 const MINUTE = 60;
 const HOUR = 3600;
 const DAY = 86_400;
@@ -17,11 +19,11 @@ export function formatDuration(seconds: number): string {
 /** `just now`, `12 s ago`, `3 min ago`: one unit, for a text that stands beside others. */
 export function formatAge(seconds: number): string {
   if (!Number.isFinite(seconds)) return "–";
-  if (seconds < 2) return "just now";
-  if (seconds < MINUTE) return `${String(Math.floor(seconds))} s ago`;
-  if (seconds < HOUR) return `${String(Math.floor(seconds / MINUTE))} min ago`;
-  if (seconds < DAY) return `${String(Math.floor(seconds / HOUR))} h ago`;
-  return `${String(Math.floor(seconds / DAY))} d ago`;
+  if (seconds < 2) return msg("just now");
+  if (seconds < MINUTE) return msg(str`${String(Math.floor(seconds))} s ago`);
+  if (seconds < HOUR) return msg(str`${String(Math.floor(seconds / MINUTE))} min ago`);
+  if (seconds < DAY) return msg(str`${String(Math.floor(seconds / HOUR))} h ago`);
+  return msg(str`${String(Math.floor(seconds / DAY))} d ago`);
 }
 
 /** Milliseconds with digits that make sense: `8.4 ms`, `120 ms`, `1.2 s`. */

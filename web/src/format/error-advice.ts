@@ -1,5 +1,6 @@
 /** What to tell a person when asking the hub for something failed. */
 
+import { msg, str } from "@lit/localize";
 import { formatDuration } from "./duration.js";
 
 export interface Advice {
@@ -16,33 +17,33 @@ interface HubRefusal {
 }
 
 const UNREACHABLE: Advice = {
-  what: "The hub cannot be reached.",
-  how: "Check the network between this device and the hub, and that the hub is running. It is safe to try again.",
+  what: msg("The hub cannot be reached."),
+  how: msg("Check the network between this device and the hub, and that the hub is running. It is safe to try again."),
 };
 
 /** @param asked what was asked for, as the object of a sentence: `the list of sites` */
 export function adviceFor(error: unknown, asked: string): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
   if (error.status === 403) {
-    return { what: `You may not see ${asked}.`, how: "An admin of this hub can give you the right." };
+    return { what: msg(str`You may not see ${asked}.`), how: msg("An admin of this hub can give you the right.") };
   }
   if (error.status === 404) {
-    return { what: `There is no such thing here: ${asked}.`, how: "It may have been renamed or removed." };
+    return { what: msg(str`There is no such thing here: ${asked}.`), how: msg("It may have been renamed or removed.") };
   }
-  return { what: `The hub could not give ${asked}.`, how: error.message };
+  return { what: msg(str`The hub could not give ${asked}.`), how: error.message };
 }
 
 /** @param asked what was to be done, as the object of a sentence: `change the password` */
 export function actionAdvice(error: unknown, asked: string): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
-  const what = `The hub did not ${asked}.`;
-  if (error.status === 429) return { what, how: `Too many tries. Try again ${waitText(error.retryAfter)}.` };
+  const what = msg(str`The hub did not ${asked}.`);
+  if (error.status === 429) return { what, how: msg(str`Too many tries. Try again ${waitText(error.retryAfter)}.`) };
   return { what, how: asSentence(error.message) };
 }
 
 /** How long to wait, where the hub said it (s). */
 export function waitText(seconds: number): string {
-  return seconds > 0 ? `in ${formatDuration(Math.ceil(seconds))}` : "in a little while";
+  return seconds > 0 ? msg(str`in ${formatDuration(Math.ceil(seconds))}`) : msg("in a little while");
 }
 
 /** The hub's words for programs begin small and end without a point. */
@@ -55,20 +56,20 @@ function asSentence(text: string): string {
 export function signInAdvice(error: unknown): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
   if (error.status === 429) {
-    return { what: "Too many tries.", how: `The hub delays repeated tries. Try again ${waitText(error.retryAfter)}.` };
+    return { what: msg("Too many tries."), how: msg(str`The hub delays repeated tries. Try again ${waitText(error.retryAfter)}.`) };
   }
-  if (error.code === "provider") return { what: "The provider could not be asked.", how: asSentence(error.message) };
-  if (isPasskey(error)) return { what: "You were not signed in by a passkey.", how: asSentence(error.message) };
+  if (error.code === "provider") return { what: msg("The provider could not be asked."), how: asSentence(error.message) };
+  if (isPasskey(error)) return { what: msg("You were not signed in by a passkey."), how: asSentence(error.message) };
   if (error.code === "factor_locked") {
-    return { what: "Codes are not taken now.", how: "Too many were wrong. Use a recovery code or a passkey, or wait an hour." };
+    return { what: msg("Codes are not taken now."), how: msg("Too many were wrong. Use a recovery code or a passkey, or wait an hour.") };
   }
   if (isFactor(error)) {
-    return { what: "This code is wrong.", how: `${asSentence(error.message)} Each code works once; wait for the next one.` };
+    return { what: msg("This code is wrong."), how: msg(str`${asSentence(error.message)} Each code works once; wait for the next one.`) };
   }
   if (error.status === 401 || error.status === 403) {
-    return { what: "Name or password is wrong.", how: "Check both; capital letters count." };
+    return { what: msg("Name or password is wrong."), how: msg("Check both; capital letters count.") };
   }
-  return { what: "The hub did not let you in.", how: error.message };
+  return { what: msg("The hub did not let you in."), how: error.message };
 }
 
 /** The password is right, and the hub wants the second factor besides. */

@@ -1,5 +1,6 @@
 /** What a camera sees, in words: classes by name, how many, and how sure. */
 
+import { msg, str } from "@lit/localize";
 import { formatDuration } from "./duration.js";
 
 /** What a class means to who looks: it has a colour of its own, and always its name beside. */
@@ -56,11 +57,11 @@ export interface SightingStory {
 export function storyFacts(story: SightingStory | null | undefined): string[] {
   if (story === null || story === undefined) return [];
   const facts = story.stays.map(({ zone, entries, dwell_s }) =>
-    `${formatDuration(dwell_s)} in ${zone}${entries > 1 ? `, came ${timesText(entries)}` : ""}`);
+    entries > 1 ? msg(str`${formatDuration(dwell_s)} in ${zone}, came ${timesText(entries)}`) : msg(str`${formatDuration(dwell_s)} in ${zone}`));
   for (const { line, left, right } of story.crossings) {
     const sides = [["left", left], ["right", right]] as const;
     for (const [side, many] of sides) {
-      if (many > 0) facts.push(`crossed ${line} to the ${side}${many > 1 ? ` ${timesText(many)}` : ""}`);
+      if (many > 0) facts.push(msg(str`crossed ${line} to the ${side}${many > 1 ? ` ${timesText(many)}` : ""}`));
     }
   }
   if (story.speed !== null) facts.push(`${story.speed.toFixed(1)}\u202fm/s`);
@@ -68,7 +69,7 @@ export function storyFacts(story: SightingStory | null | undefined): string[] {
 }
 
 function timesText(many: number): string {
-  return many === 2 ? "twice" : `${String(many)} times`;
+  return many === 2 ? msg("twice") : msg(str`${String(many)} times`);
 }
 
 /** `87 %`, with a space that no line is broken at. */

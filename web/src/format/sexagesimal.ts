@@ -1,5 +1,7 @@
 /** Places in the sky as people write and read them. Pure. */
 
+import { msg } from "@lit/localize";
+
 const twoDigits = (value: number): string => String(value).padStart(2, "0");
 
 /** Hours as `05h 34m 32s`; NaN gives a dash. */
@@ -42,7 +44,7 @@ export function formatAzimuth(degrees: number, decimals = 1): string {
   return `${wrapped(degrees, 360).toFixed(decimals)}° ${windOf(degrees)}`;
 }
 
-const WINDS = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"] as const;
+const WINDS = ["N", msg("NE"), "E", msg("SE"), "S", msg("SW"), "W", msg("NW")] as const;
 
 export function windOf(degrees: number): string {
   return WINDS[Math.round(wrapped(degrees, 360) / 45) % 8] ?? "N";

@@ -1,9 +1,11 @@
 /** What a reading of a signal says: a state's word, and whether its number can be true. */
 
+import { msg, str } from "@lit/localize";
+
 /** The word for a state's number; the number itself when the description has none for it. */
 export function stateWord(states: readonly string[], value: number): string {
   if (Number.isNaN(value)) return "–";
-  return states[Math.round(value)] ?? `state ${String(value)}`;
+  return states[Math.round(value)] ?? msg(str`state ${String(value)}`);
 }
 
 /** Whether a number is outside what its description calls possible: a station's error code, say. */

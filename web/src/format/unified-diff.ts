@@ -1,5 +1,8 @@
 /** Lines of a unified difference, told apart for eyes and for screen readers. */
 
+import { msg, str } from "@lit/localize";
+import { plural } from "./plural.js";
+
 export type LineKind = "added" | "removed" | "same" | "place";
 
 export interface DifferenceLine {
@@ -23,7 +26,7 @@ export function differenceLines(lines: readonly string[]): DifferenceLine[] {
     if (place !== null) {
       before = Number(place[1]);
       after = Number(place[2]);
-      return { kind: "place", sign: "…", text: `line ${String(after)}`, before: 0, after: 0 };
+      return { kind: "place", sign: "…", text: msg(str`line ${String(after)}`), before: 0, after: 0 };
     }
     const text = line.slice(1);
     if (line.startsWith("+")) return { kind: "added", sign: "+", text, before: 0, after: after++ };
@@ -36,11 +39,11 @@ export function differenceLines(lines: readonly string[]): DifferenceLine[] {
 export function differenceText(lines: readonly DifferenceLine[]): string {
   const added = lines.filter((line) => line.kind === "added").length;
   const removed = lines.filter((line) => line.kind === "removed").length;
-  if (added + removed === 0) return "no line differs";
-  const said = [added > 0 ? `${lineCount(added)} added` : "", removed > 0 ? `${lineCount(removed)} removed` : ""];
+  if (added + removed === 0) return msg("no line differs");
+  const said = [added > 0 ? msg(str`${lineCount(added)} added`) : "", removed > 0 ? msg(str`${lineCount(removed)} removed`) : ""];
   return said.filter((address) => address !== "").join(", ");
 }
 
 function lineCount(count: number): string {
-  return count === 1 ? "1 line" : `${String(count)} lines`;
+  return plural(count, msg("1 line"), msg(str`${String(count)} lines`));
 }

@@ -1,5 +1,7 @@
 /** What a browser calls itself, in words that a person knows it by. */
 
+import { msg, str } from "@lit/localize";
+
 const BROWSERS: readonly (readonly [RegExp, string])[] = [
   [/\bEdg(?:e|A|iOS)?\//, "Edge"],
   [/\bOPR\//, "Opera"],
@@ -24,8 +26,8 @@ const LONGEST = 60;
 export function browserName(agent: string): string {
   const browser = BROWSERS.find(([pattern]) => pattern.test(agent))?.[1];
   const system = SYSTEMS.find(([pattern]) => pattern.test(agent))?.[1];
-  if (browser !== undefined) return system === undefined ? browser : `${browser} on ${system}`;
+  if (browser !== undefined) return system === undefined ? browser : msg(str`${browser} on ${system}`);
   const text = agent.trim();
-  if (text === "") return "Unknown program";
+  if (text === "") return msg("Unknown program");
   return text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text;
 }

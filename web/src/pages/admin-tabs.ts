@@ -1,5 +1,6 @@
 /** The way between an admin's pages. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -7,14 +8,14 @@ import { base } from "../elements/base/base-style.js";
 import type { PageName } from "../state/router.js";
 
 const TABS: readonly (readonly [PageName, string])[] = [
-  ["people", "People"],
-  ["roles", "Roles"],
-  ["gateways", "Gateways"],
-  ["clients", "Clients"],
-  ["ways", "Notification"],
-  ["storage", "Storage"],
-  ["description", "Description"],
-  ["audit", "Audit log"],
+  ["people", msg("People")],
+  ["roles", msg("Roles")],
+  ["gateways", msg("Gateways")],
+  ["clients", msg("Clients")],
+  ["ways", msg("Notification")],
+  ["storage", msg("Storage")],
+  ["description", msg("Description")],
+  ["audit", msg("Audit log")],
 ];
 
 @customElement("t-admin-tabs")
@@ -76,7 +77,7 @@ export class AdminTabs extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<nav aria-label="Admin">
+    return html`<nav aria-label=${msg("Admin")}>
       ${map(
         TABS,
         ([page, title]) => html`<a href=${`/admin/${page}`} aria-current=${page === this.page ? "page" : nothing}

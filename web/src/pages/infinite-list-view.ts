@@ -1,5 +1,6 @@
 /** An endless list as a page shows it, with what stands below: that more is coming, that it did not come, or that there is none. */
 
+import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import type { InfiniteRows, IdentifiedRow } from "../controllers/infinite-rows.js";
 import { renderRowSheet } from "../elements/layout/rows.js";
@@ -33,6 +34,6 @@ function renderListEnd<R extends IdentifiedRow>(list: InfiniteRows<R>, what: str
   return html`${advice === null
       ? nothing
       : renderAdvice(advice, list.retry)}
-    ${list.loading || !list.hasStarted ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : nothing}
-    <p class="end">${list.hasMore || list.rows.length === 0 ? "" : "This is where it begins."}</p>`;
+    ${list.loading || !list.hasStarted ? html`<t-loading what=${msg(str`Loading ${what}`)}></t-loading>` : nothing}
+    <p class="end">${list.hasMore || list.rows.length === 0 ? "" : msg("This is where it begins.")}</p>`;
 }

@@ -1,5 +1,7 @@
 /** Reads what ROS serialized: CDR of ROS 2, and ROS 1's own form. Pure. */
 
+import { msg, str } from "@lit/localize";
+
 /** Bytes that are no such message. */
 export class MessageError extends Error {}
 
@@ -19,7 +21,7 @@ export class MessageReader {
   ) {
     this.ros1 = encoding === "ros1";
     this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-    if (!this.ros1 && (bytes.length < ENCAPSULATION || bytes[0] !== 0 || (bytes[1] ?? 9) > 1)) throw new MessageError("not in plain CDR");
+    if (!this.ros1 && (bytes.length < ENCAPSULATION || bytes[0] !== 0 || (bytes[1] ?? 9) > 1)) throw new MessageError(msg("not in plain CDR"));
     this.little = this.ros1 || bytes[1] === 1;
     this.at = this.ros1 ? 0 : ENCAPSULATION;
   }
@@ -58,7 +60,7 @@ export class MessageReader {
   /** How many entries follow, each of at least `least` bytes. */
   length(least: number): number {
     const count = this.uint32();
-    if (count * least > this.bytes.length - this.at) throw new MessageError(`${String(count)} entries in ${String(this.bytes.length)} bytes`);
+    if (count * least > this.bytes.length - this.at) throw new MessageError(msg(str`${String(count)} entries in ${String(this.bytes.length)} bytes`));
     return count;
   }
 
@@ -87,7 +89,7 @@ export class MessageReader {
   }
 
   private rawBytes(count: number): Uint8Array {
-    if (count > this.bytes.length - this.at) throw new MessageError("it ends too early");
+    if (count > this.bytes.length - this.at) throw new MessageError(msg("it ends too early"));
     const begin = this.at;
     this.at += count;
     return this.bytes.subarray(begin, this.at);
@@ -98,7 +100,7 @@ export class MessageReader {
     if (!this.ros1) this.at += (size - ((this.at - ENCAPSULATION) % size)) % size;
     const begin = this.at;
     this.at += size;
-    if (this.at > this.bytes.length) throw new MessageError("it ends too early");
+    if (this.at > this.bytes.length) throw new MessageError(msg("it ends too early"));
     return begin;
   }
 }

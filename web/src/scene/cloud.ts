@@ -1,5 +1,6 @@
 /** `sensor_msgs/msg/PointCloud2`: points and what colours them. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { MessageError, type MessageReader } from "./cdr.js";
 import { readHeader, type MessageHeader } from "./messages.js";
 
@@ -47,10 +48,10 @@ export function readCloud(reader: MessageReader): PointCloud {
   const step = reader.uint32();
   const row = reader.uint32();
   const data = reader.octets();
-  if (step < 1 || row < width * step || height * row > data.length) throw new MessageError("a cloud whose sizes do not fit");
+  if (step < 1 || row < width * step || height * row > data.length) throw new MessageError(msg("a cloud whose sizes do not fit"));
   const layout = { view: new DataView(data.buffer, data.byteOffset, data.byteLength), little, width, height, step, row };
   const [x, y, z] = ["x", "y", "z"].map((name) => valuesOf(layout, fields, name));
-  if (!x || !y || !z) throw new MessageError("a cloud whose points have no x, y and z");
+  if (!x || !y || !z) throw new MessageError(msg("a cloud whose points have no x, y and z"));
   return { ...header, ...packed(x, y, z, valuesOf(layout, fields, "intensity"), coloursOf(layout, fields)) };
 }
 
@@ -68,7 +69,7 @@ function valuesOf({ view, little, width, height, step, row }: Layout, fields: re
   const reading = field === undefined ? undefined : READERS[field.datatype];
   if (field === undefined || reading === undefined) return null;
   const [size, read] = reading;
-  if (field.offset + size > step) throw new MessageError(`a cloud whose ${name} lies beside its points`);
+  if (field.offset + size > step) throw new MessageError(msg(str`a cloud whose ${name} lies beside its points`));
   const found = new Float32Array(width * height);
   let count = 0;
   for (let line = 0; line < height; line++) {

@@ -1,5 +1,6 @@
 /** A rehearsal's path and what would have been said of it, for a drawing and for words. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { RehearsalVerdict, TwinUpdate } from "../generated/wire.js";
 import type { FloorPose } from "./pose-command.js";
 
@@ -50,8 +51,8 @@ export function pathBox(poses: readonly FloorPose[]): FloorBox {
 /** What would have been said, in words; one line for each reason. */
 export function verdictLines({ verdicts }: Pick<TwinUpdate, "verdicts">): readonly string[] {
   const said = verdicts.flatMap(({ why, share }) => {
-    if (why !== "") return [`Driving would have been refused: ${why}`];
-    return share < 1 ? [`Speed would have been cut to ${Math.round(share * 100).toString()} %`] : [];
+    if (why !== "") return [msg(str`Driving would have been refused: ${why}`)];
+    return share < 1 ? [msg(str`Speed would have been cut to ${Math.round(share * 100).toString()} %`)] : [];
   });
   return [...new Set(said)];
 }

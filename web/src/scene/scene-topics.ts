@@ -1,5 +1,7 @@
 /** Which raw topics a scene shows: by the type of their messages. Pure. */
 
+import { msg } from "@lit/localize";
+
 export type LayerKind = "scan" | "cloud" | "grid" | "path" | "odometry" | "poses" | "pose" | "marker" | "markers";
 /** What is not drawn itself, and says where things are and what the robot looks like. */
 export type BasisKind = "transforms" | "joints" | "robot" | "grid update";
@@ -14,21 +16,21 @@ export interface SceneKind {
 
 /** The one table; a new kind of layer takes a row here and its drawing. */
 const KINDS: Readonly<Record<string, SceneKind>> = {
-  "tf2_msgs/msg/TFMessage": { kind: "transforms", rate: 100, name: "Transforms" },
-  "sensor_msgs/msg/JointState": { kind: "joints", rate: 25, name: "Joints" },
-  "sensor_msgs/msg/LaserScan": { kind: "scan", rate: 20, name: "Laser scan" },
-  "sensor_msgs/msg/PointCloud2": { kind: "cloud", rate: 10, name: "Point cloud" },
-  "nav_msgs/msg/OccupancyGrid": { kind: "grid", rate: 2, name: "Map" },
-  "map_msgs/msg/OccupancyGridUpdate": { kind: "grid update", rate: 5, name: "Map's updates" },
-  "nav_msgs/msg/Path": { kind: "path", rate: 5, name: "Path" },
-  "nav_msgs/msg/Odometry": { kind: "odometry", rate: 25, name: "Odometry" },
-  "geometry_msgs/msg/PoseArray": { kind: "poses", rate: 5, name: "Poses" },
-  "geometry_msgs/msg/PoseStamped": { kind: "pose", rate: 10, name: "Pose" },
-  "geometry_msgs/msg/PoseWithCovarianceStamped": { kind: "pose", rate: 10, name: "Pose" },
-  "visualization_msgs/msg/Marker": { kind: "marker", rate: 20, name: "Marker" },
-  "visualization_msgs/msg/MarkerArray": { kind: "markers", rate: 20, name: "Markers" },
+  "tf2_msgs/msg/TFMessage": { kind: "transforms", rate: 100, name: msg("Transforms") },
+  "sensor_msgs/msg/JointState": { kind: "joints", rate: 25, name: msg("Joints") },
+  "sensor_msgs/msg/LaserScan": { kind: "scan", rate: 20, name: msg("Laser scan") },
+  "sensor_msgs/msg/PointCloud2": { kind: "cloud", rate: 10, name: msg("Point cloud") },
+  "nav_msgs/msg/OccupancyGrid": { kind: "grid", rate: 2, name: msg("Map") },
+  "map_msgs/msg/OccupancyGridUpdate": { kind: "grid update", rate: 5, name: msg("Map's updates") },
+  "nav_msgs/msg/Path": { kind: "path", rate: 5, name: msg("Path") },
+  "nav_msgs/msg/Odometry": { kind: "odometry", rate: 25, name: msg("Odometry") },
+  "geometry_msgs/msg/PoseArray": { kind: "poses", rate: 5, name: msg("Poses") },
+  "geometry_msgs/msg/PoseStamped": { kind: "pose", rate: 10, name: msg("Pose") },
+  "geometry_msgs/msg/PoseWithCovarianceStamped": { kind: "pose", rate: 10, name: msg("Pose") },
+  "visualization_msgs/msg/Marker": { kind: "marker", rate: 20, name: msg("Marker") },
+  "visualization_msgs/msg/MarkerArray": { kind: "markers", rate: 20, name: msg("Markers") },
 };
-const ROBOT: SceneKind = { kind: "robot", rate: 1, name: "Robot model" };
+const ROBOT: SceneKind = { kind: "robot", rate: 1, name: msg("Robot model") };
 const BASIS: readonly string[] = ["transforms", "joints", "grid update"];
 /** Costmaps cover the map; clouds and markers may be many: a person switches them on. */
 const OFF_AT_FIRST: readonly string[] = ["cloud", "markers", "marker", "poses"];

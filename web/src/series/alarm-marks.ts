@@ -1,5 +1,7 @@
 /** When alarms were raised and over, as marks on the live charts of what they are about. */
 
+import { msg, str } from "@lit/localize";
+
 /** What is needed of an event. */
 export interface AlarmEvent {
   readonly time_us: number;
@@ -19,7 +21,7 @@ export interface AlarmMark {
   readonly said: string;
 }
 
-const SHOWN: ReadonlySet<string> = new Set(["alarm raised", "alarm cleared"]);
+const SHOWN: ReadonlySet<string> = new Set([msg("alarm raised"), msg("alarm cleared")]);
 /** The charts show minutes: older ones than the last so many are not looked for. */
 const MOST = 200;
 
@@ -47,7 +49,7 @@ export class AlarmMarks {
     const list = this.events
       .filter((event) => event.device === device || event.device === "")
       .map(({ time_us, good, kind, message }) => ({
-        timeUs: time_us, good, said: `${message.split(": ", 1)[0] ?? ""} ${kind === "alarm raised" ? "raised" : "over"}`.trim(),
+        timeUs: time_us, good, said: (kind === "alarm raised" ? msg(str`${message.split(": ", 1)[0] ?? ""} raised`) : msg(str`${message.split(": ", 1)[0] ?? ""} over`)).trim(),
       }));
     this.lists.set(device, list);
     return list;

@@ -1,5 +1,6 @@
 /** The robot's diagnostics as a tree: the newest status of each name, and how each part stands. Pure. */
 
+import { msg } from "@lit/localize";
 import { fullText, listOf } from "../topics/topic-tree.js";
 
 /** The gravest last, except that silence is less grave than an error. */
@@ -114,7 +115,7 @@ export function diagnosticParts(name: string): readonly string[] {
   const parts = name.split("/").map((part) => part.trim()).filter((part) => part !== "");
   if (parts.length > 1 || name.trimStart().startsWith("/")) return parts.length === 0 ? [name] : parts;
   const at = name.indexOf(": ");
-  return at <= 0 ? [name.trim() === "" ? "(no name)" : name.trim()] : [name.slice(0, at).trim(), name.slice(at + 2).trim()].filter((part) => part !== "");
+  return at <= 0 ? [name.trim() === "" ? msg("(no name)") : name.trim()] : [name.slice(0, at).trim(), name.slice(at + 2).trim()].filter((part) => part !== "");
 }
 
 /** Whether a node, or anything below it, is called so, or says so. */

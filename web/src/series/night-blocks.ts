@@ -1,13 +1,15 @@
 /** The blocks of a night's line: what was taken, by the archive; what is observed; what is planned. Pure. */
 
+import { msg, str } from "@lit/localize";
+import { plural } from "../format/plural.js";
 import type { FrameShape, NightStateShape, PlanShape } from "../generated/api.js";
 import type { NightBlock } from "./plan-layout.js";
 
 /** Frames of one target that lie further apart belong to two visits (ms). */
 const PAUSE_MS = 900_000;
-const HIDDEN = "another's request";
+const HIDDEN = msg("another's request");
 /** What the night calls the pictures that it takes for itself: they belong to the block around them. */
-const FOR_ITSELF = "focus or centring";
+const FOR_ITSELF = msg("focus or centring");
 
 interface KnownRequest {
   readonly id: string;
@@ -40,7 +42,7 @@ export function takenBlocks(frames: readonly FrameShape[], requests: readonly Kn
       startMs,
       endMs: Math.max(endMs, startMs + 1000),
       state: "done",
-      reason: `${String(taken.length)} ${taken.length === 1 ? "frame" : "frames"}${filters === "" ? "" : ` (${filters})`}.`,
+      reason: plural(taken.length, msg(str`${String(taken.length)} frame${filters === "" ? "" : ` (${filters})`}.`), msg(str`${String(taken.length)} frames${filters === "" ? "" : ` (${filters})`}.`)),
     };
   });
 }

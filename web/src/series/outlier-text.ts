@@ -1,6 +1,8 @@
 /** Outliers in words. */
 
+import { msg, str } from "@lit/localize";
 import { formatNumber } from "../format/number.js";
+import { plural } from "../format/plural.js";
 import type { Outliers } from "./outliers.js";
 
 /**
@@ -11,15 +13,15 @@ import type { Outliers } from "./outliers.js";
  */
 export function outlierText(found: Outliers, unit: string, decimals: number, exact: boolean | number): string {
   const { samples, count, low, high } = found;
-  const of = exact === true ? "samples" : exact === false ? "points on the chart" : `samples spread evenly among about ${formatNumber(exact, 0)}`;
-  if (Number.isNaN(low)) return `Too few ${of} for quartiles`;
-  const what = count === 0 ? "No outliers" : count === 1 ? "1 outlier" : `${formatNumber(count, 0)} outliers`;
+  const of = exact === true ? msg("samples") : exact === false ? msg("points on the chart") : msg(str`samples spread evenly among about ${formatNumber(exact, 0)}`);
+  if (Number.isNaN(low)) return msg(str`Too few ${of} for quartiles`);
+  const what = count === 0 ? msg("No outliers") : plural(count, msg("1 outlier"), msg(str`${formatNumber(count, 0)} outliers`));
   const share = count === 0 ? "" : ` (${shareText(count / samples)})`;
-  const fences = `${count === 0 ? "all within" : "outside"} ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`;
-  return `${what} of ${formatNumber(samples, 0)} ${of}${share}, ${fences}`;
+  const fences = count === 0 ? msg(str`all within ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`) : msg(str`outside ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`);
+  return msg(str`${what} of ${formatNumber(samples, 0)} ${of}${share}, ${fences}`);
 }
 
 function shareText(share: number): string {
   const percent = share * 100;
-  return percent < 0.1 ? "under 0.1\u202f%" : `${formatNumber(percent, percent < 10 ? 1 : 0)}\u202f%`;
+  return percent < 0.1 ? msg("under 0.1\u202f%") : `${formatNumber(percent, percent < 10 ? 1 : 0)}\u202f%`;
 }

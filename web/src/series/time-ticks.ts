@@ -1,5 +1,6 @@
 /** Where a time axis has its marks, and what stands at them. */
 
+import { msg } from "@lit/localize";
 import { formatClock } from "../format/time.js";
 import { DAY_US, HOUR_US, MINUTE_US, SECOND_US, type ZoneClock } from "./zone-clock.js";
 
@@ -48,7 +49,7 @@ function milliseconds(us: number): string {
   return String(Math.floor((us % SECOND_US) / 1000)).padStart(3, "0");
 }
 
-const MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"];
+const MONTHS = [msg("Jan"), msg("Feb"), msg("Mar"), msg("Apr"), msg("May"), msg("Jun"), msg("Jul"), msg("Aug"), msg("Sep"), msg("Oct"), msg("Nov"), "Dec"];
 
 function shortDate(us: number, clock: ZoneClock): string {
   const date = new Date((us + clock.offsetUs(us)) / 1000);

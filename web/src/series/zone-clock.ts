@@ -1,5 +1,7 @@
 /** Days and wall-clock times of a site's own zone. Times are µs since the epoch, UTC. */
 
+import { msg } from "@lit/localize";
+
 export const SECOND_US = 1e6;
 export const MINUTE_US = 60 * SECOND_US;
 export const HOUR_US = 60 * MINUTE_US;
@@ -94,7 +96,7 @@ export class ZoneClock {
 
 /** What is wrong with a text that should be a moment; empty when nothing is, and when nothing was written. */
 export function momentProblem(text: string, us: number): string {
-  return text.trim() === "" || !Number.isNaN(us) ? "" : "Write it like 2026-03-29 14:05:09.";
+  return text.trim() === "" || !Number.isNaN(us) ? "" : msg("Write it like 2026-03-29 14:05:09.");
 }
 
 const clocks = new Map<string, ZoneClock>();

@@ -1,5 +1,6 @@
 /** A target over one night: how high it stands when, and what that means in words. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { sunFrom } from "./sun-and-moon.js";
 import { toHorizontal, type Equatorial, type Horizontal, type GeoPlace } from "./coordinates.js";
 
@@ -11,9 +12,9 @@ const SUNSET = -0.833;
 /** From brightest to darkest; the Sun is lower than these (°). */
 export const DARKNESS = [
   { id: "day", from: 90, name: "day" },
-  { id: "civil", from: SUNSET, name: "civil twilight" },
-  { id: "nautical", from: -6, name: "nautical twilight" },
-  { id: "astronomical", from: -12, name: "astronomical twilight" },
+  { id: "civil", from: SUNSET, name: msg("civil twilight") },
+  { id: "nautical", from: -6, name: msg("nautical twilight") },
+  { id: "astronomical", from: -12, name: msg("astronomical twilight") },
   { id: "night", from: -18, name: "night" },
 ] as const;
 export type Darkness = (typeof DARKNESS)[number]["id"];
@@ -110,19 +111,19 @@ export function visibilityText(
   now: Horizontal, sun: number, seen: Visibility, horizon: number, clock: (ms: number) => string,
 ): string {
   const limit = `${horizon.toFixed(0)}°`;
-  if (seen.highest < 0) return "It never rises here.";
+  if (seen.highest < 0) return msg("It never rises here.");
   if (seen.highest < horizon) {
-    return `It never gets above ${limit} here; its highest is ${seen.highest.toFixed(0)}°.`;
+    return msg(str`It never gets above ${limit} here; its highest is ${seen.highest.toFixed(0)}°.`);
   }
   const here =
     now.alt < 0
-      ? "It is below the horizon now."
+      ? msg("It is below the horizon now.")
       : now.alt < horizon
-        ? `It is too low now: ${now.alt.toFixed(0)}°, of ${limit} that it needs.`
-        : `It stands ${now.alt.toFixed(0)}° high now${sun >= SUNSET ? ", by day" : ""}.`;
-  if (Number.isNaN(seen.best)) return `${here} The Sun does not set tonight.`;
-  if (!seen.seen) return `${here} Above ${limit} it stands by day only, this night.`;
-  const span = `${clock(seen.fromMs)} to ${clock(seen.toMs)}`;
-  const whole = seen.lowest >= horizon ? "It never sets here. " : "";
-  return `${here} ${whole}In the dark above ${limit}: ${span}, highest ${seen.best.toFixed(0)}° at ${clock(seen.bestMs)}.`;
+        ? msg(str`It is too low now: ${now.alt.toFixed(0)}°, of ${limit} that it needs.`)
+        : sun >= SUNSET ? msg(str`It stands ${now.alt.toFixed(0)}° high now, by day.`) : msg(str`It stands ${now.alt.toFixed(0)}° high now.`);
+  if (Number.isNaN(seen.best)) return msg(str`${here} The Sun does not set tonight.`);
+  if (!seen.seen) return msg(str`${here} Above ${limit} it stands by day only, this night.`);
+  const span = msg(str`${clock(seen.fromMs)} to ${clock(seen.toMs)}`);
+  const whole = seen.lowest >= horizon ? msg("It never sets here. ") : "";
+  return msg(str`${here} ${whole}In the dark above ${limit}: ${span}, highest ${seen.best.toFixed(0)}° at ${clock(seen.bestMs)}.`);
 }

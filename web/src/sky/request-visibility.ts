@@ -1,5 +1,6 @@
 /** When a request's constraints hold in a night, why they do not otherwise, and which night is better. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { separation, toHorizontal, type Equatorial, type GeoPlace, type Horizontal } from "./coordinates.js";
 import { momentsBetween, spansWhere, type SkySpan } from "./night-sky.js";
 import { noonBefore } from "./night-visibility.js";
@@ -138,32 +139,32 @@ export function requestVisibilityText(
   found: RequestVisibility, constraints: SkyConstraints, better: BetterNight | null, { clock, date, lasting }: TimeWords,
 ): string {
   if (found.spans.length > 0) {
-    const spans = found.spans.map(({ from, to }) => `${clock(from)} to ${clock(to)}`).join(", ");
-    return `It may be observed ${spans} (${lasting(found.lasts)}); highest ${found.best.toFixed(0)}° at ${clock(found.bestMs)}.`;
+    const spans = found.spans.map(({ from, to }) => msg(str`${clock(from)} to ${clock(to)}`)).join(", ");
+    return msg(str`It may be observed ${spans} (${lasting(found.lasts)}); highest ${found.best.toFixed(0)}° at ${clock(found.bestMs)}.`);
   }
   const why = vetoText(found, constraints);
-  if (better === null) return `${why} No other night of the next year is better.`;
-  return `${why} Best on ${date(better.found.spans[0]?.from ?? better.night.from)}: ${lasting(better.found.lasts)}.`;
+  if (better === null) return msg(str`${why} No other night of the next year is better.`);
+  return msg(str`${why} Best on ${date(better.found.spans[0]?.from ?? better.night.from)}: ${lasting(better.found.lasts)}.`);
 }
 
 function vetoText(found: RequestVisibility, limits: SkyConstraints): string {
   const altitude = limits.min_altitude.toFixed(0);
   switch (found.veto) {
     case "window":
-      return "No window is open in this night.";
+      return msg("No window is open in this night.");
     case "sun":
-      return `The Sun does not get ${Math.abs(limits.max_sun_altitude).toFixed(0)}° below the horizon in this night while a window is open.`;
+      return msg(str`The Sun does not get ${Math.abs(limits.max_sun_altitude).toFixed(0)}° below the horizon in this night while a window is open.`);
     case "altitude":
       return found.best < limits.min_altitude
-        ? `Never above ${altitude}° in the dark of this night: ${found.best.toFixed(0)}° at the most.`
-        : `Above ${altitude}° only while something else forbids it.`;
+        ? msg(str`Never above ${altitude}° in the dark of this night: ${found.best.toFixed(0)}° at the most.`)
+        : msg(str`Above ${altitude}° only while something else forbids it.`);
     case "airmass":
-      return `Its airmass is never below ${limits.max_airmass.toFixed(1)} in the dark of this night: ${airmassOf(found.best).toFixed(1)} at the least.`;
+      return msg(str`Its airmass is never below ${limits.max_airmass.toFixed(1)} in the dark of this night: ${airmassOf(found.best).toFixed(1)} at the least.`);
     case "moon_distance":
-      return `The Moon is nearer than ${limits.min_moon_distance.toFixed(0)}° while it is high enough.`;
+      return msg(str`The Moon is nearer than ${limits.min_moon_distance.toFixed(0)}° while it is high enough.`);
     case "moon_illumination":
-      return `The Moon is up and lit more than ${(limits.max_moon_illumination * 100).toFixed(0)} % while it is high enough.`;
+      return msg(str`The Moon is up and lit more than ${(limits.max_moon_illumination * 100).toFixed(0)} % while it is high enough.`);
     case null:
-      return "It may not be observed in this night.";
+      return msg("It may not be observed in this night.");
   }
 }

@@ -1,5 +1,6 @@
 /** Where a request's target stands. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { RequestShape } from "../generated/api.js";
 import { precessedFromJ2000 } from "./coordinates.js";
 import type { SkyPlace } from "./request-visibility.js";
@@ -32,14 +33,14 @@ export function targetPlace(target: RequestShape["target"]): SkyPlace | null {
 
 /** What a target is called; its coordinates where nobody named it. */
 export function targetText(target: RequestShape["target"]): string {
-  if (target === null) return "no target";
+  if (target === null) return msg("no target");
   if (target.name !== undefined && target.name !== "") return target.name;
   switch (target.type) {
     case "FIXED":
-      return `altitude ${target.altitude.toFixed(1)}°, azimuth ${target.azimuth.toFixed(1)}°`;
+      return msg(str`altitude ${target.altitude.toFixed(1)}°, azimuth ${target.azimuth.toFixed(1)}°`);
     case "SOLAR_SYSTEM":
       return target.body.charAt(0).toUpperCase() + target.body.slice(1);
     case "ICRS":
-      return `${(target.ra / 15).toFixed(4)} h ${target.dec.toFixed(3)}°`;
+      return msg(str`${(target.ra / 15).toFixed(4)} h ${target.dec.toFixed(3)}°`);
   }
 }

@@ -1,5 +1,6 @@
 /** What a role or a person may do: one level for each site and device, and rights beside it. Pure. */
 
+import { msg } from "@lit/localize";
 import type { PermissionShape, Right } from "../generated/api.js";
 
 /** Stands for every site, or every device of a site. */
@@ -15,12 +16,12 @@ export type ExtraRight = (typeof EXTRA_RIGHTS)[number];
 
 /** What each of them opens, for people. */
 export const EXTRA_RIGHT_NAMES: Readonly<Record<ExtraRight, string>> = {
-  tap: "raw topics",
+  tap: msg("raw topics"),
   metrics: "metrics",
-  request: "ask for observations",
-  approve: "approve observations",
-  arm: "arm the night",
-  unblurred: "faces unblurred",
+  request: msg("ask for observations"),
+  approve: msg("approve observations"),
+  arm: msg("arm the night"),
+  unblurred: msg("faces unblurred"),
 };
 
 /** A place that a right can be given for. */

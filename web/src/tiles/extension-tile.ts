@@ -1,5 +1,6 @@
 /** A card around a web component of the hub's administrator; what it throws stays in the card. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
@@ -52,7 +53,7 @@ export class ExtensionTile extends LitElement {
   override render(): TemplateResult {
     if (this.problem !== "") {
       return html`<h3>${this.tile?.title}</h3>
-        <p role="alert">The tile “${this.tile?.name}” in the hub's extensions folder cannot be shown: ${this.problem}</p>`;
+        <p role="alert">${msg(html`The tile “${this.tile?.name}” in the hub's extensions folder cannot be shown:`)} ${this.problem}</p>`;
     }
     return html`<h3>${this.tile?.title}</h3>
       <div class="component"></div>`;

@@ -1,5 +1,6 @@
 /** One site among many, by what the list of sites says: no request of its own, so that hundreds stand at once. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base, panelBox, quietText } from "../elements/base/base-style.js";
@@ -73,7 +74,7 @@ export class FleetCard extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const { row, name } = this;
     if (row === null) return nothing;
-    return html`${this.plain ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${`Live picture of ${name}`}></t-thumbnail>`}
+    return html`${this.plain ? nothing : html`<t-thumbnail .site=${row.site} .stream=${row.stream} .online=${row.online} label=${msg(str`Live picture of ${name}`)}></t-thumbnail>`}
       <div class="words">
         <div class="head">
           <h3><a href=${sitePath(row.site, "live")}>${name}</a></h3>

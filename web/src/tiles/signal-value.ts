@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
@@ -65,7 +66,7 @@ export class SignalValue extends LitElement {
         .decimals=${shownUnit(signal).decimals}
         .age=${this.live.ageS(channel)}
         .level=${this.level(signal)}
-        .missing=${this.live.isPast ? "nothing recorded" : "no data yet"}
+        .missing=${this.live.isPast ? msg("nothing recorded") : msg("no data yet")}
       ></t-value>
     `;
   }

@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -180,17 +181,17 @@ export class SiteCard extends LitElement {
         <p class="facts">
           ${countText(row.devices, "device")}, ${countText(row.signals, "signal")}${staleness(row)} ·
           ${row.online
-            ? html`online for ${since}`
-            : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
+            ? html`${msg(str`online for ${since}`)}`
+            : html`${msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}`}
         </p>
         ${row.online ? renderGlance(row, troubleAt(this.alarms.store, row.site)) : nothing}
       </header>
       <div class="values">${this.renderValues(row)}</div>
       <nav aria-label=${row.name}>
-        <a href=${sitePath(row.site, "live")}><t-icon name="live"></t-icon>Real-time</a>
-        <a href=${sitePath(row.site, "history")}><t-icon name="history"></t-icon>History</a>
+        <a href=${sitePath(row.site, "live")}><t-icon name="live"></t-icon>${msg("Real-time")}</a>
+        <a href=${sitePath(row.site, "history")}><t-icon name="history"></t-icon>${msg("History")}</a>
         ${this.isUsable()
-          ? html`<a href=${sitePath(row.site, "drive")}><t-icon name="drive"></t-icon>Actuate</a>`
+          ? html`<a href=${sitePath(row.site, "drive")}><t-icon name="drive"></t-icon>${msg("Actuate")}</a>`
           : nothing}
       </nav>
     </t-card>`;
@@ -198,7 +199,7 @@ export class SiteCard extends LitElement {
 
   private renderValues(row: SiteSummary): unknown {
     if (this.detail.result.state === "failed") {
-      return html`<p class="facts note">Its description could not be loaded. It is asked for again when the site changes.</p>`;
+      return html`<p class="facts note">${msg("Its description could not be loaded. It is asked for again when the site changes.")}</p>`;
     }
     if (this.wide) return this.renderByDevice(row);
     const signals = firstPageOf(this.detail.value?.devices ?? [], SHOWN);
@@ -248,7 +249,7 @@ export class SiteCard extends LitElement {
   }
 
   private renderNoValues(): TemplateResult {
-    return html`<p class="facts note">No values to show here: none is marked as primary, or none is yours to see.</p>`;
+    return html`<p class="facts note">${msg("No values to show here: none is marked as primary, or none is yours to see.")}</p>`;
   }
 
   private isUsable(): boolean {
@@ -259,7 +260,7 @@ export class SiteCard extends LitElement {
 }
 
 function staleness(row: SiteSummary): string {
-  return row.online && row.stale > 0 ? `, ${String(row.stale)} of them stale` : "";
+  return row.online && row.stale > 0 ? msg(str`, ${String(row.stale)} of them stale`) : "";
 }
 
 function countText(number: number, noun: string): string {

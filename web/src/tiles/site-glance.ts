@@ -1,5 +1,6 @@
 /** A site in a line or two: state, battery, alarms, who drives, where it is. */
 
+import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { formatNumber } from "../format/number.js";
 import type { SiteSummary } from "../generated/api.js";
@@ -11,15 +12,15 @@ const LOW_BATTERY = 20;
 /** `bad` and `warn` count alarms that nobody has settled. Classes `facts`, `bad` and `warn` are the caller's. */
 export function renderGlance(row: SiteSummary, { bad, warn }: { readonly bad: number; readonly warn: number }): TemplateResult {
   const parts = [
-    bad > 0 ? html`<span class="bad">${counted(bad, "critical alarm")}</span>` : nothing,
+    bad > 0 ? html`<span class="bad">${counted(bad, msg("critical alarm"))}</span>` : nothing,
     warn > 0 ? html`<span class="warn">${counted(warn, "warning")}</span>` : nothing,
     row.state === "" ? nothing : row.state,
-    row.battery === null ? nothing : html`<span class=${row.battery < LOW_BATTERY ? "warn" : ""}>battery ${formatNumber(row.battery, 0)} %</span>`,
-    row.driver === "" ? nothing : html`driven by ${row.driver}`,
+    row.battery === null ? nothing : html`<span class=${row.battery < LOW_BATTERY ? "warn" : ""}>${msg(str`battery ${formatNumber(row.battery, 0)} %`)}</span>`,
+    row.driver === "" ? nothing : html`${msg(str`driven by ${row.driver}`)}`,
     row.moving && row.latitude !== null && row.longitude !== null ? html`<a href=${`/map?site=${encodeURIComponent(row.site)}`}>${placeText(row.latitude, row.longitude)}</a>` : nothing,
-    row.online || row.last_seen_us === 0 ? nothing : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`,
+    row.online || row.last_seen_us === 0 ? nothing : html`${msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}`,
   ].filter((part) => part !== nothing);
-  return html`<p class="facts">${parts.length === 0 ? "No alarm" : parts.map((part, i) => html`${i === 0 ? nothing : " · "}${part}`)}</p>
+  return html`<p class="facts">${parts.length === 0 ? msg("No alarm") : parts.map((part, i) => html`${i === 0 ? nothing : " · "}${part}`)}</p>
     ${row.tags.length === 0 ? nothing : html`<p class="facts">${row.tags.map((tag) => `#${tag}`).join(" ")}</p>`}`;
 }
 

@@ -1,5 +1,6 @@
 /** A small live picture, one a second at the most, and only while it is in view. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../elements/base/base-style.js";
@@ -80,7 +81,7 @@ export class Thumbnail extends LitElement {
   }
 
   override render(): TemplateResult {
-    const word = this.drawn ? "" : this.online ? this.why || "Waiting for a picture" : "Offline";
+    const word = this.drawn ? "" : this.online ? this.why || msg("Waiting for a picture") : msg("Offline");
     return html`<canvas ?hidden=${!this.drawn} role="img" aria-label=${this.label}></canvas>
       <span class="tint" aria-hidden="true"></span>
       ${word === "" ? nothing : html`<span>${word}</span>`}`;

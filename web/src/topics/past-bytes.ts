@@ -1,5 +1,6 @@
 /** Raw topics of a past moment as bytes, in the place of sockets to the hub. */
 
+import { msg, str } from "@lit/localize";
 import type { TopicBytes } from "../generated/wire.js";
 import type { PastBoard } from "../state/past/past-board.js";
 import type { PastTopicState } from "../state/past/past-topics.js";
@@ -8,9 +9,9 @@ import type { OpenBytes } from "./byte-topics.js";
 
 /** What keeps a recorded topic from being shown; empty where nothing does. */
 export function pastProblem({ kind, why }: PastTopicState): string {
-  if (kind === "none") return "Not in a recording of this moment";
-  if (kind === "failed") return "The hub did not give what was recorded";
-  return kind === "unreadable" ? `It cannot be read: ${why}` : "";
+  if (kind === "none") return msg("Not in a recording of this moment");
+  if (kind === "failed") return msg("The hub did not give what was recorded");
+  return kind === "unreadable" ? msg(str`It cannot be read: ${why}`) : "";
 }
 
 /** @param onReset is told which topic's messages are not so any more, before those of another moment come */

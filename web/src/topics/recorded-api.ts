@@ -1,5 +1,6 @@
 /** Raw topics of past moments, as recordings hold them: which there are, and their messages. */
 
+import { msg, str } from "@lit/localize";
 import { Decoder } from "@msgpack/msgpack";
 import type { MomentShape, RecordedTopicShape, StretchShape } from "../generated/api.js";
 import { FrameError } from "../wire/codec.js";
@@ -87,8 +88,8 @@ function decodeAnswer(bytes: ArrayBuffer): BytesAnswer {
   try {
     found = decoder.decode(bytes);
   } catch (error) {
-    throw new FrameError(`an answer that is not MessagePack: ${String(error)}`);
+    throw new FrameError(msg(str`an answer that is not MessagePack: ${String(error)}`));
   }
-  if (typeof found !== "object" || found === null || !("messages" in found) || !Array.isArray(found.messages)) throw new FrameError("an answer without messages");
+  if (typeof found !== "object" || found === null || !("messages" in found) || !Array.isArray(found.messages)) throw new FrameError(msg("an answer without messages"));
   return found as BytesAnswer;
 }

@@ -1,5 +1,8 @@
 /** A message of a raw topic as the hub gives it, a tree of plain values; see `TopicMessage.tree`. Pure. */
 
+import { msg, str } from "@lit/localize";
+import { plural } from "../format/plural.js";
+
 /** A long array: its first entries, and how many there are. */
 interface CutArray {
   readonly $first: readonly unknown[];
@@ -69,10 +72,10 @@ export function valueNote(value: unknown): string {
   if (Array.isArray(value) || isCutArray(value)) {
     const { entries, left } = listOf(value);
     const count = entries.length + left;
-    const whole = `${count.toLocaleString("en")} ${count === 1 ? "entry" : "entries"}`;
-    return left > 0 && entries.length > 0 ? `${whole}, the first ${String(entries.length)} shown` : whole;
+    const whole = plural(count, msg(str`${count.toLocaleString("en")} entry`), msg(str`${count.toLocaleString("en")} entries`));
+    return left > 0 && entries.length > 0 ? msg(str`${whole}, the first ${String(entries.length)} shown`) : whole;
   }
-  if (isCutText(value)) return `${value.$of.toLocaleString("en")} bytes`;
+  if (isCutText(value)) return msg(str`${value.$of.toLocaleString("en")} bytes`);
   const us = stampUs(value);
   return us === null ? "" : new Date(us / 1000).toISOString().replace("T", " ").replace("Z", " UTC");
 }

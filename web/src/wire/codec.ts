@@ -1,5 +1,6 @@
 /** Bytes to messages and back; columns to typed arrays. */
 
+import { msg, str } from "@lit/localize";
 import { Decoder, Encoder } from "@msgpack/msgpack";
 import {
   DEFAULTS,
@@ -65,13 +66,13 @@ function withDefaults(bytes: ArrayBuffer, known: ReadonlySet<string>): object | 
   try {
     raw = decoder.decode(bytes);
   } catch (error) {
-    throw new FrameError(`a frame that is not MessagePack: ${String(error)}`);
+    throw new FrameError(msg(str`a frame that is not MessagePack: ${String(error)}`));
   }
   if (typeof raw !== "object" || raw === null || !("t" in raw)) {
-    throw new FrameError("a frame without a tag");
+    throw new FrameError(msg("a frame without a tag"));
   }
   const tag = raw.t;
-  if (typeof tag !== "string") throw new FrameError("a frame whose tag is no text");
+  if (typeof tag !== "string") throw new FrameError(msg("a frame whose tag is no text"));
   if (!known.has(tag)) return null;
   return { ...DEFAULTS[tag as keyof typeof DEFAULTS], ...raw };
 }
@@ -99,7 +100,7 @@ export interface ValueColumns {
 export function columnsOf(batch: Values): ValueColumns {
   const count = batch.channel.byteLength / 2;
   if (batch.offset.byteLength !== count * 4 || batch.value.byteLength !== count * 8) {
-    throw new FrameError("columns of unequal length");
+    throw new FrameError(msg("columns of unequal length"));
   }
   const offset = new Int32Array(alignedBuffer(batch.offset));
   const timeUs = new Float64Array(count);

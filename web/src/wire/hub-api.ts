@@ -1,5 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
+import { msg, str } from "@lit/localize";
 import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape, ValueList } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
@@ -181,7 +182,7 @@ export class HubApi {
       await response.body?.cancel();
       return "";
     } catch {
-      return "The hub does not answer.";
+      return msg("The hub does not answer.");
     }
   }
 
@@ -227,13 +228,13 @@ export class HubApi {
       if (error instanceof Refused && error.code === "unauthorized" && path !== "/api/me" && path !== "/api/login") {
         const back = this.onSignedOut?.() ?? Promise.resolve(false);
         // What changes something is not done minutes later, when its moment may be over: the person does it again.
-        if (method !== "GET") throw new Refused(401, error.code, "You were signed out; nothing was done. Do it once more.");
+        if (method !== "GET") throw new Refused(401, error.code, msg("You were signed out; nothing was done. Do it once more."));
         if (!(await back)) throw error;
         return await this.requestOnce<T>(method, path, body, options);
       }
       if (!(error instanceof Refused) || error.code !== "confirm" || this.confirmPerson === null) throw error;
       if (!(await this.confirmPerson())) {
-        throw new Refused(403, "confirm", "You did not confirm that it is you; nothing was changed.");
+        throw new Refused(403, "confirm", msg("You did not confirm that it is you; nothing was changed."));
       }
       return await this.requestOnce<T>(method, path, body, options);
     }
@@ -264,12 +265,12 @@ export class HubApi {
       response = await this.fetcher(path, request);
     } catch (error) {
       if (signal?.aborted === true) throw error;
-      throw new Unreachable("The hub does not answer.", { cause: error });
+      throw new Unreachable(msg("The hub does not answer."), { cause: error });
     }
     if (response.ok && bytes) return (await response.arrayBuffer()) as T;
     if (response.ok) return (response.status === 204 ? undefined : await response.json()) as T;
     if (response.status === 502 || response.status === 503 || response.status === 504) {
-      throw new Unreachable("The hub is not ready.");
+      throw new Unreachable(msg("The hub is not ready."));
     }
     throw await refusalOf(response);
   }
@@ -307,7 +308,7 @@ async function refusalOf(response: Response): Promise<Refused> {
   return new Refused(
     response.status,
     typeof code === "string" ? code : "unknown",
-    typeof message === "string" ? message : `The hub answered ${String(response.status)}.`,
+    typeof message === "string" ? message : msg(str`The hub answered ${String(response.status)}.`),
     retryAfter,
   );
 }

@@ -1,5 +1,6 @@
 /** The browser's passkeys (WebAuthn) in the words of the hub: JSON in, JSON out. */
 
+import { msg, str } from "@lit/localize";
 import { Refused } from "./hub-api.js";
 
 type CredentialJson = Readonly<Record<string, unknown>>;
@@ -27,12 +28,12 @@ async function asked(ask: () => Promise<Credential | null>, done: string): Promi
   } catch (error) {
     const known = error instanceof DOMException && error.name === "InvalidStateError";
     // Browsers do not say more, so that pages cannot find out which keys somebody has.
-    throw new Refused(400, "passkey", known ? "This device has a passkey for you already." : `No passkey was ${done}: it was cancelled, or took too long.`);
+    throw new Refused(400, "passkey", known ? msg("This device has a passkey for you already.") : msg(str`No passkey was ${done}: it was cancelled, or took too long.`));
   }
 }
 
 function answerOf(credential: Credential | null): CredentialJson {
-  if (!(credential instanceof PublicKeyCredential)) throw new Refused(400, "passkey", "The browser gave no passkey.");
+  if (!(credential instanceof PublicKeyCredential)) throw new Refused(400, "passkey", msg("The browser gave no passkey."));
   const { response } = credential;
   const said: Record<string, string> = { clientDataJSON: toText(response.clientDataJSON) };
   if (response instanceof AuthenticatorAttestationResponse) said.attestationObject = toText(response.attestationObject);

@@ -1,13 +1,14 @@
 /** This browser's side of Web Push: asks the person, and subscribes at the browser's push service. */
 
+import { msg } from "@lit/localize";
 import type { PushAsk } from "../generated/api.js";
 import { WORKER_PATH } from "../worker/shell-worker.js";
 
 /** Why a browser cannot, in words; empty when it can. */
 export function whyNoPush(): string {
-  if (!window.isSecureContext) return "Browsers take push messages only over https.";
+  if (!window.isSecureContext) return msg("Browsers take push messages only over https.");
   if (!("serviceWorker" in navigator) || !("PushManager" in window)) {
-    return "This browser takes no push messages (on an iPhone, add the page to the home screen first).";
+    return msg("This browser takes no push messages (on an iPhone, add the page to the home screen first).");
   }
   return "";
 }

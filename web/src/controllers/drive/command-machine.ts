@@ -5,6 +5,8 @@
  * answered is *unknown*, and a person decides.
  */
 
+import { msg } from "@lit/localize";
+
 export type RequestStage =
   | "sent"
   | "accepted"
@@ -49,7 +51,7 @@ export interface CommandReport {
 }
 
 const MESSAGE_UNHEARD =
-  "No answer. It may or may not have been done: look at the device before you ask again.";
+  msg("No answer. It may or may not have been done: look at the device before you ask again.");
 /** Accepted or refused must come within the command's own time limit; this much grace on top. */
 const GRACE_MS = 1000;
 
@@ -77,7 +79,7 @@ export class CommandMachine {
 
   /** The ask did not leave this page. */
   markUnsent(id: string): void {
-    this.updateRequest(id, { phase: "offline", message: "Not connected. Nothing was sent." });
+    this.updateRequest(id, { phase: "offline", message: msg("Not connected. Nothing was sent.") });
   }
 
   markRefused(id: string, message: string, offline: boolean): void {

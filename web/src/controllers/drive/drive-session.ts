@@ -5,6 +5,7 @@
  * ends here, before anything is drawn.
  */
 
+import { msg } from "@lit/localize";
 import { Store } from "../../state/store.js";
 import type { DriveUpdate, FromBrowser, LeaseUpdate } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
@@ -30,8 +31,8 @@ const robotFrame: FrameMessage = ({ site, device }, frame) => ({ t: "drive", sit
 const LEASE_BEAT_MS = 100;
 /** More than this waiting in the socket, and a moving frame would be too old on arrival. */
 const BACKLOG_BYTES = 16_384;
-const LINK_GONE = "The connection to the hub is lost. The gateway brings the vehicle to rest by itself.";
-const SITE_GONE = "The site went offline. Its gateway brings the vehicle to rest by itself.";
+const LINK_GONE = msg("The connection to the hub is lost. The gateway brings the vehicle to rest by itself.");
+const SITE_GONE = msg("The site went offline. Its gateway brings the vehicle to rest by itself.");
 
 export class DriveSession extends Store {
   readonly machine: DriveMachine;

@@ -5,6 +5,7 @@
  * nothing, and a lease whose time has run out by our own clock is lost without asking anyone.
  */
 
+import { msg, str } from "@lit/localize";
 import type { HaltReason } from "./drive-machine.js";
 
 export const RENEW_MS = 1000;
@@ -43,7 +44,7 @@ export type LeaseState =
   | { readonly kind: "waiting"; readonly holder: string; readonly until: number }
   | { readonly kind: "other"; readonly holder: string; readonly forceable: boolean };
 
-const ENDED = "The gateway ended your control. Take control again to continue.";
+const ENDED = msg("The gateway ended your control. Take control again to continue.");
 
 export class LeaseMachine {
   private now_: LeaseState = { kind: "unknown" };
@@ -155,7 +156,7 @@ export class LeaseMachine {
   }
 
   private lostToText(holder: string): string {
-    return this.handedOver ? `You handed control to ${holder}.` : `${holder} has control now.`;
+    return this.handedOver ? msg(str`You handed control to ${holder}.`) : msg(str`${holder} has control now.`);
   }
 
   /** Time has passed: what to ask, and whether the lease just ran out. */
@@ -163,20 +164,20 @@ export class LeaseMachine {
     const state = this.now_;
     if (state.kind === "asking" && now - state.since >= ANSWER_MS) {
       this.now_ = { kind: "unknown" };
-      this.trouble = "The gateway did not answer. Try again.";
+      this.trouble = msg("The gateway did not answer. Try again.");
       // It may have been granted on the way: let it go, so that nobody waits for it.
       return { ask: "free", ended: null };
     }
     if (state.kind === "waiting" && now - state.until >= VAIN_MS) {
       this.now_ = { kind: "other", holder: state.holder, forceable: false };
-      this.trouble = "The gateway did not answer your request. Try again.";
+      this.trouble = msg("The gateway did not answer your request. Try again.");
       return { ask: "free", ended: null };
     }
     if (state.kind !== "mine") return { ask: null, ended: null };
     if (now >= state.until) {
       this.now_ = { kind: "unknown" };
       this.ranOut = true;
-      this.trouble = "Your control ran out: the gateway did not answer in time. Take it again.";
+      this.trouble = msg("Your control ran out: the gateway did not answer in time. Take it again.");
       return { ask: null, ended: "lease lost" };
     }
     if (now < this.renewAt) return { ask: null, ended: null };

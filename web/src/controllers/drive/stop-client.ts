@@ -1,5 +1,6 @@
 /** STOP (software) of one device over the connection. */
 
+import { msg } from "@lit/localize";
 import type { HeldStopUpdate, StopUpdate } from "../../generated/wire.js";
 import { Store } from "../../state/store.js";
 import { freshId } from "./unique-id.js";
@@ -133,7 +134,7 @@ export class StopClient extends Store {
 
   private sendReset(epoch: number, token: string): void {
     const sent = this.line.send({ t: "reset", site: this.site, device: this.device, epoch, token });
-    if (!sent) this.desk.receiveResetKey("", "Not connected. Nothing was released.", this.now());
+    if (!sent) this.desk.receiveResetKey("", msg("Not connected. Nothing was released."), this.now());
     this.updateAndSchedule();
   }
 

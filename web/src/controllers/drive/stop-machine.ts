@@ -5,6 +5,8 @@
  * *sent* by this page, *latched* at the gateway, *confirmed* by the robot itself.
  */
 
+import { msg } from "@lit/localize";
+
 export const REPEAT_MS = 200;
 /** How long the second step of a reset stays open. */
 export const ARMED_MS = 10_000;
@@ -120,7 +122,7 @@ export class StopMachine {
     if (this.reset_.kind !== "asking" && this.reset_.kind !== "releasing") return;
     const armed = token !== "" && this.reset_.kind === "asking";
     this.reset_ = armed ? { kind: "armed", token, until: now + ARMED_MS } : { kind: "none" };
-    if (!armed) this.trouble = refused === "" ? "The gateway gave no key for the release." : refused;
+    if (!armed) this.trouble = refused === "" ? msg("The gateway gave no key for the release.") : refused;
   }
 
   /** Second step. Gives the token to send. */
@@ -144,7 +146,7 @@ export class StopMachine {
       now - reset.since >= RESET_ANSWER_MS
     ) {
       this.reset_ = { kind: "none" };
-      this.trouble = "The gateway did not answer the release. STOP may still be latched.";
+      this.trouble = msg("The gateway did not answer the release. STOP may still be latched.");
     }
     if (!this.pending || now < this.repeatAt) return null;
     this.repeatAt = now + REPEAT_MS;

@@ -1,8 +1,10 @@
 /** One anomaly detector of a signal: how it stands, its score over time, why, and "not an anomaly". */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
+import { plural } from "../../format/plural.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { subjectOf, type Detector } from "../../state/anomaly-detectors.js";
 import { base, quietText } from "../base/base-style.js";
@@ -92,23 +94,21 @@ export class DetectorElement extends LitElement {
     if (detector === null) return null;
     this.toggleAttribute("on", detector.on);
     return html`<div class="head">
-        <span class="name">${this.named ? `${subjectOf(detector)}, ${detector.name}` : `Anomaly score, ${detector.name}`}</span>
+        <span class="name">${this.named ? `${subjectOf(detector)}, ${detector.name}` : msg(str`Anomaly score, ${detector.name}`)}</span>
         ${renderStatusOf(detector)}
-        <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}${this.renderScope(detector)}</span>
+        <span class="score">${msg(html`${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}`)}${this.renderScope(detector)}</span>
       </div>
       ${series === null ? nothing : this.renderChart(detector, series)} ${this.renderWords(detector)}
-      ${
-        detector.anomaly === null || detector.anomaly.shares.length === 0
+      ${detector.anomaly === null || detector.anomaly.shares.length === 0
           ? nothing
-          : html`<t-signal-shares .shares=${detector.anomaly.shares} .labels=${this.labels}></t-signal-shares>`
-      }`;
+          : html`<t-signal-shares .shares=${detector.anomaly.shares} .labels=${this.labels}></t-signal-shares>`}`;
   }
 
   /** How many signals a group looks at, how often, and the way of running that it is in. */
   private renderScope({ signals, stepS, mode }: Detector): unknown {
     if (signals.length === 0) return nothing;
-    const often = stepS === 1 ? "once a second" : `once in ${formatNumber(stepS, 0)} s`;
-    return `, ${String(signals.length)} signals ${often}${mode === "" ? "" : `, way of running: ${mode}`}`;
+    const often = plural(stepS, msg("once a second"), msg(str`once in ${formatNumber(stepS, 0)} s`));
+    return mode === "" ? msg(str`, ${String(signals.length)} signals ${often}`) : msg(str`, ${String(signals.length)} signals ${often}, way of running: ${mode}`);
   }
 
   private renderChart(detector: Detector, series: ChartSeries): TemplateResult {
@@ -125,7 +125,7 @@ export class DetectorElement extends LitElement {
       .cursorUs=${this.cursorUs}
       axis-width=${this.axisWidth}
       zone=${this.zone}
-      label=${`Anomaly score of ${subjectOf(detector)} by ${detector.name}`}
+      label=${msg(str`Anomaly score of ${subjectOf(detector)} by ${detector.name}`)}
     ></t-chart>`;
   }
 
@@ -134,16 +134,16 @@ export class DetectorElement extends LitElement {
     if (anomaly === null) {
       if (learning === 0) return nothing;
       const group = detector.signals.length > 0;
-      const [many, before] = group ? ["steps", "tells nothing before"] : ["samples", "tells little before"];
-      return html`<p class="why">It learns what is usual for ${formatNumber(learning, 0)} more ${many}, and ${before}.</p>`;
+      const [many, before] = group ? [msg("steps"), msg("tells nothing before")] : [msg("samples"), msg("tells little before")];
+      return html`<p class="why">${msg(str`It learns what is usual for ${formatNumber(learning, 0)} more ${many}, and ${before}.`)}</p>`;
     }
     const { why, forgiven } = anomaly;
     const button =
       this.mayForgive && learns && !forgiven
-        ? html`<t-button ?disabled=${this.busy} label=${`Not an anomaly: ${subjectOf(detector)}, ${detector.name}`} @click=${this.forgive}>Not an anomaly</t-button>`
+        ? html`<t-button ?disabled=${this.busy} label=${msg(str`Not an anomaly: ${subjectOf(detector)}, ${detector.name}`)} @click=${this.forgive}>${msg("Not an anomaly")}</t-button>`
         : nothing;
     return html`<div class="act">
-      <p class="why">${on ? "Now" : "Last"}: ${why}${forgiven ? ". Someone said that it was none, and it has learned." : ""}</p>
+      <p class="why">${on ? msg("Now") : msg("Last")}: ${why}${forgiven ? msg(". Someone said that it was none, and it has learned.") : ""}</p>
       ${button}
     </div>`;
   }
@@ -154,9 +154,9 @@ export class DetectorElement extends LitElement {
 }
 
 function renderStatusOf({ on, anomaly, learning }: Detector): TemplateResult {
-  if (on) return html`<t-status kind="warn" word="anomaly"></t-status>`;
-  if (learning > 0) return html`<t-status kind="busy" word="learning"></t-status>`;
-  return html`<t-status kind="ok" word=${anomaly?.forgiven === true ? "as usual, marked" : "as usual"}></t-status>`;
+  if (on) return html`<t-status kind="warn" word=${msg("anomaly")}></t-status>`;
+  if (learning > 0) return html`<t-status kind="busy" word=${msg("learning")}></t-status>`;
+  return html`<t-status kind="ok" word=${anomaly?.forgiven === true ? msg("as usual, marked") : msg("as usual")}></t-status>`;
 }
 
 declare global {

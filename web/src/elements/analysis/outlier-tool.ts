@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LEAST_K, MOST_K, USUAL_K } from "../../series/outliers.js";
@@ -40,14 +41,12 @@ export class OutlierTool extends LitElement {
 
   override render(): TemplateResult {
     const on = this.k > 0;
-    return html`<t-button pressed=${on ? "true" : "false"} @click=${this.toggle}>Outliers</t-button>
-      ${
-        on
-          ? html`<label title="A sample so many times the distance of the quartiles beyond them is an outlier"
-              >beyond <input type="number" aria-label="Times the interquartile range" min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.onInput} /> × IQR</label
+    return html`<t-button pressed=${on ? "true" : "false"} @click=${this.toggle}>${msg("Outliers")}</t-button>
+      ${on
+          ? html`<label title=${msg("A sample so many times the distance of the quartiles beyond them is an outlier")}
+              >${msg("beyond")} <input type="number" aria-label=${msg("Times the interquartile range")} min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.onInput} /> ${msg("× IQR")}</label
             >`
-          : nothing
-      }`;
+          : nothing}`;
   }
 
   private readonly toggle = (): void => {

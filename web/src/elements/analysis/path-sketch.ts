@@ -3,6 +3,7 @@
  * thing, and so its path cannot lie on that: the frame here is all of the picture.
  */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { arrowHead, pointsText } from "../camera/mark-shapes.js";
@@ -43,8 +44,8 @@ export class PathSketch extends LitElement {
   override render(): TemplateResult {
     const points = this.path.map(({ x, y }) => ({ x: x * WIDTH, y: y * HEIGHT }));
     const [first] = points;
-    return html`<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label="Path over the camera’s picture">
-      <title>Path over the camera’s picture, from the dot to the arrow</title>
+    return html`<svg viewBox="0 0 ${WIDTH} ${HEIGHT}" role="img" aria-label=${msg("Path over the camera’s picture")}>
+      <title>${msg("Path over the camera’s picture, from the dot to the arrow")}</title>
       <polyline points=${pointsText(points)}></polyline>
       <polyline points=${pointsText(arrowHead(points, 7))}></polyline>
       ${first === undefined ? null : svg`<circle cx=${first.x} cy=${first.y} r="3"></circle>`}

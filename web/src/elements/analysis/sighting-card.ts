@@ -1,5 +1,6 @@
 /** One sighting: its picture, what was seen, by which camera, from when to when. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -139,26 +140,26 @@ export class SightingCard extends LitElement {
     const there = this.picture !== "" && !this.lost;
     return html`<div class="picture ${there ? "there" : ""}">
         ${there
-          ? html`<img src=${this.picture} alt=${`${countText(many, label)} on the picture of ${this.camera}`} loading="lazy" decoding="async" @error=${this.onPictureError} />
+          ? html`<img src=${this.picture} alt=${msg(str`${countText(many, label)} on the picture of ${this.camera}`)} loading="lazy" decoding="async" @error=${this.onPictureError} />
               <div class="tint"></div>`
-          : html`<t-icon name="camera"></t-icon><span>${this.lost ? "picture not kept" : "no picture"}</span>`}
+          : html`<t-icon name="camera"></t-icon><span>${this.lost ? msg("picture not kept") : msg("no picture")}</span>`}
       </div>
       <div class="told">
         <div class="what">
           <span>${countText(many, label)}</span>
-          ${ended_us === null ? html`<t-status kind="busy" word="in sight"></t-status>` : nothing}
+          ${ended_us === null ? html`<t-status kind="busy" word=${msg("in sight")}></t-status>` : nothing}
         </div>
         <div class="times">
           <t-time .us=${began_us} .zone=${this.zone}></t-time>
           ${ended_us === null
-            ? html`<span class="muted">until now</span>`
-            : html`<span aria-label="to">–</span><t-time .us=${ended_us} .zone=${this.zone}></t-time>`}
+            ? html`<span class="muted">${msg("until now")}</span>`
+            : html`<span aria-label=${msg("to")}>–</span><t-time .us=${ended_us} .zone=${this.zone}></t-time>`}
         </div>
         <div class="facts">
           <span>${this.camera}</span>
-          ${ended_us === null ? nothing : html`<span>for ${formatDuration(Math.max(1, Math.round((ended_us - began_us) / 1e6)))}</span>`}
-          <span title="Of the surest one">${confidenceText(confidence)} sure</span>
-          ${many === this.sighting.many ? nothing : html`<span>at most ${this.sighting.many} at once</span>`}
+          ${ended_us === null ? nothing : html`<span>${msg(str`for ${formatDuration(Math.max(1, Math.round((ended_us - began_us) / 1e6)))}`)}</span>`}
+          <span title=${msg("Of the surest one")}>${msg(str`${confidenceText(confidence)} sure`)}</span>
+          ${many === this.sighting.many ? nothing : html`<span>${msg(str`at most ${this.sighting.many} at once`)}</span>`}
           ${map(storyFacts(story), (fact) => html`<span>${fact}</span>`)}
         </div>
         <slot></slot>

@@ -1,5 +1,6 @@
 /** Which signals made an anomaly so: a bar for each, as long as its share. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -68,15 +69,15 @@ export class SignalShares extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const shown = this.shares.filter(({ share }, place) => place === 0 || share >= LEAST).slice(0, MOST_ROWS);
     if (shown.length === 0) return nothing;
-    return html`<ul aria-label="What made it so">
+    return html`<ul aria-label=${msg("What made it so")}>
       ${map(shown, (share) => this.renderShare(share))}
     </ul>`;
   }
 
   private renderShare({ signal, share, spreads, on }: SignalPart): TemplateResult {
     const percent = formatNumber(share * 100, 0);
-    const far = spreads === undefined ? "" : `${formatNumber(Math.abs(spreads), 1)} spreads ${spreads >= 0 ? "above" : "below"} its level`;
-    const text = on === false ? "as usual again" : far;
+    const far = spreads === undefined ? "" : spreads >= 0 ? msg(str`${formatNumber(Math.abs(spreads), 1)} spreads above its level`) : msg(str`${formatNumber(Math.abs(spreads), 1)} spreads below its level`);
+    const text = on === false ? msg("as usual again") : far;
     return html`<li>
       <span class="name">${this.labels.get(signal) ?? signal}</span>
       <svg aria-hidden="true"><rect height="100%" width=${`${String(Math.round(share * 1000) / 10)}%`}></rect></svg>

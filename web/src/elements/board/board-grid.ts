@@ -1,5 +1,6 @@
 /** A grid whose items a person arranges: by dragging, by their corner, and by keys. What stands in them is slotted. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -148,13 +149,13 @@ export class BoardGrid extends LitElement {
       <button
         class="grip"
         type="button"
-        aria-label=${`Move ${item.name}: arrow keys move it, with Shift they change its size, Delete takes it away`}
+        aria-label=${msg(str`Move ${item.name}: arrow keys move it, with Shift they change its size, Delete takes it away`)}
         @pointerdown=${this.dragStarter(item, false)}
         @keydown=${this.keyListener(item)}
       ><t-icon name="drive"></t-icon></button>
       <span>
-        <button type="button" aria-label=${`Settings of ${item.name}`} @click=${this.firer("t-settings", item.id)}><t-icon name="info"></t-icon></button>
-        <button type="button" aria-label=${`Take ${item.name} away`} @click=${this.firer("t-remove", item.id)}><t-icon name="close"></t-icon></button>
+        <button type="button" aria-label=${msg(str`Settings of ${item.name}`)} @click=${this.firer("t-settings", item.id)}><t-icon name="info"></t-icon></button>
+        <button type="button" aria-label=${msg(str`Take ${item.name} away`)} @click=${this.firer("t-remove", item.id)}><t-icon name="close"></t-icon></button>
       </span>
     </div>`;
   }
@@ -192,8 +193,8 @@ export class BoardGrid extends LitElement {
     const now = items.find(({ id }) => id === item.id);
     if (now !== undefined) {
       this.spoken = event.shiftKey
-        ? `${item.name}: ${String(now.w)} columns wide, ${String(now.h)} rows high`
-        : `${item.name}: column ${String(now.x + 1)}, row ${String(now.y + 1)}`;
+        ? msg(str`${item.name}: ${String(now.w)} columns wide, ${String(now.h)} rows high`)
+        : msg(str`${item.name}: column ${String(now.x + 1)}, row ${String(now.y + 1)}`);
     }
     this.fire("t-arrange", items);
   }

@@ -1,5 +1,6 @@
 /** The moment that a board shows, and what moves it: play, pause, speed, step, scrub. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatClock, timeText } from "../../format/time.js";
@@ -11,7 +12,7 @@ import "../base/icon.js";
 import "../forms/button.js";
 
 export const BAR_LENGTHS: readonly (readonly [us: number, label: string])[] = [
-  [10 * MINUTE_US, "10 minutes"], [HOUR_US, "1 hour"], [6 * HOUR_US, "6 hours"], [DAY_US, "1 day"], [7 * DAY_US, "7 days"],
+  [10 * MINUTE_US, msg("10 minutes")], [HOUR_US, msg("1 hour")], [6 * HOUR_US, msg("6 hours")], [DAY_US, msg("1 day")], [7 * DAY_US, msg("7 days")],
 ];
 const LENGTHS: readonly (readonly [string, string])[] = BAR_LENGTHS.map(([us, label]) => [String(us), label]);
 const STEP_US = SECOND_US;
@@ -208,16 +209,16 @@ export class TimeBar extends LitElement {
     const from = timeText(span.fromUs, zone, end);
     const to = timeText(span.toUs, zone, end);
     return html`<div class="stamp">
-        <t-button class="small" ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? "Pause" : "Play"}</t-button>
-        <span class="when"><strong>Past</strong> <time datetime=${text.machine}>${text.local} ${text.zone}</time></span>
+        <t-button class="small" ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? msg("Pause") : msg("Play")}</t-button>
+        <span class="when"><strong>${msg("Past")}</strong> <time datetime=${text.machine}>${text.local} ${text.zone}</time></span>
         ${text.zone === "UTC" ? nothing : html`<span class="utc">${text.utc}</span>`}
-        <t-button class="now" kind="primary" label="Back to now" @click=${this.onNow}><span class="large">Back to now</span><span class="small">Now</span></t-button>
-        <t-button class="small" kind="quiet" label="More of the bar" pressed=${this.expanded ? "true" : "false"} @click=${this.onExpand}>More</t-button>
+        <t-button class="now" kind="primary" label=${msg("Back to now")} @click=${this.onNow}><span class="large">${msg("Back to now")}</span><span class="small">${msg("Now")}</span></t-button>
+        <t-button class="small" kind="quiet" label=${msg("More of the bar")} pressed=${this.expanded ? "true" : "false"} @click=${this.onExpand}>${msg("More")}</t-button>
       </div>
       <div class="rail"><slot name="stretches"></slot><slot name="marks"></slot>
         <input
           type="range"
-          aria-label="Moment"
+          aria-label=${msg("Moment")}
           aria-valuetext=${`${text.local} ${text.zone}`}
           min="0"
           max=${this.length}
@@ -227,13 +228,13 @@ export class TimeBar extends LitElement {
           @keydown=${this.onKey}
         />
       </div>
-      <div class="ends"><span>${from.local}</span><span>${span.toUs >= end ? "now" : to.local}</span></div>
-      <div class="keys" role="group" aria-label="Play">
-        <t-button ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? "Pause" : "Play"}</t-button>
+      <div class="ends"><span>${from.local}</span><span>${span.toUs >= end ? msg("now") : to.local}</span></div>
+      <div class="keys" role="group" aria-label=${msg("Play")}>
+        <t-button ?disabled=${this.atEnd} @click=${this.onPlay}>${this.playing ? msg("Pause") : msg("Play")}</t-button>
         <t-button kind="quiet" @click=${this.stepper(-STEP_US)}>−1 s</t-button>
         <t-button kind="quiet" ?disabled=${this.atEnd} @click=${this.stepper(STEP_US)}>+1 s</t-button>
-        <label>Speed <select aria-label="Speed" @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
-        <label>Bar <select aria-label="Length of the bar" @change=${this.onLength}>${renderOptions(LENGTHS, String(this.length))}</select></label>
+        <label>${msg("Speed")} <select aria-label=${msg("Speed")} @change=${this.onSpeed}>${renderOptions(this.speeds.map((speed) => [String(speed), `${String(speed)} ×`] as const), String(this.speed))}</select></label>
+        <label>${msg("Bar")} <select aria-label=${msg("Length of the bar")} @change=${this.onLength}>${renderOptions(LENGTHS, String(this.length))}</select></label>
         ${this.notes ? this.renderNoteKeys() : nothing} <slot name="keys"></slot>
       </div>
       <div role="status">${this.renderState()}</div>`;
@@ -241,14 +242,14 @@ export class TimeBar extends LitElement {
 
   private renderNoteKeys(): TemplateResult {
     const { begun } = this;
-    return html`<t-button kind="quiet" @click=${this.onNote}>${begun === null ? "Note" : `Note since ${formatClock(begun, this.zone)}`}</t-button>
-      <t-button kind="quiet" pressed=${begun === null ? "false" : "true"} @click=${this.onBegin}>Begin a span</t-button>`;
+    return html`<t-button kind="quiet" @click=${this.onNote}>${begun === null ? msg("Note") : msg(str`Note since ${formatClock(begun, this.zone)}`)}</t-button>
+      <t-button kind="quiet" pressed=${begun === null ? "false" : "true"} @click=${this.onBegin}>${msg("Begin a span")}</t-button>`;
   }
 
   private renderState(): unknown {
-    if (this.state === "failed") return html`<p class="said warn">The hub did not give what was recorded. <t-button kind="quiet" @click=${this.onRetry}>Try again</t-button></p>`;
-    if (this.atEnd) return html`<p class="said">That is the newest that is recorded. “Back to now” shows what comes.</p>`;
-    if (this.state === "silent") return html`<p class="said warn">No value was recorded in the minute before this moment.</p>`;
+    if (this.state === "failed") return html`<p class="said warn">${msg("The hub did not give what was recorded.")} <t-button kind="quiet" @click=${this.onRetry}>${msg("Try again")}</t-button></p>`;
+    if (this.atEnd) return html`<p class="said">${msg("That is the newest that is recorded. “Back to now” shows what comes.")}</p>`;
+    if (this.state === "silent") return html`<p class="said warn">${msg("No value was recorded in the minute before this moment.")}</p>`;
     return nothing;
   }
 

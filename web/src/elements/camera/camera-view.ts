@@ -4,6 +4,7 @@
  * Long, because what lies over the picture, and looking closer at it, share one box and its styles.
  */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { formatMs } from "../../format/duration.js";
@@ -29,17 +30,17 @@ export type CameraLink = "connecting" | "open" | "bad" | "none" | "offline" | "r
 export const LIVE_MS = 500;
 
 const WORDS: Readonly<Record<CameraLink, { icon: IconName; heading: string; more: string }>> = {
-  connecting: { icon: "camera", heading: "Connecting to the camera", more: "" },
-  open: { icon: "camera", heading: "No picture yet", more: "The camera has not sent one so far." },
-  bad: { icon: "warn", heading: "The camera’s picture cannot be shown", more: "" },
+  connecting: { icon: "camera", heading: msg("Connecting to the camera"), more: "" },
+  open: { icon: "camera", heading: msg("No picture yet"), more: msg("The camera has not sent one so far.") },
+  bad: { icon: "warn", heading: msg("The camera’s picture cannot be shown"), more: "" },
   none: {
     icon: "camera",
-    heading: "No camera",
-    more: "The site description names no picture for this device. Drive only what you can see.",
+    heading: msg("No camera"),
+    more: msg("The site description names no picture for this device. Drive only what you can see."),
   },
-  offline: { icon: "unlinked", heading: "The site is offline", more: "The picture returns with it." },
-  refused: { icon: "lock", heading: "This picture is not yours to see", more: "" },
-  unsupported: { icon: "warn", heading: "This browser cannot show the picture", more: "" },
+  offline: { icon: "unlinked", heading: msg("The site is offline"), more: msg("The picture returns with it.") },
+  refused: { icon: "lock", heading: msg("This picture is not yours to see"), more: "" },
+  unsupported: { icon: "warn", heading: msg("This browser cannot show the picture"), more: "" },
 };
 
 const DOT = "M6 1a5 5 0 1 0 0 10A5 5 0 0 0 6 1Z";
@@ -279,7 +280,7 @@ export class CameraView extends LitElement {
       ?hidden=${!this.drawn}
       tabindex="0"
       role="group"
-      aria-label="Picture; plus and minus zoom, zero shows all of it"
+      aria-label=${msg("Picture; plus and minus zoom, zero shows all of it")}
       @wheel=${this.onWheel}
       @pointerdown=${this.onPointerDown}
       @pointermove=${this.onPointerMove}
@@ -365,15 +366,15 @@ export class CameraView extends LitElement {
   };
 
   private spokenState(live: boolean): string {
-    const name = this.name || "Camera";
-    if (this.still) return `${name}, newest exposure, not live`;
-    return live ? `${name}, live picture` : `${name}, old picture, not live`;
+    const name = this.name || msg("Camera");
+    if (this.still) return msg(str`${name}, newest exposure, not live`);
+    return live ? msg(str`${name}, live picture`) : msg(str`${name}, old picture, not live`);
   }
 
   private renderPlaceholder(): TemplateResult {
     if (this.drawn) return this.renderFrozen();
     if (this.link === "connecting") {
-      return html`<div class="veil"><t-loading what="Connecting to the camera"></t-loading></div>`;
+      return html`<div class="veil"><t-loading what=${msg("Connecting to the camera")}></t-loading></div>`;
     }
     const words = WORDS[this.link];
     return html`<div class="veil">
@@ -385,26 +386,26 @@ export class CameraView extends LitElement {
 
   private renderFrozen(): TemplateResult {
     const known = Number.isFinite(this.age);
-    const cause = this.link === "open" ? "Nothing newer has come." : this.why || `${WORDS[this.link].heading}.`;
+    const cause = this.link === "open" ? msg("Nothing newer has come.") : this.why || `${WORDS[this.link].heading}.`;
     return html`<div class="veil">
       <div class="plate" role="status">
-        <strong>Frozen: not live</strong>
+        <strong>${msg("Frozen: not live")}</strong>
         <p>
           ${known
-            ? html`The picture is <span aria-live="off">${ageText(this.age)}</span> old. ${cause}`
-            : `The age of the picture is not known. ${cause}`}
+            ? html`${msg(html`The picture is <span aria-live="off">${ageText(this.age)}</span> old.`)} ${cause}`
+            : msg(str`The age of the picture is not known. ${cause}`)}
         </p>
       </div>
     </div>`;
   }
 
   private renderBadge(live: boolean): TemplateResult {
-    const age = Number.isFinite(this.age) ? ageText(this.age) : "age unknown";
+    const age = Number.isFinite(this.age) ? ageText(this.age) : msg("age unknown");
     return html`<span class="badge">
       <svg viewBox="0 0 12 12" aria-hidden="true"><path d=${live ? DOT : BLOCK} fill="currentColor"></path></svg>
-      <span>${live ? "Live" : this.still ? "Exposure" : "Old"}</span>
+      <span>${live ? msg("Live") : this.still ? msg("Exposure") : msg("Old")}</span>
       <span class="age">${age}</span>
-      ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s${this.small ? ", small: slow connection" : ""}</span>` : nothing}
+      ${live ? html`<span class="muted">${this.rate.toFixed(0)}/s${this.small ? msg(", small: slow connection") : ""}</span>` : nothing}
     </span>`;
   }
 
@@ -412,14 +413,14 @@ export class CameraView extends LitElement {
     const { scale } = this.zoom;
     return html`<div class="tools">
       ${this.drawn
-        ? html`${this.renderTool("Zoom out", "M5 12h14", () => {
+        ? html`${this.renderTool(msg("Zoom out"), "M5 12h14", () => {
             this.zoomBy(1 / 1.5);
           }, "wide", scale <= 1)}
-          ${this.renderTool("Zoom in", "M5 12h14M12 5v14", () => {
+          ${this.renderTool(msg("Zoom in"), "M5 12h14M12 5v14", () => {
             this.zoomBy(1.5);
           }, "wide", scale >= MOST_ZOOM)}
-          ${scale > 1 ? this.renderTool("Show all of the picture", "M4 4h16v16H4zM9 12h6", this.resetZoom) : nothing}
-          ${this.renderTool("Save this picture", "M12 4v11M7 10l5 5 5-5M5 20h14", this.saveSnapshot)}`
+          ${scale > 1 ? this.renderTool(msg("Show all of the picture"), "M4 4h16v16H4zM9 12h6", this.resetZoom) : nothing}
+          ${this.renderTool(msg("Save this picture"), "M12 4v11M7 10l5 5 5-5M5 20h14", this.saveSnapshot)}`
         : nothing}
       <slot name="tool"></slot>
       ${this.renderFullButton()}
@@ -435,7 +436,7 @@ export class CameraView extends LitElement {
   }
 
   private renderFullButton(): TemplateResult {
-    const label = this.full ? "Leave full screen" : "Full screen";
+    const label = this.full ? msg("Leave full screen") : msg("Full screen");
     const path = this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5";
     return html`<button type="button" class="key" aria-label=${label} title=${label} @click=${this.requestFullScreen}>
       <svg viewBox="0 0 24 24" aria-hidden="true">

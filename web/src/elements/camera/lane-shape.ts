@@ -1,5 +1,6 @@
 /** The lane as it lies on a camera's picture, and what is said at it: pure sums. */
 
+import { msg, str } from "@lit/localize";
 import type { PictureMark, PicturePoint } from "./mark-shapes.js";
 
 /** From metres before the vehicle (x ahead, y left) to parts of the picture, row by row. */
@@ -36,11 +37,11 @@ export function laneOutline(matrix: Homography, [near, far]: readonly [number, n
 /** `12 cm left`, as people say it. */
 export function offsetText(offset: number): string {
   const cm = Math.round(Math.abs(offset) * 100);
-  return cm === 0 ? "in the middle" : `${String(cm)}\u00a0cm ${offset > 0 ? "left" : "right"}`;
+  return cm === 0 ? msg("in the middle") : offset > 0 ? msg(str`${String(cm)}\u00a0cm left`) : msg(str`${String(cm)}\u00a0cm right`);
 }
 
 /** The mark that lies over the picture; null while nothing is known. */
 export function laneMark(matrix: Homography, ahead: readonly [number, number], place: LanePlace): PictureMark | null {
   const points = laneOutline(matrix, ahead, place);
-  return points.length === 0 ? null : { kind: "zone", id: "lane", name: "Lane", points, counts: [offsetText(place.offset)] };
+  return points.length === 0 ? null : { kind: "zone", id: "lane", name: msg("Lane"), points, counts: [offsetText(place.offset)] };
 }

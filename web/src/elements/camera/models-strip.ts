@@ -1,5 +1,6 @@
 /** Over a camera's picture: which models' words are drawn on it, and what they say, as a legend. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -92,7 +93,7 @@ export class ModelsStrip extends LitElement {
           type="button"
           class="key worded"
           aria-pressed=${on ? "true" : "false"}
-          title="Draw what the model ${id} tells over the picture"
+          title=${msg(str`Draw what the model ${id} tells over the picture`)}
           data-model=${id}
           @click=${this.onSwitch}
         >
@@ -107,17 +108,17 @@ export class ModelsStrip extends LitElement {
   }
 
   private renderWords(id: string, state: ModelState, words: readonly LegendWord[]): TemplateResult {
-    if (state === "waiting") return html`<span class="counts quiet">waiting for the model</span>`;
-    if (state === "silent") return html`<span class="counts silent">the model is silent</span>`;
-    if (words.length === 0) return html`<span class="counts quiet">none of its classes</span>`;
+    if (state === "waiting") return html`<span class="counts quiet">${msg("waiting for the model")}</span>`;
+    if (state === "silent") return html`<span class="counts silent">${msg("the model is silent")}</span>`;
+    if (words.length === 0) return html`<span class="counts quiet">${msg("none of its classes")}</span>`;
     const more = words.length - MOST_WORDS;
-    return html`<span class="counts" role="group" aria-label="What ${id} tells now"
+    return html`<span class="counts" role="group" aria-label=${msg(str`What ${id} tells now`)}
       >${map(
         words.slice(0, MOST_WORDS),
         ({ text, colour }) => html`<span class="word">
           ${colour > 0 ? html`<span class="swatch" aria-hidden="true" ${styled({ background: `var(--t-series-${String(colour)})` })}></span>` : nothing}${text}
         </span>`,
-      )}${more > 0 ? html`<span class="quiet">and ${more} more</span>` : nothing}</span
+      )}${more > 0 ? html`<span class="quiet">${msg(str`and ${more} more`)}</span>` : nothing}</span
     >`;
   }
 

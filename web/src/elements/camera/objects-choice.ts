@@ -1,5 +1,6 @@
 /** Which objects are framed on a camera's picture, and how sure they must be. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -123,24 +124,22 @@ export class ObjectsChoicePanel extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<div class="panel" role="group" aria-label="Objects on the picture" @keydown=${this.onKeyDown}>
+    return html`<div class="panel" role="group" aria-label=${msg("Objects on the picture")} @keydown=${this.onKeyDown}>
       <fieldset @change=${this.onTick}>
-        <legend>Framed</legend>
+        <legend>${msg("Framed")}</legend>
         ${repeat(
           this.classes,
           ({ label }) => label,
-          ({ label, wanted, described }) => html`<label title=${described ? "Counted and kept in history" : "Seen here; shown only"}
-            ><input type="checkbox" .value=${label} .checked=${wanted} /><span class="key ${objectKind(label)}"></span>${label}${
-              described ? nothing : html` <span class="quiet">seen</span>`
-            }</label
+          ({ label, wanted, described }) => html`<label title=${described ? msg("Counted and kept in history") : msg("Seen here; shown only")}
+            ><input type="checkbox" .value=${label} .checked=${wanted} /><span class="key ${objectKind(label)}"></span>${label}${described ? nothing : html` <span class="quiet">${msg("seen")}</span>`}</label
           >`,
         )}
       </fieldset>
       <label class="sure"
-        ><span>At least as sure as</span><output aria-hidden="true">${confidenceText(this.confidence)}</output>
+        ><span>${msg("At least as sure as")}</span><output aria-hidden="true">${confidenceText(this.confidence)}</output>
         <input
           type="range"
-          aria-label="At least as sure as"
+          aria-label=${msg("At least as sure as")}
           aria-valuetext=${confidenceText(this.confidence)}
           min=${LEAST * 100}
           max=${MOST * 100}
@@ -149,8 +148,8 @@ export class ObjectsChoicePanel extends LitElement {
           @input=${this.onSlide}
       /></label>
       <div class="foot">
-        <t-button ?disabled=${this.plain} @click=${this.useDescribedObjects}>Default settings</t-button>
-        <t-button @click=${this.closePanel}>Close</t-button>
+        <t-button ?disabled=${this.plain} @click=${this.useDescribedObjects}>${msg("Default settings")}</t-button>
+        <t-button @click=${this.closePanel}>${msg("Close")}</t-button>
       </div>
     </div>`;
   }

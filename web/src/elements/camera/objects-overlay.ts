@@ -1,5 +1,6 @@
 /** Over a camera's picture: whether objects are framed, and how many are seen. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -83,16 +84,16 @@ export class ObjectsOverlay extends LitElement {
 
   override render(): TemplateResult {
     return html`<div class="strip">
-        <button type="button" class="key worded" aria-pressed=${this.on ? "true" : "false"} title="Show detected objects on the picture" @click=${this.onSwitch}>
-          ${renderIcon("M4 8V4h4M16 4h4v4M20 16v4h-4M8 20H4v-4M9 9h6v6H9z")} Objects
+        <button type="button" class="key worded" aria-pressed=${this.on ? "true" : "false"} title=${msg("Show detected objects on the picture")} @click=${this.onSwitch}>
+          ${renderIcon("M4 8V4h4M16 4h4v4M20 16v4h-4M8 20H4v-4M9 9h6v6H9z")} ${msg("Objects")}
         </button>
         ${this.on ? this.renderDetails() : nothing}
         ${this.on && !this.busy
           ? html`<button
               type="button"
               class="key worded choose"
-              aria-label="Choose which objects are framed"
-              title="Choose which objects are framed"
+              aria-label=${msg("Choose which objects are framed")}
+              title=${msg("Choose which objects are framed")}
               aria-expanded=${this.open ? "true" : "false"}
               @click=${this.onToggle}
             >
@@ -104,14 +105,14 @@ export class ObjectsOverlay extends LitElement {
 
   /** Nobody who drives is led away. */
   private renderLogbookLink(): TemplateResult | typeof nothing {
-    return this.why === "" || this.busy ? nothing : html`<a href=${this.why}>why?</a>`;
+    return this.why === "" || this.busy ? nothing : html`<a href=${this.why}>${msg("why?")}</a>`;
   }
 
   private renderDetails(): TemplateResult {
-    if (this.detector === "waiting") return html`<span class="counts quiet">waiting for the detector${this.renderLogbookLink()}</span>`;
-    if (this.detector === "silent") return html`<span class="counts silent">the detector is silent${this.renderLogbookLink()}</span>`;
-    if (this.counts.length === 0) return html`<span class="counts quiet">nothing seen</span>`;
-    return html`<span class="counts" role="group" aria-label="Seen now"
+    if (this.detector === "waiting") return html`<span class="counts quiet">${msg("waiting for the detector")}${this.renderLogbookLink()}</span>`;
+    if (this.detector === "silent") return html`<span class="counts silent">${msg("the detector is silent")}${this.renderLogbookLink()}</span>`;
+    if (this.counts.length === 0) return html`<span class="counts quiet">${msg("nothing seen")}</span>`;
+    return html`<span class="counts" role="group" aria-label=${msg("Seen now")}
       >${map(this.counts, ({ label, many }) => html`<span>${countText(many, label)}</span>`)}</span
     >`;
   }

@@ -1,5 +1,6 @@
 /** What a model tells of a picture, as it is drawn over it and said in words: pure sums. */
 
+import { msg, str } from "@lit/localize";
 import type { PictureModelShape } from "../../generated/api.js";
 import type { OverlayLayer } from "../../generated/wire.js";
 
@@ -114,12 +115,12 @@ export function layerWords(model: Pick<PictureModelShape, "classes" | "kind">, l
     case "classification":
       return layer.likely.map(({ label, share }) => `${label} ${percentText(share)}`);
     case "depth": {
-      if (cellRuns(layer).every(({ value }) => value > DEPTH_STEPS)) return ["no depth"];
+      if (cellRuns(layer).every(({ value }) => value > DEPTH_STEPS)) return [msg("no depth")];
       const { near, far } = layer;
-      return near === null || far === null ? ["bright is near", "clear is far"] : [`bright is near, ${metresText(near)}`, `clear is far, ${metresText(far)}`];
+      return near === null || far === null ? [msg("bright is near"), msg("clear is far")] : [msg(str`bright is near, ${metresText(near)}`), msg(str`clear is far, ${metresText(far)}`)];
     }
     case "keypoints":
-      return layer.poses.length === 0 ? ["nobody seen"] : [`${String(layer.poses.length)}\u00a0× ${model.classes[0] ?? "thing"}`];
+      return layer.poses.length === 0 ? [msg("nobody seen")] : [`${String(layer.poses.length)}\u00a0× ${model.classes[0] ?? "thing"}`];
     case "nanodet":
     case "yolo":
       return [];

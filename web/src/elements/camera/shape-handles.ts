@@ -1,5 +1,6 @@
 /** Zones and lines over a camera's picture, with handles to drag their points by pointer and keyboard. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property, queryAll } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -216,7 +217,7 @@ export class ShapeHandles extends LitElement {
   private renderOutline(points: readonly ViewPoint[], index: number): unknown {
     const kind = this.shapes[index]?.kind ?? "zone";
     const text = pointsText(points);
-    const is = `${kind} ${index === this.chosen ? "chosen" : ""}`;
+    const is = index === this.chosen ? msg(str`${kind} chosen`) : `${kind} `;
     const hold = (event: PointerEvent): void => {
       this.beginDrag(event, index, -1);
     };
@@ -233,7 +234,7 @@ export class ShapeHandles extends LitElement {
   private renderName(points: readonly ViewPoint[], index: number): TemplateResult {
     const shape = this.shapes[index];
     const kind = shape?.kind ?? "zone";
-    const name = shape?.name === undefined || shape.name === "" ? `unnamed ${kind}` : shape.name;
+    const name = shape?.name === undefined || shape.name === "" ? msg(str`unnamed ${kind}`) : shape.name;
     const chosen = index === this.chosen;
     const hold = (event: PointerEvent): void => {
       this.beginDrag(event, index, -1);
@@ -248,7 +249,7 @@ export class ShapeHandles extends LitElement {
       type="button"
       class="name ${chosen ? "chosen" : ""}"
       aria-pressed=${chosen ? "true" : "false"}
-      aria-label=${chosen ? `${name}, chosen; arrow keys move all of it` : `Choose ${name}`}
+      aria-label=${chosen ? msg(str`${name}, chosen; arrow keys move all of it`) : msg(str`Choose ${name}`)}
       ${styled(placeOf(chosen && kind === "line" ? sideSpots(points, NAME_PX, nameSpot(kind, points)).right : nameSpot(kind, points)))}
       @click=${choose}
       @keydown=${press}
@@ -264,15 +265,15 @@ export class ShapeHandles extends LitElement {
     const sides = shape.kind === "line" ? sideSpots(points, SIDE_PX, nearEnd(points)) : null;
     return html`${sides === null
         ? nothing
-        : html`<span class="side" aria-hidden="true" ${styled(placeOf(sides.left))}>left</span>
-            <span class="side" aria-hidden="true" ${styled(placeOf(sides.right))}>right</span>`}
+        : html`<span class="side" aria-hidden="true" ${styled(placeOf(sides.left))}>${msg("left")}</span>
+            <span class="side" aria-hidden="true" ${styled(placeOf(sides.right))}>${msg("right")}</span>`}
       ${map(this.gaps, ({ after, at }) => {
         const [spot = { x: 0, y: 0 }] = this.viewed([at]);
         const add = (): void => {
           this.report({ what: "add point", shape: this.chosen, after });
           this.focusPoint(after + 1);
         };
-        return html`<button type="button" class="gap" aria-label=${`Add a point after point ${String(after + 1)}`} title="Add a point" ${styled(placeOf(spot))} @click=${add}></button>`;
+        return html`<button type="button" class="gap" aria-label=${msg(str`Add a point after point ${String(after + 1)}`)} title=${msg("Add a point")} ${styled(placeOf(spot))} @click=${add}></button>`;
       })}
       ${map(points, (spot, index) => this.renderPoint(shape, spot, index))}`;
   }
@@ -290,8 +291,8 @@ export class ShapeHandles extends LitElement {
       type="button"
       class="point"
       data-point=${index}
-      aria-label=${`Point ${String(index + 1)} of ${String(shape.points.length)} of ${shape.name}: ${percent(x)} from the left, ${percent(y)} from the top`}
-      title="Drag, or arrow keys; + adds a point, Delete takes it away"
+      aria-label=${msg(str`Point ${String(index + 1)} of ${String(shape.points.length)} of ${shape.name}: ${percent(x)} from the left, ${percent(y)} from the top`)}
+      title=${msg("Drag, or arrow keys; + adds a point, Delete takes it away")}
       ${styled(placeOf(spot))}
       @keydown=${press}
       @pointerdown=${hold}

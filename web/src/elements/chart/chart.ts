@@ -6,6 +6,7 @@
  * the benchmarks do.
  */
 
+import { msg } from "@lit/localize";
 import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { knownZone } from "../../format/time.js";
@@ -134,7 +135,7 @@ export class Chart extends LitElement implements Paintable {
         class="plot"
         role="group"
         tabindex="0"
-        aria-roledescription="chart"
+        aria-roledescription=${msg("chart")}
         aria-label=${this.label}
         @keydown=${this.onKeyDown}
         @blur=${this.onBlur}
@@ -356,7 +357,7 @@ export class Chart extends LitElement implements Paintable {
     const moment = momentText(us, knownZone(this.zone), lengthOf(shown));
     const values = this.readAt(us).map(({ series, text }) => (this.series.length > 1 ? `${series.name} ${text}` : text));
     const gap = this.series.flatMap(({ gaps }) => gaps).find(({ from_us, to_us }) => us >= from_us && us <= to_us);
-    return [moment, ...values, ...(gap === undefined ? [] : [gap.reason || "no samples"])].join("\n");
+    return [moment, ...values, ...(gap === undefined ? [] : [gap.reason || msg("no samples")])].join("\n");
   }
 
   private fireSpanChange(detail: SpanChange): void {

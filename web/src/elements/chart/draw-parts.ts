@@ -1,5 +1,6 @@
 /** What stands on a chart's canvas between its axes: traces, bands, states and gaps. */
 
+import { msg } from "@lit/localize";
 import type { Columns } from "../../series/columns.js";
 import type { StateRun } from "../../series/state-runs.js";
 import type { AxisRange } from "../../series/axis-range.js";
@@ -208,7 +209,7 @@ function drawHatch(plot: Plot, left: number, width: number, ink: string): void {
 
 function drawGapReason(plot: Plot, gap: GapShape, left: number, width: number, ink: string): void {
   const { ctx, ratio } = plot;
-  const text = gap.reason === "" ? "no samples" : gap.reason;
+  const text = gap.reason === "" ? msg("no samples") : gap.reason;
   ctx.font = `${String(11 * ratio)}px ${plot.font}`;
   const size = ctx.measureText(text).width;
   if (size + 12 * ratio > width) return;

@@ -1,5 +1,6 @@
 /** The value axes of a chart: one for all its numbers, or one for each unit among them. */
 
+import { msg } from "@lit/localize";
 import { SteadyRange, type AxisRange } from "../../series/axis-range.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { valueExtent } from "./draw-series.js";
@@ -41,5 +42,5 @@ export class ValueAxes {
 // An axis that has one line to itself takes the line's colour.
 function lookOf(numbers: readonly ChartSeries[], unit: string): AxisLook {
   const own = numbers.filter((series) => series.unit === unit);
-  return { title: unit || "no unit", colour: own.length === 1 ? (own[0]?.colour ?? -1) : -1 };
+  return { title: unit || msg("no unit"), colour: own.length === 1 ? (own[0]?.colour ?? -1) : -1 };
 }

@@ -1,5 +1,6 @@
 /** What a person filled in as a command's arguments: checked, and put into their types. */
 
+import { msg, str } from "@lit/localize";
 import type { ArgumentShape } from "../../generated/api.js";
 import { formatNumber } from "../../format/number.js";
 
@@ -12,11 +13,11 @@ export type CheckedArgument =
 const TRUTHS: Readonly<Record<string, boolean>> = { true: true, on: true, false: false, off: false };
 
 const HINTS: Partial<Record<ArgumentShape["type"], string>> = {
-  numbers: "With commas between: 0.5, 2",
-  integers: "With commas between: 1, 2",
-  bytes: "With commas between: 1, 2",
-  booleans: "With commas between: true, false",
-  texts: 'With commas between: a, b; texts with commas as ["a, b", "c"]',
+  numbers: msg("With commas between: 0.5, 2"),
+  integers: msg("With commas between: 1, 2"),
+  bytes: msg("With commas between: 1, 2"),
+  booleans: msg("With commas between: true, false"),
+  texts: msg("With commas between: a, b; texts with commas as [\"a, b\", \"c\"]"),
 };
 
 /** How a list is written; empty where the argument is none. */
@@ -31,7 +32,7 @@ export function checkArgument(argument: ArgumentShape, text: string): CheckedArg
       return { ok: true, value: text === "true" };
     case "text":
       if (text.length <= argument.max_length) return { ok: true, value: text };
-      return { ok: false, why: `At most ${String(argument.max_length)} characters; these are ${String(text.length)}.` };
+      return { ok: false, why: msg(str`At most ${String(argument.max_length)} characters; these are ${String(text.length)}.`) };
     case "number":
     case "integer":
       return checkNumber(argument, text.trim().replace(",", "."));
@@ -66,14 +67,14 @@ function wordValue(word: string): unknown {
 
 function checkList(argument: ArgumentShape, text: string): CheckedArgument {
   if (text.length > argument.max_length) {
-    return { ok: false, why: `At most ${String(argument.max_length)} characters; these are ${String(text.length)}.` };
+    return { ok: false, why: msg(str`At most ${String(argument.max_length)} characters; these are ${String(text.length)}.`) };
   }
   const items = itemsOf(argument, text);
-  if (items === null) return { ok: false, why: "It begins with [ but is no JSON list." };
+  if (items === null) return { ok: false, why: msg("It begins with [ but is no JSON list.") };
   const wrong = items.findIndex((item) => !isItem(argument, item));
   // As it was typed: numbers of JavaScript hold no integer of 64 bits.
   if (wrong < 0) return { ok: true, value: text };
-  return { ok: false, why: `Item ${String(wrong + 1)}: ${itemText(argument)} is needed.` };
+  return { ok: false, why: msg(str`Item ${String(wrong + 1)}: ${itemText(argument)} is needed.`) };
 }
 
 function isItem(argument: ArgumentShape, item: unknown): boolean {
@@ -86,23 +87,23 @@ function isItem(argument: ArgumentShape, item: unknown): boolean {
 }
 
 function itemText(argument: ArgumentShape): string {
-  if (argument.type === "booleans") return "true or false";
-  if (argument.type === "texts") return "a text";
-  const what = argument.type === "numbers" ? "a number" : "a whole number";
-  if (argument.type === "bytes") return `${what} from 0 to 255`;
+  if (argument.type === "booleans") return msg("true or false");
+  if (argument.type === "texts") return msg("a text");
+  const what = argument.type === "numbers" ? msg("a number") : msg("a whole number");
+  if (argument.type === "bytes") return msg(str`${what} from 0 to 255`);
   const limits = argumentLimitText(argument);
   return limits === "" ? what : `${what}, ${limits},`;
 }
 
 function checkNumber(argument: ArgumentShape, text: string): CheckedArgument {
   const value = Number(text);
-  if (text === "" || !Number.isFinite(value)) return { ok: false, why: "A number is needed here." };
+  if (text === "" || !Number.isFinite(value)) return { ok: false, why: msg("A number is needed here.") };
   if (argument.type === "integer" && !Number.isInteger(value)) {
-    return { ok: false, why: "A whole number is needed here." };
+    return { ok: false, why: msg("A whole number is needed here.") };
   }
   const { minimum, maximum } = argument;
   if ((minimum !== null && value < minimum) || (maximum !== null && value > maximum)) {
-    return { ok: false, why: `It may be ${argumentLimitText(argument)}.` };
+    return { ok: false, why: msg(str`It may be ${argumentLimitText(argument)}.`) };
   }
   return { ok: true, value };
 }
@@ -111,9 +112,9 @@ function checkNumber(argument: ArgumentShape, text: string): CheckedArgument {
 export function argumentLimitText({ minimum, maximum, unit }: ArgumentShape): string {
   const numberText = (value: number): string => formatNumber(value, Number.isInteger(value) ? 0 : 3).replace(/(\.\d*?)0+$/, "$1");
   const tail = unit === "" ? "" : `\u202f${unit}`;
-  if (minimum !== null && maximum !== null) return `${numberText(minimum)} to ${numberText(maximum)}${tail}`;
-  if (minimum !== null) return `${numberText(minimum)}${tail} or more`;
-  return maximum === null ? "" : `${numberText(maximum)}${tail} or less`;
+  if (minimum !== null && maximum !== null) return msg(str`${numberText(minimum)} to ${numberText(maximum)}${tail}`);
+  if (minimum !== null) return msg(str`${numberText(minimum)}${tail} or more`);
+  return maximum === null ? "" : msg(str`${numberText(maximum)}${tail} or less`);
 }
 
 /** What a field starts with. */

@@ -1,5 +1,6 @@
 /** One command of a device: its arguments as a form, and what became of the last ask. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -145,24 +146,24 @@ export class CommandForm extends LitElement {
         </div>
         <div class="do">
           <t-button type="submit" ?disabled=${!this.isAllowed} ?busy=${busy}>
-            ${command.confirm ? "Send…" : "Send"}
+            ${command.confirm ? msg("Send…") : msg("Send")}
           </t-button>
           ${command.cancellable && (this.asked?.phase === "accepted" || this.asked?.phase === "running")
-            ? html`<t-button ?disabled=${!this.online || !this.allowed} @click=${this.onCancelCommand}>Cancel it</t-button>`
+            ? html`<t-button ?disabled=${!this.online || !this.allowed} @click=${this.onCancelCommand}>${msg("Cancel it")}</t-button>`
             : nothing}
           <div class="state" role="status">${this.renderOutcome()}</div>
         </div>
       </form>
       <t-confirm
         heading="${command.name}?"
-        action="Send"
+        action=${msg("Send")}
         kind="primary"
-        keep="Do not send"
+        keep=${msg("Do not send")}
         ?open=${this.confirming !== null}
         @t-close=${this.onCancelQuestion}
         @t-confirm=${this.onConfirm}
       >
-        <p>${command.description || "This is sent to the robot once."}</p>
+        <p>${command.description || msg("This is sent to the robot once.")}</p>
         ${this.renderSummary()}
       </t-confirm>
     `;
@@ -183,7 +184,7 @@ export class CommandForm extends LitElement {
           .checked=${value === "true"}
           ?disabled=${!this.allowed}
           @change=${this.onInput}
-        />${argument.name}: ${value === "true" ? "on" : "off"}</label
+        />${argument.name}: ${value === "true" ? msg("on") : msg("off")}</label
       >`;
     }
     const number = argument.type === "number" || argument.type === "integer";
@@ -203,16 +204,16 @@ export class CommandForm extends LitElement {
   }
 
   private renderOutcome(): unknown {
-    if (!this.allowed) return html`<span class="muted">You may look, but not send this.</span>`;
+    if (!this.allowed) return html`<span class="muted">${msg("You may look, but not send this.")}</span>`;
     const lock = this.locked === "" || !this.online ? nothing : html`<span class="locked"><t-icon name="lock"></t-icon> ${this.locked}</span>`;
     if (!this.asked && lock !== nothing) return lock;
-    if (!this.asked) return this.online ? nothing : html`<t-status kind="offline" word="not connected"></t-status>`;
+    if (!this.asked) return this.online ? nothing : html`<t-status kind="offline" word=${msg("not connected")}></t-status>`;
     const { phase, message, progress } = this.asked;
     const { kind, word } = PHASES[phase];
     return html`
       <t-status kind=${kind} .word=${word}></t-status>
       ${phase === "running" && progress > 0
-        ? html`<progress max="1" .value=${progress} aria-label="Progress"></progress>`
+        ? html`<progress max="1" .value=${progress} aria-label=${msg("Progress")}></progress>`
         : nothing}
       ${message === "" ? nothing : html`<span>${message}</span>`} ${lock}
     `;
@@ -280,8 +281,8 @@ export class CommandForm extends LitElement {
 }
 
 function valueText(value: ArgumentValue | undefined): string {
-  if (value === true) return "on";
-  return value === false ? "off" : String(value ?? "");
+  if (value === true) return msg("on");
+  return value === false ? msg("off") : String(value ?? "");
 }
 
 declare global {

@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
@@ -78,28 +79,28 @@ export class InterlockLine extends LitElement {
       ${news.longest_s <= 0
         ? nothing
         : html`<t-button kind="quiet" @click=${over ? this.fireEndOverride : this.fireOverride}
-            >${over ? "End override" : "Override…"}</t-button
+            >${over ? msg("End override") : msg("Override…")}</t-button
           >`}`;
   }
 
   private renderLocked(news: InterlockUpdate): TemplateResult {
-    const refused = news.refuses.length === 0 ? "" : ` Refused: ${news.refuses.join(", ")}.`;
-    const slowed = news.slows.length === 0 ? "" : ` Slowed down: ${news.slows.join(", ")}.`;
+    const refused = news.refuses.length === 0 ? "" : msg(str` Refused: ${news.refuses.join(", ")}.`);
+    const slowed = news.slows.length === 0 ? "" : msg(str` Slowed down: ${news.slows.join(", ")}.`);
     // What only slows down locks nothing.
-    const word = news.refuses.length === 0 && slowed !== "" ? "So" : "Locked";
+    const word = news.refuses.length === 0 && slowed !== "" ? msg("So") : msg("Locked");
     const state = news.unsafe
-      ? `${news.why || "unsafe now"}.`
-      : `safe now; released in ${formatDuration(Math.ceil(this.clears / 1000))} if it stays so.`;
-    const never = news.no_override === "" ? "" : ` Not to be overridden now: ${news.no_override}.`;
+      ? `${news.why || msg("unsafe now")}.`
+      : msg(str`safe now; released in ${formatDuration(Math.ceil(this.clears / 1000))} if it stays so.`);
+    const never = news.no_override === "" ? "" : msg(str` Not to be overridden now: ${news.no_override}.`);
     return html`– ${state}
-      <span class="more">${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}${never}</span>`;
+      <span class="more">${msg(html`${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}${never}`)}</span>`;
   }
 
   private renderOverridden(news: InterlockUpdate): TemplateResult {
     const left = formatDuration(Math.ceil(this.override_ / 1000));
-    const unsafe = news.unsafe ? ` Unsafe now: ${news.why}.` : "";
-    return html`– overridden by ${news.overridden_by} for ${left} more: “${news.reason}”.
-      <span class="more">It refuses and slows nothing meanwhile.${unsafe}</span>`;
+    const unsafe = news.unsafe ? msg(str` Unsafe now: ${news.why}.`) : "";
+    return html`${msg(str`– overridden by ${news.overridden_by} for ${left} more: “${news.reason}”.`)}
+      <span class="more">${msg("It refuses and slows nothing meanwhile.")}${unsafe}</span>`;
   }
 
   private readonly fireOverride = (): void => {

@@ -1,5 +1,6 @@
 /** Buttons that turn a camera while they are held: pan and tilt as a cross, zoom beside it. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -17,12 +18,12 @@ interface AimButton {
 }
 
 const BUTTONS: readonly AimButton[] = [
-  { id: "up", axis: "tilt", push: 1, label: "Tilt up", key: "W", path: "M12 19V6M6 12l6-6 6 6" },
-  { id: "left", axis: "pan", push: -1, label: "Pan left", key: "A", path: "M19 12H6M12 6l-6 6 6 6" },
-  { id: "right", axis: "pan", push: 1, label: "Pan right", key: "D", path: "M5 12h13M12 6l6 6-6 6" },
-  { id: "down", axis: "tilt", push: -1, label: "Tilt down", key: "X", path: "M12 5v13M6 12l6 6 6-6" },
-  { id: "in", axis: "zoom", push: 1, label: "Zoom in", key: "E", path: "M5 12h14M12 5v14" },
-  { id: "out", axis: "zoom", push: -1, label: "Zoom out", key: "Q", path: "M5 12h14" },
+  { id: "up", axis: "tilt", push: 1, label: msg("Tilt up"), key: "W", path: "M12 19V6M6 12l6-6 6 6" },
+  { id: "left", axis: "pan", push: -1, label: msg("Pan left"), key: "A", path: "M19 12H6M12 6l-6 6 6 6" },
+  { id: "right", axis: "pan", push: 1, label: msg("Pan right"), key: "D", path: "M5 12h13M12 6l6 6-6 6" },
+  { id: "down", axis: "tilt", push: -1, label: msg("Tilt down"), key: "X", path: "M12 5v13M6 12l6 6 6-6" },
+  { id: "in", axis: "zoom", push: 1, label: msg("Zoom in"), key: "E", path: "M5 12h14M12 5v14" },
+  { id: "out", axis: "zoom", push: -1, label: msg("Zoom out"), key: "Q", path: "M5 12h14" },
 ];
 
 /**
@@ -103,13 +104,13 @@ export class AimPad extends LitElement {
     const zoom = there.filter(({ axis }) => axis === "zoom");
     return html`${cross.length === 0
       ? nothing
-      : html`<div class="cross" role="group" aria-label="Hold to turn the camera">
+      : html`<div class="cross" role="group" aria-label=${msg("Hold to turn the camera")}>
           ${repeat(cross, ({ id }) => id, (button) => this.renderButton(button))}
-          <button type="button" class="halt" aria-label="Halt" title="Halt (S)" ?disabled=${this.disabled} @click=${this.requestHalt}>
+          <button type="button" class="halt" aria-label=${msg("Halt")} title=${msg("Halt (S)")} ?disabled=${this.disabled} @click=${this.requestHalt}>
             <svg viewBox="0 0 24 24" aria-hidden="true"><path d="M7 7h10v10H7z" fill="currentColor"></path></svg>
           </button>
         </div>`}
-    ${zoom.length === 0 ? nothing : html`<div class="zoom" role="group" aria-label="Hold to zoom">${repeat(zoom, ({ id }) => id, (button) => this.renderButton(button))}</div>`}`;
+    ${zoom.length === 0 ? nothing : html`<div class="zoom" role="group" aria-label=${msg("Hold to zoom")}>${repeat(zoom, ({ id }) => id, (button) => this.renderButton(button))}</div>`}`;
   }
 
   private renderButton({ id, axis, push, label, key, path }: AimButton): TemplateResult {
@@ -117,7 +118,7 @@ export class AimPad extends LitElement {
       class=${id}
       ?disabled=${this.disabled}
       label=${label}
-      title="${label} (hold; ${key})"
+      title=${msg(str`${label} (hold; ${key})`)}
       name=${`aim:${id}`}
       .stick=${this.stickOf(axis, push)}
       ><svg viewBox="0 0 24 24" aria-hidden="true">

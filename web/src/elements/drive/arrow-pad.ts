@@ -1,5 +1,6 @@
 /** Four arrow buttons to hold, and one that halts: the pad for those who do not drag. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -18,15 +19,15 @@ interface Arrow {
 const REST: HoldStick = { forward: 0, turn: 0 };
 
 const ARROWS: readonly Arrow[] = [
-  { id: "forward", label: "Forward", key: "W", path: "M12 19V6M6 12l6-6 6 6", stick: { forward: 1, turn: 0 } },
-  { id: "left", label: "Turn left", key: "A", path: "M19 12H6M12 6l-6 6 6 6", stick: { forward: 0, turn: 1 } },
-  { id: "right", label: "Turn right", key: "D", path: "M5 12h13M12 6l6 6-6 6", stick: { forward: 0, turn: -1 } },
-  { id: "backward", label: "Backward", key: "X", path: "M12 5v13M6 12l6 6 6-6", stick: { forward: -1, turn: 0 } },
+  { id: "forward", label: msg("Forward"), key: "W", path: "M12 19V6M6 12l6-6 6 6", stick: { forward: 1, turn: 0 } },
+  { id: "left", label: msg("Turn left"), key: "A", path: "M19 12H6M12 6l-6 6 6 6", stick: { forward: 0, turn: 1 } },
+  { id: "right", label: msg("Turn right"), key: "D", path: "M5 12h13M12 6l6 6-6 6", stick: { forward: 0, turn: -1 } },
+  { id: "backward", label: msg("Backward"), key: "X", path: "M12 5v13M6 12l6 6 6-6", stick: { forward: -1, turn: 0 } },
 ];
 
 const ASIDE: readonly Arrow[] = [
-  { id: "sideLeft", label: "Move left", key: "Q", path: "M20 5v14M16 12H4M9 7l-5 5 5 5", stick: { forward: 0, turn: 0, side: 1 } },
-  { id: "sideRight", label: "Move right", key: "E", path: "M4 5v14M8 12h12M15 7l5 5-5 5", stick: { forward: 0, turn: 0, side: -1 } },
+  { id: "sideLeft", label: msg("Move left"), key: "Q", path: "M20 5v14M16 12H4M9 7l-5 5 5 5", stick: { forward: 0, turn: 0, side: 1 } },
+  { id: "sideRight", label: msg("Move right"), key: "E", path: "M4 5v14M8 12h12M15 7l5 5-5 5", stick: { forward: 0, turn: 0, side: -1 } },
 ];
 
 /**
@@ -138,9 +139,9 @@ export class ArrowPad extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<div class="cross" role="group" aria-label="Hold an arrow to drive">
+    return html`<div class="cross" role="group" aria-label=${msg("Hold an arrow to drive")}>
       ${repeat(this.arrows, (arrow) => arrow.id, (arrow) => this.renderButton(arrow))}
-      <button type="button" class="halt" aria-label="Halt" title="Halt (S)" ?disabled=${this.disabled} @click=${this.requestHalt}>
+      <button type="button" class="halt" aria-label=${msg("Halt")} title=${msg("Halt (S)")} ?disabled=${this.disabled} @click=${this.requestHalt}>
         <svg viewBox="0 0 24 24" aria-hidden="true"><path d="M7 7h10v10H7z" fill="currentColor"></path></svg>
         <span class="key" aria-hidden="true">S</span>
       </button>
@@ -158,7 +159,7 @@ export class ArrowPad extends LitElement {
       class=${arrow.id}
       value=${arrow.id}
       aria-label=${arrow.label}
-      title="${arrow.label} (hold; ${arrow.key})"
+      title=${msg(str`${arrow.label} (hold; ${arrow.key})`)}
       ?disabled=${this.disabled}
       @pointerdown=${this.onPointerDown}
       @pointerup=${this.onRelease}

@@ -1,5 +1,6 @@
 /** What a driver reads without looking away from the picture: speed, heading, battery, and what limits them. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
@@ -105,18 +106,18 @@ export class DriveHud extends LitElement {
   override render(): TemplateResult {
     const { speed, limit, battery } = this;
     return html`<div class="plate speed">
-        <span class="name">Speed</span>
-        <span class="value">${numberText({ ...speed, value: Math.abs(speed.value) })}${speed.value < 0 ? " back" : ""}</span>
+        <span class="name">${msg("Speed")}</span>
+        <span class="value">${numberText({ ...speed, value: Math.abs(speed.value) })}${speed.value < 0 ? msg(" back") : ""}</span>
         ${Number.isFinite(limit.value) && limit.value > 0
-          ? html`<progress max=${limit.value} .value=${Number.isFinite(speed.value) ? Math.min(limit.value, Math.abs(speed.value)) : 0} aria-label="Speed, of ${numberText(limit)} at a full push"></progress>`
+          ? html`<progress max=${limit.value} .value=${Number.isFinite(speed.value) ? Math.min(limit.value, Math.abs(speed.value)) : 0} aria-label=${msg(str`Speed, of ${numberText(limit)} at a full push`)}></progress>`
           : nothing}
       </div>
-      ${Number.isFinite(limit.value) ? html`<div class="plate"><span class="name">Full push</span><span class="value">${numberText(limit)}</span></div>` : nothing}
+      ${Number.isFinite(limit.value) ? html`<div class="plate"><span class="name">${msg("Full push")}</span><span class="value">${numberText(limit)}</span></div>` : nothing}
       ${this.steers ? this.renderHeading() : nothing}
       ${battery === null
         ? nothing
         : html`<div class="plate ${battery.unit === "%" && battery.value < LOW_PERCENT ? "warn" : ""}">
-            <span class="name">Battery</span><span class="value">${numberText(battery)}</span>
+            <span class="name">${msg("Battery")}</span><span class="value">${numberText(battery)}</span>
           </div>`}
       ${this.note === "" ? nothing : html`<div class="plate note"><t-icon name="warn"></t-icon>${this.note}</div>`}`;
   }
@@ -126,7 +127,7 @@ export class DriveHud extends LitElement {
     // Of its own frame x points up here, and angles grow to the left.
     const turn = this.local ? -this.heading : this.heading;
     return html`<div class="plate heading">
-      <span class="name">${this.local ? "Yaw" : "Heading"}</span>
+      <span class="name">${this.local ? msg("Yaw") : msg("Heading")}</span>
       <span class="value"
         >${known
           ? html`<svg viewBox="-10 -10 20 20" aria-hidden="true">${svg`<path transform="rotate(${turn.toFixed(0)})" fill="currentColor" d="M0-9 6 8 0 4-6 8Z"></path>`}</svg>${this.local ? formatNumber(this.heading, 0) : String(Math.round(this.heading) % 360).padStart(3, "0")}°`

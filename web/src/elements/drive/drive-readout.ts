@@ -1,5 +1,6 @@
 /** What is asked of the vehicle, what it is told, and what it does. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
@@ -86,20 +87,20 @@ export class DriveReadout extends LitElement {
         <thead>
           <tr>
             <td></td>
-            <th scope="col">You ask</th>
-            <th scope="col">Sent to the robot</th>
-            <th scope="col">Measured</th>
+            <th scope="col">${msg("You ask")}</th>
+            <th scope="col">${msg("Sent to the robot")}</th>
+            <th scope="col">${msg("Measured")}</th>
           </tr>
         </thead>
         <tbody>
-          ${renderRow("Speed", "m/s", this.shownSpeed, [this.asked.linear, this.told.linear, this.measured.linear])}
-          ${this.sideways ? renderRow("To the left", "m/s", this.shownSpeed, [this.asked.lateral, this.told.lateral, this.measured.lateral]) : nothing}
-          ${this.steers ? renderRow("Steering", "°", null, [this.asked, this.told, this.measured].map(({ steering }) => (steering ?? Number.NaN) * DEGREES)) : nothing}
-          ${this.steers ? nothing : renderRow("Turn", "rad/s", this.shownTurn, [this.asked.angular, this.told.angular, this.measured.angular])}
+          ${renderRow(msg("Speed"), "m/s", this.shownSpeed, [this.asked.linear, this.told.linear, this.measured.linear])}
+          ${this.sideways ? renderRow(msg("To the left"), "m/s", this.shownSpeed, [this.asked.lateral, this.told.lateral, this.measured.lateral]) : nothing}
+          ${this.steers ? renderRow(msg("Steering"), "°", null, [this.asked, this.told, this.measured].map(({ steering }) => (steering ?? Number.NaN) * DEGREES)) : nothing}
+          ${this.steers ? nothing : renderRow(msg("Turn"), "rad/s", this.shownTurn, [this.asked.angular, this.told.angular, this.measured.angular])}
           ${this.sent === ""
             ? nothing
             : html`<tr>
-                <th scope="row">Characters sent</th>
+                <th scope="row">${msg("Characters sent")}</th>
                 <td></td>
                 <td>${this.sent}</td>
                 <td></td>
@@ -109,7 +110,7 @@ export class DriveReadout extends LitElement {
       ${this.cap === "" ? nothing : html`<p class="cap" role="status"><t-icon name="warn"></t-icon>${this.cap}</p>`}
       ${this.refusal === ""
         ? nothing
-        : html`<p class="cap" role="status"><t-icon name="warn"></t-icon>Gateway: ${this.refusal}</p>`}
+        : html`<p class="cap" role="status"><t-icon name="warn"></t-icon>${msg("Gateway:")} ${this.refusal}</p>`}
     `;
   }
 }

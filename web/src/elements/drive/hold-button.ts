@@ -1,5 +1,6 @@
 /** One button that says what it pushes while it is held: by pointer, Space or Enter. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -58,7 +59,7 @@ export class HoldButton extends LitElement {
     return html`<button
       type="button"
       aria-label=${this.label}
-      title="${this.label} (hold)"
+      title=${msg(str`${this.label} (hold)`)}
       ?disabled=${this.disabled}
       @pointerdown=${this.onPointerDown}
       @pointerup=${this.onRelease}

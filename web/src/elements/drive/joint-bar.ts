@@ -1,5 +1,6 @@
 /** A joint between its ends: where it stands, and whether an end is near. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base, quietText } from "../base/base-style.js";
@@ -70,7 +71,7 @@ export class JointBar extends LitElement {
   override render(): TemplateResult {
     const known = Number.isFinite(this.share);
     const percent = Math.round(this.share * 100);
-    const shown = known ? `${this.value}${this.near ? ", near its end" : ""}` : "not known";
+    const shown = known ? this.near ? msg(str`${this.value}, near its end`) : this.value : msg("not known");
     return html`<span>${this.name}</span>
       <span class="value ${known ? (this.near ? "near" : "") : "old"}">${known ? shown : "–"}</span>
       ${known

@@ -1,5 +1,6 @@
 /** Who has control of a device, and the button to take it or give it back. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base, quietText } from "../base/base-style.js";
@@ -94,7 +95,7 @@ export class LeaseLine extends LitElement {
     return html`<div class="row">
       ${asked ? this.renderQuestion() : mine ? this.renderMyLease() : this.renderStatus()}
       <span class=${asked ? "answers" : ""}>
-        ${asked ? html`<t-button @click=${this.fireKeep}>Keep</t-button>` : nothing}
+        ${asked ? html`<t-button @click=${this.fireKeep}>${msg("Keep")}</t-button>` : nothing}
         <t-button kind=${kind} ?disabled=${!mine && !this.online} ?busy=${this.kind === "asking"} @click=${press}
           >${word}</t-button
         >
@@ -106,25 +107,25 @@ export class LeaseLine extends LitElement {
     switch (this.kind) {
       case "mine":
         // Where "Release control" stood: whoever was about to press that means the same.
-        if (this.rival !== "") return { word: "Hand over", kind: "plain", press: this.fireHandOver };
-        return { word: "Release control", kind: "plain", press: this.fireFree };
+        if (this.rival !== "") return { word: msg("Hand over"), kind: "plain", press: this.fireHandOver };
+        return { word: msg("Release control"), kind: "plain", press: this.fireFree };
       case "waiting":
-        return { word: "Withdraw", kind: "plain", press: this.fireFree };
+        return { word: msg("Withdraw"), kind: "plain", press: this.fireFree };
       case "other":
-        if (this.forceable) return { word: "Take by force", kind: "danger", press: this.fireForce };
-        return { word: "Ask for control", kind: "primary", press: this.fireTake };
+        if (this.forceable) return { word: msg("Take by force"), kind: "danger", press: this.fireForce };
+        return { word: msg("Ask for control"), kind: "primary", press: this.fireTake };
       case "asking":
-        return { word: "Asking…", kind: "primary", press: this.fireTake };
+        return { word: msg("Asking…"), kind: "primary", press: this.fireTake };
       case "unknown":
       case "free":
-        return { word: "Take control", kind: "primary", press: this.fireTake };
+        return { word: msg("Take control"), kind: "primary", press: this.fireTake };
     }
   }
 
   private renderQuestion(): TemplateResult {
     return html`<span class="who">
-      <span class="asked" role="alert">${this.rival} asks for control</span>
-      <span class="remains">${this.seconds()} to answer</span>
+      <span class="asked" role="alert">${msg(str`${this.rival} asks for control`)}</span>
+      <span class="remains">${msg(str`${this.seconds()} to answer`)}</span>
     </span>`;
   }
 
@@ -133,30 +134,30 @@ export class LeaseLine extends LitElement {
   }
 
   private renderMyLease(): TemplateResult {
-    const word = this.stopped ? "In control, but STOP is on" : "You have control";
+    const word = this.stopped ? msg("In control, but STOP is on") : msg("You have control");
     return html`<span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
-        <span class="remains" title="Renewed every second while this page is seen">lease ${(this.remains / 1000).toFixed(1)}&#8239;s</span>
+        <span class="remains" title=${msg("Renewed every second while this page is seen")}>${msg(str`lease ${(this.remains / 1000).toFixed(1)}\u202fs`)}</span>
       </span>`;
   }
 
   private renderStatus(): TemplateResult {
-    if (!this.online) return html`<t-status kind="offline" word="Not connected: no driving from here"></t-status>`;
+    if (!this.online) return html`<t-status kind="offline" word=${msg("Not connected: no driving from here")}></t-status>`;
     switch (this.kind) {
       case "other":
-        return html`<t-status kind="busy" .word=${`${this.holder} has control`}></t-status>`;
+        return html`<t-status kind="busy" .word=${msg(str`${this.holder} has control`)}></t-status>`;
       case "waiting":
         return html`<span class="who">
-          <t-status kind="busy" .word=${`${this.holder} is asked`}></t-status>
-          <span class="remains">${this.seconds()} to answer</span>
+          <t-status kind="busy" .word=${msg(str`${this.holder} is asked`)}></t-status>
+          <span class="remains">${msg(str`${this.seconds()} to answer`)}</span>
         </span>`;
       case "asking":
-        return html`<t-status kind="busy" word="The gateway is asked"></t-status>`;
+        return html`<t-status kind="busy" word=${msg("The gateway is asked")}></t-status>`;
       case "free":
-        return html`<t-status kind="unknown" word="Nobody has control"></t-status>`;
+        return html`<t-status kind="unknown" word=${msg("Nobody has control")}></t-status>`;
       case "unknown":
       case "mine":
-        return html`<t-status kind="unknown" word="You do not have control"></t-status>`;
+        return html`<t-status kind="unknown" word=${msg("You do not have control")}></t-status>`;
     }
   }
 

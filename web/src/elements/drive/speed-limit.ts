@@ -1,5 +1,6 @@
 /** How fast a full push is: steps of ten per cent, with what that means for this vehicle. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { shownText } from "../../format/unit.js";
@@ -122,14 +123,14 @@ export class SpeedLimit extends LitElement {
     const turn = this.turn > 0 ? shownText({ unit: "rad/s", decimals: 2, shown: this.shownTurn }, this.turn * this.level) : "";
     return html`
       <div class="head">
-        <span>Full push is <strong>${percent}&#8239;%</strong></span>
+        <span>${msg(html`Full push is <strong>${percent}&#8239;%</strong>`)}</span>
         <span class="means">${[speed, turn].filter((text) => text !== "").join(" · ")}</span>
       </div>
       <div class="row">
         <button
           type="button"
-          aria-label="Slower"
-          title="Slower (−)"
+          aria-label=${msg("Slower")}
+          title=${msg("Slower (\u2212)")}
           ?disabled=${this.disabled || percent <= 10}
           @click=${this.slower}
         >
@@ -140,16 +141,16 @@ export class SpeedLimit extends LitElement {
           min="10"
           max="100"
           step="10"
-          aria-label="Speed of a full push, per cent of the limit"
-          aria-valuetext=${`${String(percent)} per cent${speed === "" ? "" : `, ${speed}`}`}
+          aria-label=${msg("Speed of a full push, per cent of the limit")}
+          aria-valuetext=${msg(str`${String(percent)} per cent${speed === "" ? "" : `, ${speed}`}`)}
           .value=${String(percent)}
           ?disabled=${this.disabled}
           @input=${this.onSlide}
         />
         <button
           type="button"
-          aria-label="Faster"
-          title="Faster (+)"
+          aria-label=${msg("Faster")}
+          title=${msg("Faster (+)")}
           ?disabled=${this.disabled || percent >= 100}
           @click=${this.faster}
         >

@@ -1,5 +1,6 @@
 /** A round pad for thumb or mouse: hold and push where the vehicle should go. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -92,8 +93,8 @@ export class TouchPad extends LitElement {
       role="application"
       tabindex=${this.disabled ? "-1" : "0"}
       aria-disabled=${this.disabled ? "true" : "false"}
-      aria-roledescription="drive pad"
-      aria-label="Hold and push to drive; let go to halt. With the keyboard hold the arrow keys or W, A, D, X."
+      aria-roledescription=${msg("drive pad")}
+      aria-label=${msg("Hold and push to drive; let go to halt. With the keyboard hold the arrow keys or W, A, D, X.")}
       @pointerdown=${this.onPointerDown}
       @pointermove=${this.onPointerMove}
       @pointerup=${this.onPointerUp}

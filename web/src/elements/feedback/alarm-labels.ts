@@ -1,5 +1,6 @@
 /** What people read of an alarm. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { StatusKind } from "./status.js";
 import type { AlarmUpdate } from "../../generated/wire.js";
 import { sitePath } from "../../state/router.js";
@@ -9,11 +10,11 @@ const AROUND_US = 120e6;
 
 /** How it stands: the kind of the mark, and the word beside it. What cannot be judged is never well. */
 export function alarmStatus(alarm: AlarmUpdate, shelved: boolean): readonly [StatusKind, string] {
-  const over = shelved ? ", shelved" : "";
+  const over = shelved ? msg(", shelved") : "";
   if (alarm.phase === "active") return ["bad", `active${over}`];
-  if (alarm.phase === "acknowledged") return ["warn", `active, acknowledged${over}`];
-  if (alarm.phase === "cleared") return ["warn", `over, not acknowledged${over}`];
-  return alarm.known ? ["ok", `well${over}`] : ["unknown", `cannot be judged${over}`];
+  if (alarm.phase === "acknowledged") return ["warn", msg(str`active, acknowledged${over}`)];
+  if (alarm.phase === "cleared") return ["warn", msg(str`over, not acknowledged${over}`)];
+  return alarm.known ? ["ok", `well${over}`] : ["unknown", msg(str`cannot be judged${over}`)];
 }
 
 /** The history page with an alarm's signals at the moment when it was raised. */

@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { Advice } from "../../format/error-advice.js";
@@ -37,7 +38,7 @@ export class Confirm extends LitElement {
   @property() action = "";
   @property() kind: ButtonKind = "danger";
   /** The words of the way out. */
-  @property() keep = "Cancel";
+  @property() keep = msg("Cancel");
   @property({ type: Boolean }) busy = false;
   @property({ attribute: false }) problem: Advice | null = null;
 

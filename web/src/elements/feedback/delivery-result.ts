@@ -1,5 +1,6 @@
 /** How a test message went: taken, or not and why, in the words of whoever refused it. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { WentShape } from "../../generated/api.js";
@@ -27,8 +28,8 @@ export class DeliveryResult extends LitElement {
 
   private renderMessage({ sent, problem }: WentShape): TemplateResult {
     return sent
-      ? html`<t-status kind="ok" word="the test was taken"></t-status>`
-      : html`<t-status kind="bad" word="not sent"></t-status> ${problem}`;
+      ? html`<t-status kind="ok" word=${msg("the test was taken")}></t-status>`
+      : html`<t-status kind="bad" word=${msg("not sent")}></t-status> ${problem}`;
   }
 }
 

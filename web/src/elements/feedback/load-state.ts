@@ -1,5 +1,6 @@
 /** What a page shows of a request: its failure with what to do, or that it is still under way. */
 
+import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import type { LoadController } from "../../controllers/load.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
@@ -13,7 +14,7 @@ export function renderAdvice(advice: Advice | null, retry?: () => void): Templat
   if (advice === null) return nothing;
   return retry === undefined
     ? html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`
-    : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${retry}></t-problem>`;
+    : html`<t-problem what=${advice.what} how=${advice.how} retry=${msg("Try again")} @t-retry=${retry}></t-problem>`;
 }
 
 /**
@@ -24,5 +25,5 @@ export function renderAdvice(advice: Advice | null, retry?: () => void): Templat
 export function renderLoaded<T>(load: LoadController<T>, what: string, view: (value: T) => unknown): unknown {
   const { result, value } = load;
   if (result.state === "failed") return renderAdvice(adviceFor(result.error, what), load.invalidate);
-  return value === undefined ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : view(value);
+  return value === undefined ? html`<t-loading what=${msg(str`Loading ${what}`)}></t-loading>` : view(value);
 }

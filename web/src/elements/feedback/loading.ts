@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -38,7 +39,7 @@ export class LoadingIndicator extends LitElement {
     `,
   ];
 
-  @property() what = "Loading";
+  @property() what = msg("Loading");
 
   override connectedCallback(): void {
     super.connectedCallback();

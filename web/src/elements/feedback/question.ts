@@ -1,5 +1,6 @@
 /** A question as a page asks it: `t-confirm` with the words for what it is about. */
 
+import { msg } from "@lit/localize";
 import { html, type TemplateResult } from "lit";
 import type { QuestionController } from "../../controllers/question.js";
 import type { Advice } from "../../format/error-advice.js";
@@ -23,7 +24,7 @@ const NO_WORDS: QuestionWords = { heading: "", action: "", text: "" };
 /** Closed it stays on the page: a dialog that is taken away gives no focus back. */
 export function renderQuestion<T>(question: QuestionController<T>, words: (subject: T) => QuestionWords): TemplateResult {
   const { subject, action } = question;
-  const { heading, action: verb, keep = "Cancel", kind = "danger", text, problem = null } = subject === null ? NO_WORDS : words(subject);
+  const { heading, action: verb, keep = msg("Cancel"), kind = "danger", text, problem = null } = subject === null ? NO_WORDS : words(subject);
   return html`<t-confirm
     heading=${heading}
     action=${verb}

@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -5,14 +6,14 @@ import { base } from "../base/base-style.js";
 export type StatusKind = "online" | "offline" | "stale" | "unknown" | "ok" | "warn" | "bad" | "busy";
 
 const WORDS: Readonly<Record<StatusKind, string>> = {
-  online: "online",
-  offline: "offline",
-  stale: "stale",
-  unknown: "unknown",
-  ok: "in order",
-  warn: "look here",
-  bad: "in trouble",
-  busy: "working",
+  online: msg("online"),
+  offline: msg("offline"),
+  stale: msg("stale"),
+  unknown: msg("unknown"),
+  ok: msg("in order"),
+  warn: msg("look here"),
+  bad: msg("in trouble"),
+  busy: msg("working"),
 };
 
 /** Each kind has a shape of its own, so that it reads without colour. */

@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base, quietText } from "../base/base-style.js";
@@ -63,8 +64,8 @@ export class CopyText extends LitElement {
       ${this.label === "" ? nothing : html`<span class="label">${this.label}</span>`}
       <div class="row">
         <code>${this.text}</code>
-        <t-button label=${`Copy ${this.label.toLowerCase()}`} @click=${this.copy}
-          ><t-icon name="copy"></t-icon>Copy</t-button
+        <t-button label=${msg(str`Copy ${this.label.toLowerCase()}`)} @click=${this.copy}
+          ><t-icon name="copy"></t-icon>${msg("Copy")}</t-button
         >
       </div>
       <span class="said" role="status">${this.said}</span>
@@ -78,7 +79,7 @@ export class CopyText extends LitElement {
   private async writeClipboard(): Promise<void> {
     try {
       await navigator.clipboard.writeText(this.text);
-      this.announceCopy("Copied.");
+      this.announceCopy(msg("Copied."));
     } catch {
       // A page over plain http may not write there; the person still can.
       const range = document.createRange();
@@ -86,7 +87,7 @@ export class CopyText extends LitElement {
       const selection = getSelection();
       selection?.removeAllRanges();
       selection?.addRange(range);
-      this.announceCopy("It is marked now: copy it by hand.");
+      this.announceCopy(msg("It is marked now: copy it by hand."));
     }
   }
 

@@ -1,5 +1,6 @@
 /** Parts that forms share: choices, and the bar of buttons below them. */
 
+import { msg } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { map } from "lit/directives/map.js";
 import "./button.js";
@@ -28,7 +29,7 @@ interface FormActions {
 export function renderFormActions({ submit, busy, cancel }: FormActions, more: unknown = nothing): TemplateResult {
   return html`<div class="actions">
     <t-button type="submit" kind="primary" ?busy=${busy}>${submit}</t-button>
-    ${cancel === undefined ? nothing : html`<t-button @click=${cancel}>Cancel</t-button>`} ${more}
+    ${cancel === undefined ? nothing : html`<t-button @click=${cancel}>${msg("Cancel")}</t-button>`} ${more}
   </div>`;
 }
 

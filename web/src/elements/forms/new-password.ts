@@ -1,5 +1,6 @@
 /** A new password in a form: typed twice, with the rules it has to keep. */
 
+import { msg, str } from "@lit/localize";
 import { html, type ReactiveControllerHost, type TemplateResult } from "lit";
 import { passwordProblem, passwordRules } from "../../format/password-rules.js";
 import "./field.js";
@@ -36,7 +37,7 @@ export class NewPassword {
     return html`<t-field label=${label} hint=${hint} error=${this.problem}>
         <input id="password" type="password" autocomplete="new-password" required @input=${this.onInput} />
       </t-field>
-      <t-field label=${`${label}, once more`}>
+      <t-field label=${msg(str`${label}, once more`)}>
         <input id="again" type="password" autocomplete="new-password" required @input=${this.onInput} />
       </t-field>
       <t-rules .rules=${this.rules()}></t-rules>`;

@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -36,7 +37,7 @@ export class RuleChecklist extends LitElement {
   @property({ attribute: false }) rules: readonly PasswordRule[] = [];
 
   override render(): TemplateResult {
-    return html`<ul aria-label="What a password needs">
+    return html`<ul aria-label=${msg("What a password needs")}>
       ${map(
         this.rules,
         (rule) => html`<li class=${rule.kept ? "kept" : ""}>
@@ -46,8 +47,8 @@ export class RuleChecklist extends LitElement {
               : svg`<circle cx="8" cy="8" r="5" fill="none" stroke="currentColor" stroke-width="1.4"></circle>`}
           </svg>
           <span
-            >${rule.words}${rule.must ? "" : " (advice)"}<span class="visually-hidden"
-              >${rule.kept ? ": kept" : ": not yet"}</span
+            >${rule.words}${rule.must ? "" : msg(" (advice)")}<span class="visually-hidden"
+              >${rule.kept ? msg(": kept") : msg(": not yet")}</span
             ></span
           >
         </li>`,

@@ -1,5 +1,6 @@
 /** A map of Earth with robots, their trails, zones and plans; the ground under them is chosen. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ContextConsumer } from "@lit/context";
@@ -82,7 +83,7 @@ export class GeoMapElement extends LitElement {
   @property({ attribute: false }) zones: readonly DrawnZone[] = [];
   @property({ attribute: false }) pictures: readonly DrawnPicture[] = [];
   /** Why there is no position; shown while there is no robot. */
-  @property() note = "Waiting for the first position";
+  @property() note = msg("Waiting for the first position");
   @property() stale = "";
   @property() where = "";
   /** Name of the signal that colours the trail, and the ends of its scale. */
@@ -128,7 +129,7 @@ export class GeoMapElement extends LitElement {
           },
           () => {
             // The coarse world is there in any case.
-            this.trouble = "The list of maps could not be had.";
+            this.trouble = msg("The list of maps could not be had.");
           },
         );
       },
@@ -141,16 +142,16 @@ export class GeoMapElement extends LitElement {
     return html`
       <div class="frame">
         <canvas class="under" aria-hidden="true"></canvas>
-        <div class="leaflet" data-keys="own" aria-label="Map: arrow keys move it, plus and minus zoom"></div>
+        <div class="leaflet" data-keys="own" aria-label=${msg("Map: arrow keys move it, plus and minus zoom")}></div>
         <div class="tint" aria-hidden="true"></div>
         <canvas class="over" role="img" aria-label=${this.pictureText()}></canvas>
         <div class="scale" aria-hidden="true" ?hidden=${!this.ready}>${this.bar.text}<i></i></div>
-        ${this.ready ? nothing : html`<div class="note"><t-loading what="Loading the map"></t-loading></div>`}
+        ${this.ready ? nothing : html`<div class="note"><t-loading what=${msg("Loading the map")}></t-loading></div>`}
         ${this.ready && this.robots.length === 0 ? html`<div class="note" role="status">${this.note}</div>` : nothing}
         <div class="ground">
           ${choices.length > 1
-            ? html`<select aria-label="Map under the robots" @change=${this.onGround}>
-                ${renderOptions(choices.map(({ key, label, host }) => [key, host === "" ? label : `${label} (asks ${host})`] as const), ground.key)}
+            ? html`<select aria-label=${msg("Map under the robots")} @change=${this.onGround}>
+                ${renderOptions(choices.map(({ key, label, host }) => [key, host === "" ? label : msg(str`${label} (asks ${host})`)] as const), ground.key)}
               </select>`
             : nothing}
           <t-button .pressed=${this.follow ? "true" : "false"} @click=${this.toggleFollow}>${this.followWord()}</t-button>
@@ -172,14 +173,14 @@ export class GeoMapElement extends LitElement {
   }
 
   private followWord(): string {
-    if (this.fleet) return this.follow ? "All in view" : "Show all";
-    return this.follow ? "Following" : "Follow";
+    if (this.fleet) return this.follow ? msg("All in view") : msg("Show all");
+    return this.follow ? msg("Following") : msg("Follow");
   }
 
   private pictureText(): string {
     const { robots, zones } = this;
-    const who = robots.length === 1 ? (robots[0]?.name ?? "") : `${String(robots.length)} robots`;
-    return `Map with ${robots.length === 0 ? "no robot" : who}${zones.length === 0 ? "" : ` and ${String(zones.length)} zones`}`;
+    const who = robots.length === 1 ? (robots[0]?.name ?? "") : msg(str`${String(robots.length)} robots`);
+    return zones.length === 0 ? msg(str`Map with ${robots.length === 0 ? msg("no robot") : who}`) : msg(str`Map with ${robots.length === 0 ? msg("no robot") : who} and ${String(zones.length)} zones`);
   }
 
   override firstUpdated(): void {
@@ -266,7 +267,7 @@ export class GeoMapElement extends LitElement {
     [this.attribution, this.trouble] = ["", ""];
     geo.lay(null);
     const onTrouble = (): void => {
-      if (this.laid === key) this.trouble = "Some of the map could not be had.";
+      if (this.laid === key) this.trouble = msg("Some of the map could not be had.");
     };
     try {
       const file = offer?.files.find(({ name }) => key === `file ${name}`);
@@ -286,7 +287,7 @@ export class GeoMapElement extends LitElement {
       }
     } catch (error) {
       // The coarse world stays below.
-      if (this.laid === key) this.trouble = `This map could not be had: ${error instanceof Error ? error.message : "no answer"}`;
+      if (this.laid === key) this.trouble = msg(str`This map could not be had: ${error instanceof Error ? error.message : msg("no answer")}`);
     }
     this.frames.schedule();
   }

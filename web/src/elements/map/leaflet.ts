@@ -1,5 +1,6 @@
 /** Leaflet, loaded when a map is first shown: panning, zooming, touch and keys. We draw ourselves. */
 
+import { msg } from "@lit/localize";
 import * as L from "leaflet";
 import leafletStyles from "leaflet/dist/leaflet.css?inline";
 import { unsafeCSS, type CSSResult } from "lit";
@@ -19,7 +20,7 @@ export const DRAWN_BY_US: L.MapOptions = {
 };
 
 export function addZoom(map: L.Map): void {
-  L.control.zoom({ position: "topleft", zoomInTitle: "Closer", zoomOutTitle: "Farther" }).addTo(map);
+  L.control.zoom({ position: "topleft", zoomInTitle: msg("Closer"), zoomOutTitle: msg("Farther") }).addTo(map);
 }
 
 export interface LocalMap {

@@ -1,5 +1,6 @@
 /** Which maps may be shown, and which one somebody chose. Pure but for what it is handed. */
 
+import { msg } from "@lit/localize";
 import type { MapOffer, MapSession } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 
@@ -19,11 +20,11 @@ export function groundChoices(offer: MapOffer | null): GroundChoice[] {
   const files = (offer?.files ?? []).map(({ name }) => ({ key: `file ${name}`, label: name, host: "" }));
   const sources = (offer?.sources ?? []).map(({ id, name, host }) => ({ key: `source ${id}`, label: name, host }));
   // One's own file comes first: it asks nobody. One that asks others is never taken unasked.
-  return [...files, { key: WORLD, label: "World (coarse)", host: "" }, ...sources];
+  return [...files, { key: WORLD, label: msg("World (coarse)"), host: "" }, ...sources];
 }
 
 export function chosenGround(choices: readonly GroundChoice[], wanted: string): GroundChoice {
-  return choices.find(({ key }) => key === wanted) ?? choices[0] ?? { key: WORLD, label: "World (coarse)", host: "" };
+  return choices.find(({ key }) => key === wanted) ?? choices[0] ?? { key: WORLD, label: msg("World (coarse)"), host: "" };
 }
 
 export const loadOffer = (api: Pick<HubApi, "request">): Promise<MapOffer> => api.request("GET", "/api/maps");

@@ -1,5 +1,6 @@
 /** Where the vehicle is and was, on a grid in metres. Needs no tiles and no internet. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -30,7 +31,7 @@ export class TrackMap extends LitElement {
   @property({ attribute: false }) ghost: Pose | null = null;
   @property({ attribute: false }) trail: readonly TrackPoint[] = [];
   /** Why there is no position; shown while `pose` is null. */
-  @property() note = "Waiting for the first position";
+  @property() note = msg("Waiting for the first position");
   /** The position is older than its limit, and how old, in words; empty when it is fresh. */
   @property() stale = "";
   /** The position in words, under the map. */
@@ -54,13 +55,13 @@ export class TrackMap extends LitElement {
   override render(): TemplateResult {
     return html`
       <div class="frame">
-        <canvas role="img" aria-label="Grid in metres with the vehicle and its trail"></canvas>
-        <div class="leaflet" data-keys="own" aria-label="Map: arrow keys move it, plus and minus zoom"></div>
+        <canvas role="img" aria-label=${msg("Grid in metres with the vehicle and its trail")}></canvas>
+        <div class="leaflet" data-keys="own" aria-label=${msg("Map: arrow keys move it, plus and minus zoom")}></div>
         <div class="scale" aria-hidden="true" ?hidden=${!this.ready}>${this.bar.text}<i></i></div>
-        ${this.ready ? nothing : html`<div class="note"><t-loading what="Loading the map"></t-loading></div>`}
+        ${this.ready ? nothing : html`<div class="note"><t-loading what=${msg("Loading the map")}></t-loading></div>`}
         ${this.ready && this.pose === null ? html`<div class="note" role="status">${this.note}</div>` : nothing}
         <t-button class="follow" .pressed=${this.follow ? "true" : "false"} @click=${this.toggleFollow}>
-          ${this.follow ? "Following" : "Follow"}
+          ${this.follow ? msg("Following") : msg("Follow")}
         </t-button>
         ${this.where === "" && this.stale === ""
           ? nothing

@@ -1,5 +1,6 @@
 /** A dome or a roof that slides, drawn as its sensors say. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { formatAzimuth, wrapped } from "../../format/sexagesimal.js";
@@ -13,13 +14,13 @@ const HALF = 0.5;
 /** South, from where the dome is seen. */
 const IN_FRONT = 180;
 const WORDS: Readonly<Record<RoofState, string>> = {
-  open: "open",
-  closed: "closed",
-  opening: "opening",
-  closing: "closing",
-  partial: "partly open",
-  error: "in error",
-  unknown: "of unknown state",
+  open: msg("open"),
+  closed: msg("closed"),
+  opening: msg("opening"),
+  closing: msg("closing"),
+  partial: msg("partly open"),
+  error: msg("in error"),
+  unknown: msg("of unknown state"),
 };
 /** Degrees that a shell of a clamshell folds down. */
 const FOLD = 100;
@@ -176,14 +177,14 @@ export class DomeDrawing extends LitElement {
 
   /** The same in words, for whoever does not see it. */
   private describeDrawing(): string {
-    const what = this.turns ? "The dome" : "The roof";
+    const what = this.turns ? msg("The dome") : msg("The roof");
     const where = this.turns && !this.blind
       ? Number.isNaN(this.azimuth)
-        ? "; where it looks is not known"
-        : `, looking to azimuth ${formatAzimuth(this.azimuth, 0)}`
+        ? msg("; where it looks is not known")
+        : msg(str`, looking to azimuth ${formatAzimuth(this.azimuth, 0)}`)
       : "";
-    const follows = Number.isNaN(this.telescope) ? "" : `; the telescope looks to azimuth ${formatAzimuth(this.telescope, 0)}`;
-    return `${what} is ${WORDS[this.roof]}${where}${this.turning ? " and turning" : ""}${follows}${this.stale ? "; this is the last that was known" : ""}.`;
+    const follows = Number.isNaN(this.telescope) ? "" : msg(str`; the telescope looks to azimuth ${formatAzimuth(this.telescope, 0)}`);
+    return this.turning ? this.stale ? msg(str`${what} is ${WORDS[this.roof]}${where} and turning${follows}; this is the last that was known.`) : msg(str`${what} is ${WORDS[this.roof]}${where} and turning${follows}.`) : this.stale ? msg(str`${what} is ${WORDS[this.roof]}${where}${follows}; this is the last that was known.`) : msg(str`${what} is ${WORDS[this.roof]}${where}${follows}.`);
   }
 
   private renderDome(unknown: boolean): SVGTemplateResult {
@@ -195,13 +196,11 @@ export class DomeDrawing extends LitElement {
       ${this.blind ? nothing : svg`${this.renderPlan()}${this.renderCompass()}`} ${Number.isNaN(this.at) ? nothing : this.renderPointer(azimuth)}
       <path class="wall" d="M-100 0V16A100 ${tall} 0 0 0 100 16V0A100 ${tall} 0 0 1 -100 0Z"></path>
       <path class="shell" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>
-      ${
-        Number.isNaN(this.at) && !this.blind
+      ${Number.isNaN(this.at) && !this.blind
           ? nothing
           : svg`<polygon class="behind" points=${stripPolygon(azimuth, -SLIT, SLIT, true)}></polygon>
             ${this.renderPanel(azimuth, -SLIT - half, -half)} ${this.renderPanel(azimuth, half, Math.min(wide, SLIT + half))}
-            ${this.gap > 0.01 ? svg`<polygon class="inside" points=${stripPolygon(azimuth, -half, half)}></polygon>` : nothing}`
-      }
+            ${this.gap > 0.01 ? svg`<polygon class="inside" points=${stripPolygon(azimuth, -half, half)}></polygon>` : nothing}`}
       ${unknown ? svg`<path class="veil" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>` : nothing}`;
   }
 
@@ -231,14 +230,12 @@ export class DomeDrawing extends LitElement {
     return svg`<g transform="translate(-148 -70)">
       <circle class="shell" r="30"></circle>
       ${winds}
-      ${
-        Number.isNaN(this.at)
+      ${Number.isNaN(this.at)
           ? nothing
           : svg`<g transform="rotate(${this.at})">
               <path class=${this.gap > 0.01 ? "inside" : "door"} d="M-6 5V-29.4A30 30 0 0 1 6 -29.4V5Z"></path>
               <path class="beam" d="M0 -36l-5 9h10z"></path>
-            </g>`
-      }
+            </g>`}
       ${Number.isNaN(this.telescope) ? nothing : svg`<path class="telescope" d="M0 0L${tip.x} ${tip.y}"></path><circle class="telescope" r="3"></circle>`}
     </g>`;
   }

@@ -1,5 +1,6 @@
 /** A piece of the sky with what a camera shows of it: stars, outlines, and the frame, which is moved by hand or by keys. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -133,7 +134,7 @@ export class FramingView extends LitElement {
       viewBox=${`${String(-HALF)} ${String(-HALF)} ${String(2 * HALF)} ${String(2 * HALF)}`}
       tabindex="0"
       role="application"
-      aria-roledescription="map of the sky"
+      aria-roledescription=${msg("map of the sky")}
       aria-label=${this.describeSky()}
       @keydown=${this.onKey}
       @pointermove=${this.onMove}
@@ -154,7 +155,7 @@ export class FramingView extends LitElement {
       const at = this.drawnAt({ raDeg, decDeg });
       if (at === null) return [];
       const size = Math.min(3.6, 0.7 + 0.42 * Math.max(0, faintest - magnitude));
-      return [svg`<circle class="star" cx=${at.x} cy=${at.y} r=${size.toFixed(2)}><title>${magnitude.toFixed(1)} mag</title></circle>`];
+      return [svg`<circle class="star" cx=${at.x} cy=${at.y} r=${size.toFixed(2)}><title>${msg(str`${magnitude.toFixed(1)} mag`)}</title></circle>`];
     });
   }
 
@@ -269,10 +270,10 @@ export class FramingView extends LitElement {
 
   private describeSky(): string {
     const { panels, sky } = this;
-    const what = panels.length > 1 ? `A mosaic of ${String(panels.length)} panels` : "The frame";
+    const what = panels.length > 1 ? msg(str`A mosaic of ${String(panels.length)} panels`) : msg("The frame");
     const inside = (sky?.objects ?? []).slice(0, 4).map(({ name, also }) => shortName(also[0] ?? name));
-    const near = inside.length === 0 ? "" : ` Near it: ${inside.join(", ")}.`;
-    return `${what} about ${this.name === "" ? "" : `${this.name}, `}${formatRa(this.centre.raDeg / 15)} ${formatDec(this.centre.decDeg)}.${near} Arrow keys move it, with Shift a little.`;
+    const near = inside.length === 0 ? "" : msg(str` Near it: ${inside.join(", ")}.`);
+    return msg(str`${what} about ${this.name === "" ? "" : `${this.name}, `}${formatRa(this.centre.raDeg / 15)} ${formatDec(this.centre.decDeg)}.${near} Arrow keys move it, with Shift a little.`);
   }
 }
 

@@ -1,5 +1,6 @@
 /** How high a target stands through one night, over bands of twilight. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -134,7 +135,7 @@ export class NightCurve extends LitElement {
     const { night, seen } = this;
     if (night === null || seen === null) return nothing;
     const path = (alts: readonly number[]): string => alts.map((alt, i) => `${i === 0 ? "M" : "L"}${this.xOfTime(night.points[i]?.ms ?? 0).toFixed(1)} ${yOfAltitude(alt).toFixed(1)}`).join("");
-    return html`<svg viewBox="0 0 ${WIDE} ${TALL + LOW}" role="img" aria-label=${`Altitude over the night. ${this.words}`}>
+    return html`<svg viewBox="0 0 ${WIDE} ${TALL + LOW}" role="img" aria-label=${msg(str`Altitude over the night. ${this.words}`)}>
         <clipPath id="frame"><rect x=${LEFT} y="0" width=${WIDE - LEFT} height=${TALL}></rect></clipPath>
         ${map(
           night.bands,
@@ -170,12 +171,10 @@ export class NightCurve extends LitElement {
   private renderMarks(night: NightTrack, seen: Visibility): SVGTemplateResult {
     const now = night.points.reduce((near, point) => (Math.abs(point.ms - this.ms) < Math.abs(near.ms - this.ms) ? point : near));
     return svg`
-      ${
-        this.ms < night.from || this.ms > night.to
+      ${this.ms < night.from || this.ms > night.to
           ? nothing
           : svg`<path class="now" d="M${this.xOfTime(this.ms)} ${TOP}V${TALL}"></path>
-              ${now.alt >= 0 ? svg`<circle class="at" cx=${this.xOfTime(this.ms)} cy=${yOfAltitude(now.alt)} r="5"></circle>` : nothing}`
-      }
+              ${now.alt >= 0 ? svg`<circle class="at" cx=${this.xOfTime(this.ms)} cy=${yOfAltitude(now.alt)} r="5"></circle>` : nothing}`}
       ${seen.best >= 0 ? svg`<path class="best" d="M${this.xOfTime(seen.bestMs)} ${yOfAltitude(seen.best) - 7}l7 7l-7 7l-7 -7z"></path>` : nothing}`;
   }
 
@@ -183,10 +182,10 @@ export class NightCurve extends LitElement {
     const renderMark = (what: SVGTemplateResult, name: string): TemplateResult =>
       html`<li><svg viewBox="0 0 32 16" aria-hidden="true">${what}</svg>${name}</li>`;
     return html`<ul class="key" aria-hidden="true">
-      ${renderMark(svg`<path class="curve" d="M0 8H32"></path>`, "target")} ${renderMark(svg`<path class="moon" d="M0 8H32"></path>`, "Moon")}
-      ${renderMark(svg`<path class="now" d="M16 0V16"></path>`, "now")}
-      ${this.limit > 0 ? renderMark(svg`<path class="limit" d="M0 8H32"></path>`, "lowest allowed") : nothing}
-      ${this.allowed === null ? nothing : renderMark(svg`<rect class="allowed" y="4" width="32" height="8"></rect>`, "may be observed")}
+      ${renderMark(svg`<path class="curve" d="M0 8H32"></path>`, msg("target"))} ${renderMark(svg`<path class="moon" d="M0 8H32"></path>`, msg("Moon"))}
+      ${renderMark(svg`<path class="now" d="M16 0V16"></path>`, msg("now"))}
+      ${this.limit > 0 ? renderMark(svg`<path class="limit" d="M0 8H32"></path>`, msg("lowest allowed")) : nothing}
+      ${this.allowed === null ? nothing : renderMark(svg`<rect class="allowed" y="4" width="32" height="8"></rect>`, msg("may be observed"))}
       ${map(DARKNESS, ({ id, name }) => renderMark(svg`<rect class="${id} grid" width="32" height="16"></rect>`, name))}
     </ul>`;
   }

@@ -3,6 +3,7 @@
  * lead from block to block; the one that is chosen stands below in words.
  */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, queryAll } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -21,13 +22,13 @@ const EMPTY: SkySpan = { from: 0, to: 1 };
 /** Each state has a sign of its own, so that it reads without colour. */
 const SIGNS: Readonly<Record<BlockState, string>> = { planned: "", current: "▶", done: "✓", suspended: "‖", failed: "✕" };
 export const BLOCK_WORDS: Readonly<Record<BlockState, string>> = {
-  planned: "planned",
-  current: "observed now",
-  done: "done",
-  suspended: "interrupted, goes on later",
-  failed: "failed",
+  planned: msg("planned"),
+  current: msg("observed now"),
+  done: msg("done"),
+  suspended: msg("interrupted, goes on later"),
+  failed: msg("failed"),
 };
-const PAUSE_WORDS: Readonly<Record<BlockPause["kind"], string>> = { flip: "meridian flip", focus: "focus run" };
+const PAUSE_WORDS: Readonly<Record<BlockPause["kind"], string>> = { flip: msg("meridian flip"), focus: msg("focus run") };
 
 /** A pause as a sentence without its end: “focus run 21:30 (2 min): another filter”. */
 export function pauseText({ kind, startMs, endMs, reason }: BlockPause, zone: string): string {
@@ -232,20 +233,20 @@ export class PlanTimeline extends LitElement {
     const now = placeMoment(this.ms, span);
     const hours = Math.max(1, (span.to - span.from) / HOUR_MS);
     // Who has no finger scrolls a night that is wider than the window by its keys.
-    return html`<div class="scroll" tabindex="0" role="group" aria-label="Hours of the night">
+    return html`<div class="scroll" tabindex="0" role="group" aria-label=${msg("Hours of the night")}>
         <div class="line" ${styled({ "--hours": String(hours) })}>
           <div aria-hidden="true">
             ${map(this.sky?.bands ?? [], ({ id, from, to }) => html`<div class="band ${id}" ${this.placeSpan(from, to)}></div>`)}
             ${map(this.sky?.moonUp ?? [], ({ from, to }) => html`<div class="moon" ${this.placeSpan(from, to)}></div>`)} ${this.renderHours()}
           </div>
-          <ol aria-label="Blocks of the night" @keydown=${this.onKey}>
+          <ol aria-label=${msg("Blocks of the night")} @keydown=${this.onKey}>
             ${repeat(placed, ({ id }) => id, (block, i) => this.renderBlock(block, block.id === chosen?.id || (chosen === undefined && i === 0)))}
           </ol>
           ${map(placePauses(this.blocks, span), ({ kind, left, width }) => html`<div class="pause ${kind}" aria-hidden="true" ${styled({ "--left": String(left), "--width": String(width) })}></div>`)}
           ${now === null ? nothing : html`<div class="now" aria-hidden="true" ${styled({ "--left": String(now) })}></div>`}
         </div>
       </div>
-      <p class="chosen" role="status">${chosen === undefined ? html`<span class="muted">Choose a block to read why it stands there.</span>` : this.blockText(chosen)}</p>
+      <p class="chosen" role="status">${chosen === undefined ? html`<span class="muted">${msg("Choose a block to read why it stands there.")}</span>` : this.blockText(chosen)}</p>
       ${this.renderKey()}`;
   }
 
@@ -294,20 +295,20 @@ export class PlanTimeline extends LitElement {
     return html`<div class="key" aria-hidden="true">
       ${map(this.marks, ([proposal, { letter, colour }]) => html`<span><i ${styled({ "--colour": `var(--t-series-${String(colour)})` })}></i>${letter} ${proposal}</span>`)}
       ${map(DARKNESS.filter(({ id }) => present.has(id)), ({ id, name }) => html`<span><i ${styled({ "--colour": `var(--t-hour-${id})` })}></i>${name}</span>`)}
-      ${sky === null || sky.moonUp.length === 0 ? nothing : html`<span><i ${styled({ "--colour": "var(--t-moon)" })}></i>Moon up, ${(sky.moonLit * 100).toFixed(0)} % lit</span>`}
+      ${sky === null || sky.moonUp.length === 0 ? nothing : html`<span><i ${styled({ "--colour": "var(--t-moon)" })}></i>${msg(str`Moon up, ${(sky.moonLit * 100).toFixed(0)} % lit`)}</span>`}
       ${map(kinds, (kind) => html`<span><i class=${kind}></i>${PAUSE_WORDS[kind]}</span>`)}
-      <span><i ${styled({ "--colour": "var(--t-bad)", "inline-size": "3px", border: "0" })}></i>now</span>
-      <span>${local === "UTC" ? "hours in UTC" : `hours in ${local}, below them in UTC`}</span>
+      <span><i ${styled({ "--colour": "var(--t-bad)", "inline-size": "3px", border: "0" })}></i>${msg("now")}</span>
+      <span>${local === "UTC" ? msg("hours in UTC") : msg(str`hours in ${local}, below them in UTC`)}</span>
     </div>`;
   }
 
   /** The block in words, as it is heard and as it stands below. */
   private blockText({ name, proposal, startMs, endMs, state, reason, pauses }: NightBlock): string {
-    const from = `${this.clockText(startMs)} to ${this.clockText(endMs)} ${zoneName(startMs * 1000, this.zone)}`;
+    const from = msg(str`${this.clockText(startMs)} to ${this.clockText(endMs)} ${zoneName(startMs * 1000, this.zone)}`);
     const utc = this.zone === "UTC" ? "" : ` (${formatClock(startMs * 1000, "UTC").slice(0, 5)} UTC)`;
     const mark = this.marks.get(proposal);
-    const who = proposal === "" ? "" : `, proposal ${mark === undefined ? "" : `${mark.letter} `}${proposal}`;
-    const inner = (pauses ?? []).map((pause) => `. With a ${pauseText(pause, this.zone)}`).join("");
+    const who = proposal === "" ? "" : msg(str`, proposal ${mark === undefined ? "" : `${mark.letter} `}${proposal}`);
+    const inner = (pauses ?? []).map((pause) => msg(str`. With a ${pauseText(pause, this.zone)}`)).join("");
     return `${name}${who}: ${from}${utc}, ${formatDuration((endMs - startMs) / 1000)}, ${BLOCK_WORDS[state]}${reason === "" ? "" : `. ${reason}`}${inner}`;
   }
 

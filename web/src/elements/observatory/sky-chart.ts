@@ -1,5 +1,6 @@
 /** The whole sky over the site: horizon, heights, Sun, Moon, stars, where the telescope looks and where it shall. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -13,7 +14,7 @@ import { styled } from "../base/style-directive.js";
 
 const R = 100;
 const NAMED_BELOW = 1.3;
-const WINDS = [["N", 0], ["NE", 45], ["E", 90], ["SE", 135], ["S", 180], ["SW", 225], ["W", 270], ["NW", 315]] as const;
+const WINDS = [["N", 0], [msg("NE"), 45], ["E", 90], [msg("SE"), 135], ["S", 180], [msg("SW"), 225], ["W", 270], [msg("NW"), 315]] as const;
 
 /** A direction with a name. */
 export interface TelescopeAim extends Horizontal {
@@ -224,7 +225,7 @@ export class SkyChart extends LitElement {
       return `M${String(x + 6.5 * Math.cos(a))} ${String(y + 6.5 * Math.sin(a))}l${String(2.5 * Math.cos(a))} ${String(2.5 * Math.sin(a))}`;
     });
     return svg`<circle class="sun" cx=${x} cy=${y} r="5"></circle><path class="sun" d=${rays.join("")}></path>
-      <text class="body" x=${x} y=${y + 13}>Sun</text>`;
+      <text class="body" x=${x} y=${y + 13}>${msg("Sun")}</text>`;
   }
 
   /** The lit part stands to the right while it waxes, as north of the tropics. */
@@ -238,7 +239,7 @@ export class SkyChart extends LitElement {
         <circle class="dark" r="5"></circle>
         <path class="moon" d=${path} transform=${waxing ? "" : "scale(-1 1)"}></path>
       </g>
-      <text class="body" x=${x} y=${y + 10}>Moon</text>`;
+      <text class="body" x=${x} y=${y + 10}>${msg("Moon")}</text>`;
   }
 
   private renderPlanned(): SVGTemplateResult[] {
@@ -259,34 +260,30 @@ export class SkyChart extends LitElement {
     const to = target === null || target.alt < 0 ? null : chartPosition(target);
     return svg`
       ${from !== null && to !== null ? svg`<path class="way" d="M${from.x} ${from.y}L${to.x} ${to.y}"></path>` : nothing}
-      ${
-        to === null
+      ${to === null
           ? nothing
           : svg`<path class="target" d="M${to.x} ${to.y - 6}l6 6l-6 6l-6 -6z"></path>
-              <text class="aim" x=${to.x} y=${to.y + 12}>${target?.name}</text>`
-      }
-      ${
-        from === null
+              <text class="aim" x=${to.x} y=${to.y + 12}>${target?.name}</text>`}
+      ${from === null
           ? nothing
           : svg`<circle class="scope" cx=${from.x} cy=${from.y} r="7"></circle>
               <path class="scope" d="M${from.x - 11} ${from.y}h6M${from.x + 5} ${from.y}h6M${from.x} ${from.y - 11}v6M${from.x} ${from.y + 5}v6"></path>
-              <text class="aim" x=${from.x} y=${from.y - 15}>${telescope?.name}</text>`
-      }`;
+              <text class="aim" x=${from.x} y=${from.y - 15}>${telescope?.name}</text>`}`;
   }
 
   private describeSky(sun: Horizontal, moon: Horizontal): string {
     const positionText = (what: string, at: Horizontal | null): string => {
       if (at === null) return "";
-      if (at.alt < 0) return `${what}: below the horizon. `;
-      return `${what}: ${at.alt.toFixed(0)}° high, azimuth ${formatAzimuth(at.az, 0)}. `;
+      if (at.alt < 0) return msg(str`${what}: below the horizon. `);
+      return msg(str`${what}: ${at.alt.toFixed(0)}° high, azimuth ${formatAzimuth(at.az, 0)}. `);
     };
-    const scope = this.telescope === null ? "Where the telescope looks is not known. " : positionText("Telescope", this.telescope);
-    const target = this.target === null ? "" : positionText(`Target ${this.target.name}`, this.target);
+    const scope = this.telescope === null ? msg("Where the telescope looks is not known. ") : positionText(msg("Telescope"), this.telescope);
+    const target = this.target === null ? "" : positionText(msg(str`Target ${this.target.name}`), this.target);
     const lit = `${(moonPhase(this.ms).lit * 100).toFixed(0)} % lit`;
-    const limit = this.limit > 0 ? `It may not look below ${this.limit.toFixed(0)}°.` : "";
+    const limit = this.limit > 0 ? msg(str`It may not look below ${this.limit.toFixed(0)}°.`) : "";
     const up = this.planned.filter(({ alt }) => alt >= 0);
-    const planned = up.length === 0 ? "" : `Planned and up now: ${up.map(({ name }) => name).join(", ")}. `;
-    return `The sky over the site, north up and east to the left. ${scope}${target}${planned}${positionText("Sun", sun)}${positionText(`Moon (${lit})`, moon)}${limit}`;
+    const planned = up.length === 0 ? "" : msg(str`Planned and up now: ${up.map(({ name }) => name).join(", ")}. `);
+    return msg(str`The sky over the site, north up and east to the left. ${scope}${target}${planned}${positionText(msg("Sun"), sun)}${positionText(msg(str`Moon (${lit})`), moon)}${limit}`);
   }
 }
 

@@ -1,6 +1,7 @@
 /** A robot in space as its topics tell: frames, model, scans, clouds, maps, paths and markers. It stands by itself: a page and a tile give it a site. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -145,12 +146,12 @@ export class SceneElement extends LitElement {
   override render(): TemplateResult {
     const { session } = this;
     if (this.past !== null && (this.known === undefined || session === null || session.topics.length === 0)) return this.renderPastEmpty(this.past);
-    if (this.known === undefined || session === null) return html`${renderLoaded(this.table, "the topics", () => nothing)}`;
+    if (this.known === undefined || session === null) return html`${renderLoaded(this.table, msg("the topics"), () => nothing)}`;
     if (session.topics.length === 0) return this.renderEmpty();
     return html`<div class="view">
-        <canvas tabindex="0" role="img" aria-label=${`The robot in space. Arrow keys move, plus and minus zoom. ${this.summary()}`}
+        <canvas tabindex="0" role="img" aria-label=${msg(str`The robot in space. Arrow keys move, plus and minus zoom. ${this.summary()}`)}
           @pointerdown=${this.onPointer} @pointermove=${this.onPointer} @pointerup=${this.onPointer} @keydown=${this.onKey}></canvas>
-        ${this.drawing === null ? html`<div class="notes"><div class="note"><t-loading what="Loading the scene"></t-loading></div></div>` : nothing}
+        ${this.drawing === null ? html`<div class="notes"><div class="note"><t-loading what=${msg("Loading the scene")}></t-loading></div></div>` : nothing}
         ${this.renderTools()}
         <div class="notes">${this.noSpace === "" ? nothing : html`<p class="note">${this.noSpace}</p>`}${this.renderNote()}</div>
       </div>
@@ -168,25 +169,25 @@ export class SceneElement extends LitElement {
   }
 
   private renderPastEmpty(past: PastBoard): TemplateResult {
-    if (past.topics.moment === null) return html`<t-loading what="Looking for what was recorded"></t-loading>`;
-    const what = this.known === undefined ? "A recording of raw topics would hold the scene." : "The recording holds no transforms, scans, maps or the like that you may see.";
+    if (past.topics.moment === null) return html`<t-loading what=${msg("Looking for what was recorded")}></t-loading>`;
+    const what = this.known === undefined ? msg("A recording of raw topics would hold the scene.") : msg("The recording holds no transforms, scans, maps or the like that you may see.");
     return html`<t-unrecorded .past=${past} zone=${this.zone} what=${what}></t-unrecorded>`;
   }
 
   private renderEmpty(): TemplateResult {
     return this.online
-      ? html`<t-empty heading="Nothing to see in space" icon="live">
-          <p>The robot publishes no transforms, scans, maps or the like that you may follow. An admin opens topics in the site's description, under <code>topics:</code>, or gives you the right <strong>tap</strong>.</p>
+      ? html`<t-empty heading=${msg("Nothing to see in space")} icon="live">
+          <p>${msg(html`The robot publishes no transforms, scans, maps or the like that you may follow. An admin opens topics in the site's description, under <code>topics:</code>, or gives you the right <strong>tap</strong>.`)}</p>
         </t-empty>`
-      : html`<t-empty heading="The gateway is away" icon="unlinked"><p>The scene appears by itself when the robot's gateway has connected.</p></t-empty>`;
+      : html`<t-empty heading=${msg("The gateway is away")} icon="unlinked"><p>${msg("The scene appears by itself when the robot's gateway has connected.")}</p></t-empty>`;
   }
 
   private renderTools(): TemplateResult {
-    const tools = [{ id: "measure", label: "Measure" }, ...this.poseTools];
-    return html`<div class="tools" role="toolbar" aria-label="Scene">
-      <t-button .pressed=${this.follow ? "true" : "false"} @click=${this.toggleFollow}>Follow</t-button>
-      <t-button @click=${this.lookFromAbove}>From above</t-button>
-      ${this.noSpace === "" ? html`<t-button @click=${this.lookAside}>In space</t-button>` : nothing}
+    const tools = [{ id: "measure", label: msg("Measure") }, ...this.poseTools];
+    return html`<div class="tools" role="toolbar" aria-label=${msg("Scene")}>
+      <t-button .pressed=${this.follow ? "true" : "false"} @click=${this.toggleFollow}>${msg("Follow")}</t-button>
+      <t-button @click=${this.lookFromAbove}>${msg("From above")}</t-button>
+      ${this.noSpace === "" ? html`<t-button @click=${this.lookAside}>${msg("In space")}</t-button>` : nothing}
       ${repeat(
         tools,
         ({ id }) => id,
@@ -198,43 +199,43 @@ export class SceneElement extends LitElement {
   private renderNote(): TemplateResult | typeof nothing {
     const { preview, past } = this;
     if (past !== null && this.unrecorded) return html`<div class="note"><t-unrecorded .past=${past} zone=${this.zone}></t-unrecorded></div>`;
-    if (!this.online && past === null) return html`<p class="note old" role="status">The robot's gateway is not connected: this is what came last.</p>`;
+    if (!this.online && past === null) return html`<p class="note old" role="status">${msg("The robot's gateway is not connected: this is what came last.")}</p>`;
     if (preview !== null && "from" in preview) return html`<p class="note" role="status">${lengthOf(preview).toFixed(2)} m</p>`;
-    if (this.tool === "measure") return html`<p class="note">Drag from one place on the floor to another.</p>`;
-    if (this.tool !== "") return html`<p class="note">Press where, and drag to where it is to look. It is sent only when you say so below.</p>`;
+    if (this.tool === "measure") return html`<p class="note">${msg("Drag from one place on the floor to another.")}</p>`;
+    if (this.tool !== "") return html`<p class="note">${msg("Press where, and drag to where it is to look. It is sent only when you say so below.")}</p>`;
     const age = this.robotAge();
-    if (age !== null && age > OLD_S) return html`<p class="note old" role="status">Where the robot is was said ${formatAge(age)}: it may be elsewhere.</p>`;
+    if (age !== null && age > OLD_S) return html`<p class="note old" role="status">${msg(str`Where the robot is was said ${formatAge(age)}: it may be elsewhere.`)}</p>`;
     return this.trouble === "" ? nothing : html`<p class="note old" role="status">${this.trouble}</p>`;
   }
 
   private renderSide(topics: readonly SceneTopic[]): TemplateResult {
     const nowMs = this.session?.model.nowMs() ?? 0;
     const rows = this.session?.model.tree.rows(nowMs) ?? [];
-    return html`<section class="side" aria-label="What is shown" tabindex="0">
+    return html`<section class="side" aria-label=${msg("What is shown")} tabindex="0">
       <fieldset>
-        <legend>Layers</legend>
+        <legend>${msg("Layers")}</legend>
         ${repeat(
           topics.filter(({ kind }) => isSwitched(kind)),
           ({ topic }) => topic,
           (topic) => this.renderTopic(topic, nowMs),
         )}
       </fieldset>
-      <label class="field">Still stands<select @change=${this.chooseFixed}>
-          <option value="" ?selected=${this.fixedChoice === ""}>by itself: ${this.fixedFrame() || "none yet"}</option>
+      <label class="field">${msg("Still stands")}<select @change=${this.chooseFixed}>
+          <option value="" ?selected=${this.fixedChoice === ""}>${msg("by itself:")} ${this.fixedFrame() || msg("none yet")}</option>
           ${repeat(
             rows,
             ({ name }) => name,
             ({ name }) => html`<option value=${name} ?selected=${name === this.fixedChoice}>${name}</option>`,
           )}
         </select></label>
-      <label class="field">Clouds by<select @change=${this.chooseCloud}>
-          <option value="height" ?selected=${this.cloudBy === "height"}>height</option>
-          <option value="intensity" ?selected=${this.cloudBy === "intensity"}>intensity</option>
-          <option value="rgb" ?selected=${this.cloudBy === "rgb"}>their colours</option>
+      <label class="field">${msg("Clouds by")}<select @change=${this.chooseCloud}>
+          <option value="height" ?selected=${this.cloudBy === "height"}>${msg("height")}</option>
+          <option value="intensity" ?selected=${this.cloudBy === "intensity"}>${msg("intensity")}</option>
+          <option value="rgb" ?selected=${this.cloudBy === "rgb"}>${msg("their colours")}</option>
         </select></label>
-      <label class="row"><input type="checkbox" .checked=${this.showFrames} @change=${this.toggleFrames} /><span>Axes of frames</span></label>
+      <label class="row"><input type="checkbox" .checked=${this.showFrames} @change=${this.toggleFrames} /><span>${msg("Axes of frames")}</span></label>
       <details>
-        <summary>Frames (${String(rows.length)})</summary>
+        <summary>${msg(str`Frames (${String(rows.length)})`)}</summary>
         <ul class="frames">
           ${repeat(rows, ({ name }) => name, renderFrame)}
         </ul>
@@ -246,11 +247,11 @@ export class SceneElement extends LitElement {
     const layer = this.session?.model.layers.get(topic);
     const latched = this.session?.stateOf(topic)?.update?.latched === true;
     const age = layer === undefined ? null : (nowMs - layer.heardMs) / 1000;
-    const word = !shown || kind.kind === "robot" ? "" : age === null ? "waiting" : latched || age < OLD_S ? (this.past === null ? "live" : "recorded") : formatAge(age);
+    const word = !shown || kind.kind === "robot" ? "" : age === null ? msg("waiting") : latched || age < OLD_S ? (this.past === null ? msg("live") : msg("recorded")) : formatAge(age);
     const lost = layer !== undefined && this.session?.model.placeOf(layer, this.fixedFrame()) === null;
     const problem = this.session?.problemOf(topic) ?? "";
-    const why = !shown ? "" : problem !== "" ? problem : lost ? `No transform from ${layer.frame} to ${this.fixedFrame()}` : "";
-    const thinned = layer?.content.shape === "cloud" && layer.content.every > 1 ? `, 1 point of ${String(layer.content.every)}` : "";
+    const why = !shown ? "" : problem !== "" ? problem : lost ? msg(str`No transform from ${layer.frame} to ${this.fixedFrame()}`) : "";
+    const thinned = layer?.content.shape === "cloud" && layer.content.every > 1 ? msg(str`, 1 point of ${String(layer.content.every)}`) : "";
     return html`<label class="row">
       <input type="checkbox" .checked=${shown} data-topic=${topic} @change=${this.onLayer} />
       <span>${kind.name} <span class="topic">${topic}</span></span><span class="age">${word}${thinned}</span>
@@ -260,7 +261,7 @@ export class SceneElement extends LitElement {
 
   private summary(): string {
     const shown = this.session?.topics.filter(({ shown: on, kind }) => on && isSwitched(kind)) ?? [];
-    return `Shown: ${shown.map(({ kind }) => kind.name.toLowerCase()).join(", ") || "nothing"}.`;
+    return msg(str`Shown: ${shown.map(({ kind }) => kind.name.toLowerCase()).join(", ") || msg("nothing")}.`);
   }
 
   private fixedFrame(): string {
@@ -292,7 +293,7 @@ export class SceneElement extends LitElement {
       const { SceneView } = await import("./scene-view.js");
       drawing = new SceneView(canvas, session.model, this.site, colours, report);
     } catch {
-      this.noSpace = "This browser cannot draw in space (it has no WebGL, or it is switched off): you see the scene from above.";
+      this.noSpace = msg("This browser cannot draw in space (it has no WebGL, or it is switched off): you see the scene from above.");
       const { FlatView } = await import("./flat-view.js");
       drawing = new FlatView(canvas, session.model, colours);
     }
@@ -415,7 +416,7 @@ export class SceneElement extends LitElement {
 function renderFrame({ name, depth, age, fixed }: FrameRow): TemplateResult {
   return html`<li>
     <span class="topic">${"\u2003".repeat(Math.min(depth, 8))}${name}</span>
-    <span class=${!fixed && age !== null && age > OLD_S ? "old" : ""}>${fixed ? "fixed" : age === null ? "root" : formatAge(age)}</span>
+    <span class=${!fixed && age !== null && age > OLD_S ? "old" : ""}>${fixed ? msg("fixed") : age === null ? msg("root") : formatAge(age)}</span>
   </li>`;
 }
 

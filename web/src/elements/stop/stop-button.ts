@@ -1,5 +1,6 @@
 /** STOP (software): the one button that is always there. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -109,7 +110,7 @@ export class StopButton extends LitElement {
   override render(): TemplateResult {
     const line = this.label === "" ? stopLabel(this.stop, this.online) : this.label;
     return html`<button type="button" @pointerdown=${this.onPointerDown} @click=${this.onClick}>
-      <span class="word">STOP <small>(software)</small></span>
+      <span class="word">${msg(html`STOP <small>(software)</small>`)}</span>
       ${line === "" ? nothing : html`<span class="state" role="status">${line}</span>`}
       <kbd aria-hidden="true">Esc</kbd>
     </button>`;

@@ -1,5 +1,8 @@
 /** How STOP stands, in words. */
 
+import { msg, str } from "@lit/localize";
+import { plural } from "../../format/plural.js";
+
 export type StopPhase = "unknown" | "clear" | "sent" | "latched" | "confirmed";
 
 export interface StopShown {
@@ -15,15 +18,15 @@ const LATE_MS = 1000;
 export function stopLabel(stop: StopShown, online: boolean): string {
   switch (stop.phase) {
     case "clear":
-      return online ? "Not latched" : "Cannot be confirmed now";
+      return online ? msg("Not latched") : msg("Cannot be confirmed now");
     case "unknown":
-      return online ? "Press to stop the robot" : "Cannot be confirmed now";
+      return online ? msg("Press to stop the robot") : msg("Cannot be confirmed now");
     case "sent":
-      return (stop.waiting ?? 0) > LATE_MS || !online ? "Sent, no answer yet: sending again" : "Sent…";
+      return (stop.waiting ?? 0) > LATE_MS || !online ? msg("Sent, no answer yet: sending again") : msg("Sent…");
     case "latched":
-      return "Latched at the gateway";
+      return msg("Latched at the gateway");
     case "confirmed":
-      return "Latched; the robot is stopped";
+      return msg("Latched; the robot is stopped");
   }
 }
 
@@ -36,11 +39,11 @@ export interface HeldStop {
 
 /** What is said of them: either may be the one that moves the robot. */
 export function heldStopLabel({ held, latched, confirmed }: HeldStop): string {
-  const who = held === 1 ? "A second gateway with the same key waits." : `${String(held)} more gateways with the same key wait.`;
-  if (confirmed >= held) return `${who} STOP is latched there, too, and the robot there stands still.`;
-  if (latched >= held) return `${who} STOP is latched there, too; that the robot there stands still is not confirmed.`;
-  if (held === 1) return `${who} STOP was sent there, too, and is not answered.`;
-  return `${who} STOP was sent to them, too; ${String(held - latched)} of them ${held - latched === 1 ? "has" : "have"} not answered.`;
+  const who = plural(held, msg("A second gateway with the same key waits."), msg(str`${String(held)} more gateways with the same key wait.`));
+  if (confirmed >= held) return msg(str`${who} STOP is latched there, too, and the robot there stands still.`);
+  if (latched >= held) return msg(str`${who} STOP is latched there, too; that the robot there stands still is not confirmed.`);
+  if (held === 1) return msg(str`${who} STOP was sent there, too, and is not answered.`);
+  return plural(held - latched, msg(str`${who} STOP was sent to them, too; ${String(held - latched)} of them has not answered.`), msg(str`${who} STOP was sent to them, too; ${String(held - latched)} of them have not answered.`));
 }
 
 /** 0 not begun, 1 under way, 2 done; for sent, latched, confirmed. */

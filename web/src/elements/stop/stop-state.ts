@@ -1,5 +1,6 @@
 /** How far STOP got, who pressed it, and the two steps to its release. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { base, plainList, quietText } from "../base/base-style.js";
@@ -16,7 +17,7 @@ const MARKS: Readonly<Record<0 | 1 | 2, SVGTemplateResult>> = {
   1: svg`<circle cx="10" cy="10" r="7" fill="none" stroke="currentColor" stroke-width="2"></circle><circle cx="10" cy="10" r="3" fill="currentColor"></circle>`,
   2: svg`<circle cx="10" cy="10" r="8" fill="currentColor"></circle><path d="m6.4 10.2 2.5 2.5 4.8-5" fill="none" stroke="var(--t-surface)" stroke-width="2"></path>`,
 };
-const SPOKEN = ["not yet", "under way", "done"] as const;
+const SPOKEN = [msg("not yet"), msg("under way"), "done"] as const;
 
 /**
  * @fires t-reset-ask first step of the release
@@ -144,13 +145,12 @@ export class StopState extends LitElement {
       ${this.online
         ? nothing
         : html`<p class="trouble">
-            The site is offline. STOP is sent as long as this page is open, but nothing can confirm it: use the stop on
-            the robot.
+            ${msg("The site is offline. STOP is sent as long as this page is open, but nothing can confirm it: use the stop on the robot.")}
           </p>`}
       ${this.phase === "latched" || this.phase === "confirmed" ? this.renderRelease() : nothing}
       <p class="note">
         <t-icon name="info"></t-icon>
-        <span>No emergency stop: the robot needs a hardware stop.</span>
+        <span>${msg("No emergency stop: the robot needs a hardware stop.")}</span>
       </p>
     `;
   }
@@ -163,9 +163,9 @@ export class StopState extends LitElement {
   private renderProgress(): TemplateResult {
     const [sent, latched, confirmed] = stopSteps(this.phase);
     return html`
-      <ol aria-label="How far STOP got">
-        ${this.renderMark(sent, "Sent")} ${this.renderMark(latched, "Latched at the gateway")}
-        ${this.renderMark(confirmed, "Confirmed by the robot")}
+      <ol aria-label=${msg("How far STOP got")}>
+        ${this.renderMark(sent, msg("Sent"))} ${this.renderMark(latched, msg("Latched at the gateway"))}
+        ${this.renderMark(confirmed, msg("Confirmed by the robot"))}
       </ol>
       ${this.phase === "sent" ? nothing : html`<p>${this.renderLatchedBy()}</p>`}
     `;
@@ -187,10 +187,9 @@ export class StopState extends LitElement {
 
   private renderLatchedBy(): TemplateResult {
     const fast = Number.isFinite(this.answered)
-      ? html`<span class="muted"> Answered in ${this.answered.toFixed(0)}&#8239;ms.</span>`
+      ? html`<span class="muted"> ${msg(str`Answered in ${this.answered.toFixed(0)}\u202fms.`)}</span>`
       : nothing;
-    return html`Pressed by <strong>${this.who || "somebody"}</strong>,
-      <t-time .us=${this.time} .zone=${this.zone} short></t-time>.${fast}`;
+    return html`${msg(html`Pressed by <strong>${this.who || msg("somebody")}</strong>, <t-time .us=${this.time} .zone=${this.zone} short></t-time>.`)}${fast}`;
   }
 
   private renderRelease(): TemplateResult {
@@ -198,7 +197,7 @@ export class StopState extends LitElement {
     const busy = this.step !== "none";
     return html`
       <t-button ?disabled=${this.hindrance !== ""} ?busy=${busy} @click=${this.fireReset}>
-        ${busy ? "Asking the gateway…" : "Release STOP…"}
+        ${busy ? msg("Asking the gateway…") : msg("Release STOP…")}
       </t-button>
       ${this.hindrance === "" ? nothing : html`<p class="muted">${this.hindrance}</p>`}
     `;
@@ -207,13 +206,13 @@ export class StopState extends LitElement {
   private renderSecondStep(): TemplateResult {
     const seconds = Math.ceil(this.armed / 1000);
     return html`<div class="arm">
-      <p><strong>Release STOP?</strong> Look at the robot first. Nothing moves by the release itself.</p>
+      <p>${msg(html`<strong>Release STOP?</strong> Look at the robot first. Nothing moves by the release itself.`)}</p>
       <div class="row">
-        <t-button @click=${this.fireKeepStopped}>Keep stopped</t-button>
-        <t-button kind="primary" @click=${this.fireRelease}>Release now</t-button>
+        <t-button @click=${this.fireKeepStopped}>${msg("Keep stopped")}</t-button>
+        <t-button kind="primary" @click=${this.fireRelease}>${msg("Release now")}</t-button>
       </div>
-      <progress max="10000" .value=${this.armed} aria-label="Time to decide"></progress>
-      <span class="muted">This question closes in ${seconds}&#8239;s.</span>
+      <progress max="10000" .value=${this.armed} aria-label=${msg("Time to decide")}></progress>
+      <span class="muted">${msg(str`This question closes in ${seconds}\u202fs.`)}</span>
     </div>`;
   }
 

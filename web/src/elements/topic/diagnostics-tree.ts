@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -125,18 +126,18 @@ export class DiagnosticsTree extends LitElement {
     const { root } = this;
     if (root === null) return nothing;
     if (root.children.length === 0) {
-      return html`<t-empty heading="No diagnostics" icon="info"><p>The robot's messages hold no status yet.</p></t-empty>`;
+      return html`<t-empty heading=${msg("No diagnostics")} icon="info"><p>${msg("The robot's messages hold no status yet.")}</p></t-empty>`;
     }
     const shown = root.children.filter((node) => this.isShown(node));
     return html`
       <div class="counts">${map(ORDER.filter((level) => root.counts[level] > 0), (level) => html`<t-status kind=${KINDS[level]} word=${`${String(root.counts[level])} ${WORDS[level]}`}></t-status>`)}</div>
       <div class="tools">
-        <input type="search" aria-label="Search diagnostics" placeholder="Name or message" .value=${this.search} @input=${this.onSearch} />
-        <t-button pressed=${this.onlyProblems ? "true" : "false"} @click=${this.toggleProblems}>Only problems</t-button>
+        <input type="search" aria-label=${msg("Search diagnostics")} placeholder=${msg("Name or message")} .value=${this.search} @input=${this.onSearch} />
+        <t-button pressed=${this.onlyProblems ? "true" : "false"} @click=${this.toggleProblems}>${msg("Only problems")}</t-button>
       </div>
-      ${this.left > 0 ? html`<p class="says">${String(this.left)} more are in the newest message than can be shown.</p>` : nothing}
+      ${this.left > 0 ? html`<p class="says">${msg(str`${String(this.left)} more are in the newest message than can be shown.`)}</p>` : nothing}
       ${shown.length === 0
-        ? html`<p class="says" role="status">${this.onlyProblems && this.search === "" ? "Everything is OK." : "Nothing matches."}</p>`
+        ? html`<p class="says" role="status">${this.onlyProblems && this.search === "" ? msg("Everything is OK.") : msg("Nothing matches.")}</p>`
         : this.renderNodes(shown, true)}
     `;
   }
@@ -194,8 +195,8 @@ export class DiagnosticsTree extends LitElement {
 function renderValues(status: DiagnosticStatus): TemplateResult {
   return html`<dl>
     ${map(status.values, ([key, value]) => html`<dt>${key}</dt><dd>${value === "" ? "–" : value}</dd>`)}
-    ${status.hardware === "" ? nothing : html`<dt>Hardware</dt><dd>${status.hardware}</dd>`}
-    <dt>Heard</dt><dd>${formatAge(status.ageMs / 1000)}</dd>
+    ${status.hardware === "" ? nothing : html`<dt>${msg("Hardware")}</dt><dd>${status.hardware}</dd>`}
+    <dt>${msg("Heard")}</dt><dd>${formatAge(status.ageMs / 1000)}</dd>
   </dl>`;
 }
 

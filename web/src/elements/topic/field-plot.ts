@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -110,18 +111,18 @@ export class FieldPlot extends LitElement {
     const values = traces.flatMap(({ points }) => points.map(({ value }) => value));
     const [low, high] = [Math.min(...values), Math.max(...values)];
     return html`${values.length === 0
-        ? html`<p role="status">No number yet; the next message begins the line.</p>`
-        : html`<svg viewBox="0 0 ${WIDE} ${HIGH}" preserveAspectRatio="none" role="img" aria-label=${`${traces.map(({ path }) => path).join(", ")} over the last minute`}>
+        ? html`<p role="status">${msg("No number yet; the next message begins the line.")}</p>`
+        : html`<svg viewBox="0 0 ${WIDE} ${HIGH}" preserveAspectRatio="none" role="img" aria-label=${msg(str`${traces.map(({ path }) => path).join(", ")} over the last minute`)}>
               ${map(traces, ({ points }, at) => svg`<path class=${`s${String(at + 1)}`} d=${this.line(points, low, high)}></path>`)}
             </svg>
-            <p>The last minute, ${formatNumber(low, digitsFor(high - low))} to ${formatNumber(high, digitsFor(high - low))}</p>`}
+            <p>${msg(str`The last minute, ${formatNumber(low, digitsFor(high - low))} to ${formatNumber(high, digitsFor(high - low))}`)}</p>`}
       <ul>
         ${repeat(
           traces,
           ({ path }) => path,
           ({ path, points }, at) => html`<li>
             <span class=${`swatch s${String(at + 1)}`}></span>${path} ${points.length === 0 ? "–" : formatNumber(points.at(-1)?.value ?? Number.NaN, digitsFor(high - low))}
-            <button aria-label=${`Plot ${path} no more`} data-path=${path} @click=${this.onRemove}>✕</button>
+            <button aria-label=${msg(str`Plot ${path} no more`)} data-path=${path} @click=${this.onRemove}>✕</button>
           </li>`,
         )}
       </ul>`;

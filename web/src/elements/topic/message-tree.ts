@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -129,8 +130,8 @@ export class MessageTree extends LitElement {
 
   override render(): TemplateResult {
     const children = childrenOf(this.value, "");
-    if (children === null) return html`<p class="note">The message has no fields.</p>`;
-    if (this.found?.size === 0) return html`<p class="note" role="status">No field is called “${this.search.trim()}”.</p>`;
+    if (children === null) return html`<p class="note">${msg("The message has no fields.")}</p>`;
+    if (this.found?.size === 0) return html`<p class="note" role="status">${msg(str`No field is called “${this.search.trim()}”.`)}</p>`;
     return this.renderChildren(children, "", 0);
   }
 
@@ -143,7 +144,7 @@ export class MessageTree extends LitElement {
         (child) => child.path,
         (child) => this.renderChild(child, depth),
       )}
-      ${shown.length === wanted.length ? nothing : html`<li><button class="all" data-path=${path} @click=${this.showAll}>Show all ${String(wanted.length)}</button></li>`}
+      ${shown.length === wanted.length ? nothing : html`<li><button class="all" data-path=${path} @click=${this.showAll}>${msg(str`Show all ${String(wanted.length)}`)}</button></li>`}
     </ul>`;
   }
 
@@ -170,7 +171,7 @@ export class MessageTree extends LitElement {
 
   private renderPlot(path: string, value: unknown): TemplateResult | typeof nothing {
     if (this.plotted === null || (typeof value !== "number" && typeof value !== "boolean")) return nothing;
-    return html`<button class="plot" aria-pressed=${this.plotted.includes(path)} aria-label=${`Plot ${path}`} data-path=${path} @click=${this.onPlot}>plot</button>`;
+    return html`<button class="plot" aria-pressed=${this.plotted.includes(path)} aria-label=${msg(str`Plot ${path}`)} data-path=${path} @click=${this.onPlot}>${msg("plot")}</button>`;
   }
 
   private renderMakeSignal(path: string, value: unknown): TemplateResult | typeof nothing {
@@ -179,7 +180,7 @@ export class MessageTree extends LitElement {
       const detail: FieldChoice = { path, text: typeof value === "string" };
       this.dispatchEvent(new CustomEvent("t-make-signal", { detail }));
     };
-    return html`<button class="signal" aria-label=${`Make ${path} a signal`} @click=${choose}>make a signal</button>`;
+    return html`<button class="signal" aria-label=${msg(str`Make ${path} a signal`)} @click=${choose}>${msg("make a signal")}</button>`;
   }
 
   private isMatch(path: string): boolean {

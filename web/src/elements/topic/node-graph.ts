@@ -1,5 +1,6 @@
 /** Nodes and topics of a robot, drawn: boxes in columns, lines from who publishes to who hears. A press on a box draws what is around it. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -133,24 +134,24 @@ export class NodeGraph extends LitElement {
     const drawing = drawGraph(this.nodes, around === "all" ? "" : around, this.plumbing);
     const name = around.replace(/^\w+ /, "");
     return html`<div class="tools">
-        <input type="search" aria-label="Search nodes and topics" placeholder="Search" .value=${this.words} @input=${this.onSearch} />
-        <label><input type="checkbox" .checked=${this.plumbing} @change=${this.onPlumbing} /> Logs and clocks, too</label>
-        ${around === "" || around === "all" ? nothing : html`<t-button kind="quiet" @click=${this.showAll}>Show all</t-button>`}
+        <input type="search" aria-label=${msg("Search nodes and topics")} placeholder="Search" .value=${this.words} @input=${this.onSearch} />
+        <label><input type="checkbox" .checked=${this.plumbing} @change=${this.onPlumbing} /> ${msg("Logs and clocks, too")}</label>
+        ${around === "" || around === "all" ? nothing : html`<t-button kind="quiet" @click=${this.showAll}>${msg("Show all")}</t-button>`}
       </div>
       ${this.words.trim() === "" ? html`<p role="status">${summaryOf(drawing, this.nodes.length, around === "all" ? "" : name)}</p>` : this.renderFound()}
-      <div class="drawing" tabindex="0" role="group" aria-label="Nodes and topics, from who publishes to who hears">${this.renderDrawing(drawing, around)}</div>`;
+      <div class="drawing" tabindex="0" role="group" aria-label=${msg("Nodes and topics, from who publishes to who hears")}>${this.renderDrawing(drawing, around)}</div>`;
   }
 
   private renderFound(): TemplateResult {
     const found = searchGraph(this.nodes, this.words);
-    return html`<ul aria-label="Found">
+    return html`<ul aria-label=${msg("Found")}>
       ${repeat(
         found.slice(0, MOST_FOUND),
         ({ key }) => key,
         ({ key, kind, name }) => html`<li><t-button kind="quiet" @click=${this.focuser(key)}>${name} <small>${kind}</small></t-button></li>`,
       )}
-      ${found.length > MOST_FOUND ? html`<li><p>and ${String(found.length - MOST_FOUND)} more</p></li>` : nothing}
-      ${found.length === 0 ? html`<li><p>Nothing is called so.</p></li>` : nothing}
+      ${found.length > MOST_FOUND ? html`<li><p>${msg(str`and ${String(found.length - MOST_FOUND)} more`)}</p></li>` : nothing}
+      ${found.length === 0 ? html`<li><p>${msg("Nothing is called so.")}</p></li>` : nothing}
     </ul>`;
   }
 
@@ -250,12 +251,12 @@ function wordsOf({ key, name, kind }: GraphBox, lines: readonly GraphLine[]): st
   const after = lines.filter(({ from }) => from === key).map(({ to }) => to.replace(/^\w+ /, ""));
   const before = lines.filter(({ to }) => to === key).map(({ from }) => from.replace(/^\w+ /, ""));
   const of = (word: string, names: readonly string[]): string => (names.length === 0 ? "" : ` ${word} ${names.join(", ")}.`);
-  return kind === "node" ? `Node ${name}.${of("Publishes", after)}${of("Hears", before)}` : `Topic ${name}.${of("From", before)}${of("To", after)}`;
+  return kind === "node" ? msg(str`Node ${name}.${of(msg("Publishes"), after)}${of(msg("Hears"), before)}`) : msg(str`Topic ${name}.${of(msg("From"), before)}${of(msg("To"), after)}`);
 }
 
 function summaryOf({ boxes, left }: GraphDrawing, nodes: number, around: string): string {
-  const shown = around === "" ? `${String(nodes)} nodes` : `Around ${around}`;
-  return left > 0 ? `${shown}; the ${String(boxes.length)} boxes that are joined most are drawn, ${String(left)} are not. Search or press one to see what is around it.` : `${shown}. Dashed lines lead back. A press on a box draws what is around it.`;
+  const shown = around === "" ? msg(str`${String(nodes)} nodes`) : msg(str`Around ${around}`);
+  return left > 0 ? msg(str`${shown}; the ${String(boxes.length)} boxes that are joined most are drawn, ${String(left)} are not. Search or press one to see what is around it.`) : msg(str`${shown}. Dashed lines lead back. A press on a box draws what is around it.`);
 }
 
 declare global {

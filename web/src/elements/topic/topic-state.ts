@@ -1,5 +1,6 @@
 /** How a raw topic stands, in words: what keeps its messages from coming, and how old the newest is. */
 
+import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import type { TopicState } from "../../controllers/topic-follower.js";
 import { formatAge, formatDuration } from "../../format/duration.js";
@@ -38,19 +39,19 @@ const KINDS: Readonly<Record<TopicState, StatusKind>> = {
   unrecorded: "unknown",
 };
 const WORDS: Readonly<Record<TopicState, string>> = {
-  loading: "asking",
-  waiting: "no message yet",
-  live: "live",
-  stale: "stale",
-  ended: "no longer published",
-  away: "gateway away",
-  lost: "connection lost",
-  error: "not readable",
-  forbidden: "not yours",
-  unrecorded: "not recorded",
+  loading: msg("asking"),
+  waiting: msg("no message yet"),
+  live: msg("live"),
+  stale: msg("stale"),
+  ended: msg("no longer published"),
+  away: msg("gateway away"),
+  lost: msg("connection lost"),
+  error: msg("not readable"),
+  forbidden: msg("not yours"),
+  unrecorded: msg("not recorded"),
 };
 /** Of a past moment nothing is live. */
-const PAST_WORDS: Readonly<Partial<Record<TopicState, string>>> = { live: "recorded", stale: "recorded", loading: "looking", waiting: "nothing yet" };
+const PAST_WORDS: Readonly<Partial<Record<TopicState, string>>> = { live: msg("recorded"), stale: msg("recorded"), loading: msg("looking"), waiting: msg("nothing yet") };
 
 /** A shape and a word, with the age of the newest message. */
 export function renderTopicStatus({ state, age, past = null }: TopicFacts): TemplateResult {
@@ -63,34 +64,34 @@ export function renderTopicStatus({ state, age, past = null }: TopicFacts): Temp
 export function renderTopicTrouble({ topic, state, why, age, past = null, zone = "UTC" }: TopicFacts): TemplateResult | typeof nothing {
   const before = age !== null;
   if (past !== null) {
-    if (state === "loading") return html`<t-loading what=${`Looking for ${topic} in the recordings`}></t-loading>`;
-    if (state === "waiting") return html`<t-empty heading="No message yet" icon="history"><p>The recording holds <code>${topic}</code>, and nothing had come on it by this moment.</p></t-empty>`;
+    if (state === "loading") return html`<t-loading what=${msg(str`Looking for ${topic} in the recordings`)}></t-loading>`;
+    if (state === "waiting") return html`<t-empty heading=${msg("No message yet")} icon="history"><p>${msg(html`The recording holds <code>${topic}</code>, and nothing had come on it by this moment.`)}</p></t-empty>`;
     if (state === "stale") return nothing;
   }
   switch (state) {
     case "unrecorded":
-      return html`<t-unrecorded .past=${past} zone=${zone} what=${`${topic} is in no recording of this moment.`}></t-unrecorded>`;
+      return html`<t-unrecorded .past=${past} zone=${zone} what=${msg(str`${topic} is in no recording of this moment.`)}></t-unrecorded>`;
     case "live":
       return nothing;
     case "loading":
-      return html`<t-loading what=${`Asking the robot for ${topic}`}></t-loading>`;
+      return html`<t-loading what=${msg(str`Asking the robot for ${topic}`)}></t-loading>`;
     case "waiting":
-      return html`<t-empty heading="No message yet" icon="live"><p>Nothing has come on <code>${topic}</code> since you opened it. The next message appears here by itself.</p></t-empty>`;
+      return html`<t-empty heading=${msg("No message yet")} icon="live"><p>${msg(html`Nothing has come on <code>${topic}</code> since you opened it. The next message appears here by itself.`)}</p></t-empty>`;
     case "stale":
-      return html`<t-banner kind="warn">No message for ${formatDuration(age ?? 0)}: this is the last one, and it may not be true any more.</t-banner>`;
+      return html`<t-banner kind="warn">${msg(str`No message for ${formatDuration(age ?? 0)}: this is the last one, and it may not be true any more.`)}</t-banner>`;
     case "ended":
-      return html`<t-banner kind="warn">Nobody publishes this topic any more. It goes on by itself when somebody does.</t-banner>`;
+      return html`<t-banner kind="warn">${msg("Nobody publishes this topic any more. It goes on by itself when somebody does.")}</t-banner>`;
     case "away":
       return before
-        ? html`<t-banner kind="warn">The robot's gateway is not connected: this is the last message that came.</t-banner>`
-        : html`<t-empty heading="The gateway is away" icon="unlinked"><p>The robot is heard again when its gateway has connected.</p></t-empty>`;
+        ? html`<t-banner kind="warn">${msg("The robot's gateway is not connected: this is the last message that came.")}</t-banner>`
+        : html`<t-empty heading=${msg("The gateway is away")} icon="unlinked"><p>${msg("The robot is heard again when its gateway has connected.")}</p></t-empty>`;
     case "lost":
       return before
-        ? html`<t-banner kind="warn">The connection to the hub is lost; this page tries again by itself.</t-banner>`
-        : html`<t-problem what="The topic cannot be had now." how="The hub does not answer, or the topic is not yours to follow. This page tries again by itself."></t-problem>`;
+        ? html`<t-banner kind="warn">${msg("The connection to the hub is lost; this page tries again by itself.")}</t-banner>`
+        : html`<t-problem what=${msg("The topic cannot be had now.")} how=${msg("The hub does not answer, or the topic is not yours to follow. This page tries again by itself.")}></t-problem>`;
     case "error":
-      return html`<t-problem what="The messages of this topic cannot be shown." how=${why}></t-problem>`;
+      return html`<t-problem what=${msg("The messages of this topic cannot be shown.")} how=${why}></t-problem>`;
     case "forbidden":
-      return html`<t-problem what="You may not follow this topic." how=${why === "" ? "An admin of this hub can give you the right." : why}></t-problem>`;
+      return html`<t-problem what=${msg("You may not follow this topic.")} how=${why === "" ? msg("An admin of this hub can give you the right.") : why}></t-problem>`;
   }
 }

@@ -1,5 +1,6 @@
 /** No recording holds a moment: says so, and leads to the nearest that there is. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { StoreController } from "../../controllers/store-controller.js";
@@ -48,9 +49,9 @@ export class Unrecorded extends LitElement {
 
   override render(): TemplateResult {
     const moment = this.past?.topics.moment ?? null;
-    return html`<t-icon name="history"></t-icon><strong>Nothing was recorded at this moment</strong>
+    return html`<t-icon name="history"></t-icon><strong>${msg("Nothing was recorded at this moment")}</strong>
       ${this.what === "" ? nothing : html`<span>${this.what}</span>`}
-      ${moment === null ? nothing : html`<span class="ways">${this.renderWay("Before, until", moment.earlier_us)}${this.renderWay("Next, from", moment.later_us)}</span>`}
+      ${moment === null ? nothing : html`<span class="ways">${this.renderWay(msg("Before, until"), moment.earlier_us)}${this.renderWay(msg("Next, from"), moment.later_us)}</span>`}
       ${moment?.problems.map((problem) => html`<span>${problem}</span>`) ?? nothing}`;
   }
 

@@ -1,5 +1,6 @@
 /** The path of a rehearsal from above: where it began, where it ends, and where driving would have been refused. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { RehearsalVerdict } from "../../generated/wire.js";
@@ -53,7 +54,7 @@ export class RehearsalMap extends LitElement {
   @property({ attribute: false }) poses: readonly FloorPose[] = [];
   @property({ attribute: false }) verdicts: readonly RehearsalVerdict[] = [];
   /** Said of it to who does not see it. */
-  @property() label = "Path of the rehearsal";
+  @property() label = msg("Path of the rehearsal");
 
   override render(): TemplateResult {
     const { x, y, size } = pathBox(this.poses);

@@ -33,9 +33,7 @@ export class Clock extends LitElement {
   override render(): TemplateResult {
     const now = Date.now() * 1000;
     const name = zoneName(now, this.zone);
-    return html`<span class="local" title=${this.zone}>${formatClock(now, this.zone)} ${name}</span>${
-      name === "UTC" ? nothing : html` · ${formatClock(now, "UTC")} UTC`
-    }`;
+    return html`<span class="local" title=${this.zone}>${formatClock(now, this.zone)} ${name}</span>${name === "UTC" ? nothing : html` · ${formatClock(now, "UTC")} UTC`}`;
   }
 }
 

@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { styled } from "../base/style-directive.js";
@@ -85,7 +86,7 @@ export class Gauge extends LitElement {
   @property({ type: Number }) most = 100;
   @property() look = "gauge";
   /** What is said where there is no value. */
-  @property() missing = "no data yet";
+  @property() missing = msg("no data yet");
   @property({ reflect: true }) state: ValueState = "unknown";
   @property({ type: Number }) age = Number.NaN;
   /** "warn" when it is beyond a limit that somebody set. */
@@ -97,7 +98,7 @@ export class Gauge extends LitElement {
     return html`${this.look === "level" ? this.renderLevel(part) : this.renderArc(known ? part : 0)}
       <div>
         <t-value size="l" .state=${this.state} .value=${this.value} .unit=${this.unit} .decimals=${this.decimals} .age=${this.age} .missing=${this.missing}></t-value>
-        ${this.level === "warn" && this.state === "live" ? html`<p>beyond its limit</p>` : nothing}
+        ${this.level === "warn" && this.state === "live" ? html`<p>${msg("beyond its limit")}</p>` : nothing}
       </div>`;
   }
 

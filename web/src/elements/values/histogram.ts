@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base, quietText } from "../base/base-style.js";
@@ -48,7 +49,7 @@ export class Histogram extends LitElement {
   }
 
   private describeBars(): string {
-    return `Histogram of the pixel values from ${round(this.low)} to ${round(this.high)}`;
+    return msg(str`Histogram of the pixel values from ${round(this.low)} to ${round(this.high)}`);
   }
 }
 

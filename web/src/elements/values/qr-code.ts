@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
@@ -33,7 +34,7 @@ export class QrPicture extends LitElement {
   /** Text of an SVG picture. */
   @property() svg = "";
   /** What it holds, for who cannot see it. */
-  @property() label = "QR code";
+  @property() label = msg("QR code");
 
   override render(): TemplateResult {
     return html`<img alt=${this.label} src=${`data:image/svg+xml;charset=utf-8,${encodeURIComponent(this.svg)}`} />`;

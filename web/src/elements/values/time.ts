@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { timeText } from "../../format/time.js";
@@ -30,13 +31,11 @@ export class TimeElement extends LitElement {
   @property({ type: Boolean }) short = false;
 
   override render(): TemplateResult {
-    if (this.us <= 0) return html`<span>never</span>`;
+    if (this.us <= 0) return html`<span>${msg("never")}</span>`;
     const text = timeText(this.us, this.zone, Date.now() * 1000);
     const same = text.zone === "UTC";
     return html`<time datetime=${text.machine} title=${text.utc}
-      >${text.local} <span class="zone">${text.zone}</span>${
-        same || this.short ? nothing : html` <span class="utc">(${text.utc})</span>`
-      }</time
+      >${text.local} <span class="zone">${text.zone}</span>${same || this.short ? nothing : html` <span class="utc">(${text.utc})</span>`}</time
     >`;
   }
 }

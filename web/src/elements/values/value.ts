@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatAge } from "../../format/duration.js";
@@ -85,7 +86,7 @@ export class Value extends LitElement {
   /** How grave the robot's own word is. */
   @property({ reflect: true }) level: SeverityLevel = "";
   /** What is said where there is none. */
-  @property() missing = "no data yet";
+  @property() missing = msg("no data yet");
   /** No words beside a stale or missing value, where the place is too small. */
   @property({ type: Boolean }) bare = false;
 
@@ -110,15 +111,15 @@ export class Value extends LitElement {
       case "live":
         return nothing;
       case "stale":
-        return html`<span class="note">stale${Number.isNaN(this.age) ? "" : `, ${formatAge(this.age)}`}</span>`;
+        return html`<span class="note">${msg(str`stale${Number.isNaN(this.age) ? "" : `, ${formatAge(this.age)}`}`)}</span>`;
       case "outside":
-        return html`<span class="note">out of range</span>`;
+        return html`<span class="note">${msg("out of range")}</span>`;
       case "unknown":
         return html`<span class="note">${this.missing}</span>`;
       case "unreached":
-        return html`<span class="note">not reached</span>`;
+        return html`<span class="note">${msg("not reached")}</span>`;
       case "forbidden":
-        return html`<span class="note">not yours to see</span>`;
+        return html`<span class="note">${msg("not yours to see")}</span>`;
     }
   }
 }

@@ -1,6 +1,7 @@
 /** Change one's own password. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -29,27 +30,27 @@ export class ChangePassword extends LitElement {
 
   override render(): TemplateResult {
     const { problem, doneText: done, busy } = this.action;
-    return html`<h2>Password</h2>
+    return html`<h2>${msg("Password")}</h2>
       <form class="fields" novalidate @submit=${this.onSubmit} @input=${this.action.clear}>
         <input hidden name="username" autocomplete="username" .value=${this.name} />
-        <t-field label="Password now" error=${this.missing}>
+        <t-field label=${msg("Password now")} error=${this.missing}>
           <input id="old" type="password" autocomplete="current-password" required />
         </t-field>
-        ${this.password.render("New password")} ${renderAdvice(problem)}
-        ${renderFormActions({ submit: "Change the password", busy }, html`<span class="said" role="status">${done}</span>`)}
-        <p class="muted">Every other session of yours ends with it, and every token for scripts.</p>
+        ${this.password.render(msg("New password"))} ${renderAdvice(problem)}
+        ${renderFormActions({ submit: msg("Change the password"), busy }, html`<span class="said" role="status">${done}</span>`)}
+        <p class="muted">${msg("Every other session of yours ends with it, and every token for scripts.")}</p>
       </form>`;
   }
 
   private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
-    this.missing = this.old.value === "" ? "Enter the password you have now." : "";
+    this.missing = this.old.value === "" ? msg("Enter the password you have now.") : "";
     if (this.password.validate() && this.missing === "") void this.changePassword(this.old.value, this.password.value);
   };
 
   private async changePassword(old: string, fresh: string): Promise<void> {
     const api = new AccountApi(this.api);
-    if (!(await this.action.run("change the password", () => api.changePassword(old, fresh), "It is changed."))) return;
+    if (!(await this.action.run(msg("change the password"), () => api.changePassword(old, fresh), msg("It is changed.")))) return;
     this.form.reset();
     this.password.clear();
     this.dispatchEvent(new CustomEvent("t-changed", { bubbles: true, composed: true }));

@@ -1,6 +1,7 @@
 /** One's second factors side by side: codes from an app, and passkeys. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -39,7 +40,7 @@ export class AccountFactors extends LitElement {
   override render(): TemplateResult {
     return html`${renderLoaded(
       this.factors,
-      "your second factors",
+      msg("your second factors"),
       (list) => html`<div class="two">
         <t-account-factor class="sheet" .active=${list.codes} @t-changed=${this.factors.invalidate}></t-account-factor>
         <t-account-passkeys class="sheet" .list=${list} @t-changed=${this.factors.invalidate}></t-account-passkeys>

@@ -1,5 +1,6 @@
 /** Of which alarms a person wants to be told, by which way and when not: a new rule, or one that is changed. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -53,39 +54,37 @@ export class NotificationRuleForm extends LitElement {
     const way = this.ways.find(({ id }) => id === chosen) ?? this.ways[0];
     const quiet = quietHours(rule);
     return html`<form class="entry" novalidate @submit=${this.onSubmit}>
-      <t-field label="By">
+      <t-field label=${msg("By")}>
         <select name="way" @change=${this.onChoose}>
           ${renderOptions(this.ways.map(({ id, name }) => [id, name]), way?.id ?? "")}
         </select>
       </t-field>
       ${way?.kind === "mail"
-        ? html`<t-field label="Mail address"><input name="target" type="email" maxlength="200" autocomplete="email" .value=${rule.target} /></t-field>`
+        ? html`<t-field label=${msg("Mail address")}><input name="target" type="email" maxlength="200" autocomplete="email" .value=${rule.target} /></t-field>`
         : nothing}
-      <t-field label="Of">
+      <t-field label=${msg("Of")}>
         <select name="site">
-          ${renderOptions([["*", "every site"], ...this.places(rule.site).map(({ site, name }) => [site, name] as const)], rule.site)}
+          ${renderOptions([["*", msg("every site")], ...this.places(rule.site).map(({ site, name }) => [site, name] as const)], rule.site)}
         </select>
       </t-field>
-      <t-field label="At least">
+      <t-field label=${msg("At least")}>
         <select name="least">${renderOptions(SEVERITIES, rule.least)}</select>
       </t-field>
-      <t-field label="Quiet from" hint="Empty: never quiet"><input name="from" type="time" .value=${quiet?.from ?? ""} /></t-field>
-      <t-field label="Quiet until" hint="Alarms in that time are notified when it ends"><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
+      <t-field label=${msg("Quiet from")} hint=${msg("Empty: never quiet")}><input name="from" type="time" .value=${quiet?.from ?? ""} /></t-field>
+      <t-field label=${msg("Quiet until")} hint=${msg("Alarms in that time are notified when it ends")}><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
       ${this.renderClock()}
-      <t-field label="Notify in quiet hours too">
+      <t-field label=${msg("Notify in quiet hours too")}>
         <select name="quiet_least">${renderOptions(SEVERITIES.slice(1), rule.quiet_least)}</select>
       </t-field>
-      <t-field label="Gathered for (s)" hint="A burst comes as one message"><input name="group_s" inputmode="numeric" .value=${String(rule.group_s)} /></t-field>
-      <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> Also when it is over</label>
+      <t-field label=${msg("Gathered for (s)")} hint=${msg("A burst comes as one message")}><input name="group_s" inputmode="numeric" .value=${String(rule.group_s)} /></t-field>
+      <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> ${msg("Also when it is over")}</label>
       <label class="tick">
-        <input name="own_requests" type="checkbox" .checked=${rule.own_requests} /> Also when a request of yours is done, or has
-        failed
+        <input name="own_requests" type="checkbox" .checked=${rule.own_requests} /> ${msg("Also when a request of yours is done, or has failed")}
       </label>
       <label class="tick">
-        <input name="nights" type="checkbox" .checked=${rule.nights} /> Also how a night that runs by itself has ended, and
-        when it needs somebody
+        <input name="nights" type="checkbox" .checked=${rule.nights} /> ${msg("Also how a night that runs by itself has ended, and when it needs somebody")}
       </label>
-      ${renderFormActions({ submit: this.rule === null ? "Notify me" : "Save", busy: this.busy, cancel: this.onCancel })}
+      ${renderFormActions({ submit: this.rule === null ? msg("Notify me") : msg("Save"), busy: this.busy, cancel: this.onCancel })}
       ${renderAdvice(this.problem)}
     </form>`;
   }
@@ -95,7 +94,7 @@ export class NotificationRuleForm extends LitElement {
     const here = Intl.DateTimeFormat().resolvedOptions().timeZone;
     const zone = this.rule?.zone ?? here;
     if (zone === here) return html`<input type="hidden" name="zone" .value=${here} />`;
-    return html`<t-field label="By the clock of">
+    return html`<t-field label=${msg("By the clock of")}>
       <select name="zone">${renderOptions([zone, here], zone)}</select>
     </t-field>`;
   }

@@ -1,6 +1,7 @@
 /** What of alarms a person wants to be told, by which way, and when not. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -61,8 +62,8 @@ export class NotificationRules extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<h2>Messages about alarms</h2>
-      ${renderLoaded(this.known, "your rules", (known) => this.renderContent(known))}
+    return html`<h2>${msg("Messages about alarms")}</h2>
+      ${renderLoaded(this.known, msg("your rules"), (known) => this.renderContent(known))}
       ${this.isFormOpen(this.known.value) ? nothing : renderAdvice(this.action.problem)}`;
   }
 
@@ -73,39 +74,39 @@ export class NotificationRules extends LitElement {
 
   private renderContent(known: LoadedRules): TemplateResult {
     if (known.ways.length === 0) {
-      return html`<p class="muted">No notification channels yet: an admin first sets up mail, a webhook, a chat or push messages under Admin, Notification.</p>`;
+      return html`<p class="muted">${msg("No notification channels yet: an admin first sets up mail, a webhook, a chat or push messages under Admin, Notification.")}</p>`;
     }
     return html`${known.rules.length === 0
-        ? html`<p class="muted">You get no notifications of alarms. They are still shown on every page.</p>`
+        ? html`<p class="muted">${msg("You get no notifications of alarms. They are still shown on every page.")}</p>`
         : renderRows(known.rules, (rule) => this.renderRule(rule, known))}
       ${this.form.subject === ""
-        ? html`<h3>A new rule</h3>
+        ? html`<h3>${msg("A new rule")}</h3>
             ${this.renderForm(null, known)}`
         : nothing}
-      <div class="actions" ?hidden=${this.form.subject === ""}><t-button @click=${this.form.opener("")}>Notify me of alarms…</t-button></div>
+      <div class="actions" ?hidden=${this.form.subject === ""}><t-button @click=${this.form.opener("")}>${msg("Notify me of alarms…")}</t-button></div>
       ${known.push.key === "" ? nothing : this.renderBrowsers(known.push)}`;
   }
 
   private renderRule(rule: NoticeRuleShape, known: LoadedRules): TemplateResult {
     const way = known.ways.find(({ id }) => id === rule.way);
-    const name = `${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}`;
-    const site = rule.site === "*" ? "every site" : (this.sites.store?.siteRow(rule.site)?.name ?? rule.site);
+    const name = rule.target === "" ? (way?.name ?? msg("a way that is gone")) : msg(str`${way?.name ?? msg("a way that is gone")} to ${rule.target ?? ""}`);
+    const site = rule.site === "*" ? msg("every site") : (this.sites.store?.siteRow(rule.site)?.name ?? rule.site);
     const quiet = quietHours(rule);
     const changed = rule.id === this.form.subject;
     return html`<li data-rule=${rule.id} class=${changed ? "open" : ""}>
       <div>
         <div class="name">${name}</div>
         <div class="facts">
-          <span>${site}</span><span>${rule.least} and worse</span>${rule.over === true ? html`<span>also when it is over</span>` : nothing}
-          ${quiet === null ? nothing : html`<span>quiet ${quiet.from}–${quiet.to} (${rule.zone}) but for ${rule.quiet_least}</span>`}
+          <span>${site}</span><span>${msg(html`${rule.least} and worse`)}</span>${rule.over === true ? html`<span>${msg("also when it is over")}</span>` : nothing}
+          ${quiet === null ? nothing : html`<span>${msg(html`quiet ${quiet.from}–${quiet.to} (${rule.zone}) but for ${rule.quiet_least}`)}</span>`}
         </div>
         <t-went .went=${this.tester.lastResult(rule.id)}></t-went>
       </div>
       ${changed ? this.renderForm(rule, known) : nothing}
       <div class="actions" ?hidden=${changed}>
-        <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.isRunning(rule.id)} @click=${this.tester.testAction(rule.id)}>Send a test</t-button>
-        <t-button label=${`Change ${name}`} @click=${this.form.opener(rule.id)}>Change…</t-button>
-        <t-button label=${`Remove ${name}`} @click=${this.ruleRemover(rule.id)}>Remove</t-button>
+        <t-button label=${msg(str`Send a test: ${name}`)} ?busy=${this.tester.isRunning(rule.id)} @click=${this.tester.testAction(rule.id)}>${msg("Send a test")}</t-button>
+        <t-button label=${msg(str`Change ${name}`)} @click=${this.form.opener(rule.id)}>${msg("Change…")}</t-button>
+        <t-button label=${msg(str`Remove ${name}`)} @click=${this.ruleRemover(rule.id)}>${msg("Remove")}</t-button>
       </div>
     </li>`;
   }
@@ -124,21 +125,21 @@ export class NotificationRules extends LitElement {
 
   private renderBrowsers(push: PushList): TemplateResult {
     const why = whyNoPush();
-    return html`<h3>Browsers that take push messages</h3>
+    return html`<h3>${msg("Browsers that take push messages")}</h3>
       ${push.browsers.length === 0
-        ? html`<p class="muted">None yet. A rule that uses push messages notifies all of them.</p>`
+        ? html`<p class="muted">${msg("None yet. A rule that uses push messages notifies all of them.")}</p>`
         : renderRows(
             push.browsers,
             (browser) => html`<li>
               <div>
                 <div class="name">${browserName(browser.agent)}</div>
-                <div class="facts"><span>since <t-time .us=${browser.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
+                <div class="facts"><span>${msg(html`since <t-time .us=${browser.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time>`)}</span></div>
               </div>
-              <t-button label=${`Remove ${browserName(browser.agent)}`} @click=${this.browserRemover(browser.id)}>Remove</t-button>
+              <t-button label=${msg(str`Remove ${browserName(browser.agent)}`)} @click=${this.browserRemover(browser.id)}>${msg("Remove")}</t-button>
             </li>`,
           )}
       ${why === ""
-        ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "push"} @click=${this.withdrawRule(push.key)}>Take messages in this browser</t-button></div>`
+        ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "push"} @click=${this.withdrawRule(push.key)}>${msg("Take messages in this browser")}</t-button></div>`
         : html`<p class="muted">${why}</p>`}`;
   }
 
@@ -149,7 +150,7 @@ export class NotificationRules extends LitElement {
 
   private readonly saveRule = (event: CustomEvent<RuleAsk>): void => {
     const id = this.form.subject ?? "";
-    void this.action.run("keep the rule", () => new NotifyApi(this.api).saveRule(id, event.detail)).then((done) => {
+    void this.action.run(msg("keep the rule"), () => new NotifyApi(this.api).saveRule(id, event.detail)).then((done) => {
       if (done) this.closeForm();
       this.known.invalidate();
     });
@@ -157,20 +158,20 @@ export class NotificationRules extends LitElement {
 
   private ruleRemover(id: string): () => void {
     return () => {
-      void this.action.run("remove the rule", () => new NotifyApi(this.api).removeRule(id)).then(this.known.invalidate);
+      void this.action.run(msg("remove the rule"), () => new NotifyApi(this.api).removeRule(id)).then(this.known.invalidate);
     };
   }
 
   private browserRemover(id: string): () => void {
     return () => {
-      void this.action.run("remove the browser", () => new NotifyApi(this.api).removeBrowser(id)).then(this.known.invalidate);
+      void this.action.run(msg("remove the browser"), () => new NotifyApi(this.api).removeBrowser(id)).then(this.known.invalidate);
     };
   }
 
   private withdrawRule(key: string): () => void {
     return () => {
       void this.action
-        .run("take messages in this browser", async () => new NotifyApi(this.api).addBrowser(await subscribePush(key)), "", "push")
+        .run(msg("take messages in this browser"), async () => new NotifyApi(this.api).addBrowser(await subscribePush(key)), "", "push")
         .then(this.known.invalidate);
     };
   }

@@ -1,5 +1,6 @@
 /** One's own account: password, second factor, sessions, tokens for scripts. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -28,7 +29,7 @@ export class PageAccount extends LitElement {
     const person = this.session.store?.person ?? null;
     if (person === null) return nothing;
     return html`
-      ${renderPageHead("Account", `${person.name}, with the role ${person.role}: ${rightsText(person)}`)}
+      ${renderPageHead(msg("Account"), msg(str`${person.name}, with the role ${person.role}: ${rightsText(person)}`))}
       <t-account-factors></t-account-factors>
       ${person.password ? html`<t-account-password class="sheet" .name=${person.name}></t-account-password>` : nothing}
       <t-account-provider class="sheet" ?only=${!person.password}></t-account-provider>
@@ -42,11 +43,11 @@ export class PageAccount extends LitElement {
 
 /** What a person may do, in one line. */
 function rightsText(person: Me): string {
-  if (person.admin) return "admin of the whole hub.";
-  if (person.permissions.length === 0) return "you see what is public.";
+  if (person.admin) return msg("admin of the whole hub.");
+  if (person.permissions.length === 0) return msg("you see what is public.");
   const places = new Map(person.permissions.map((permission) => [placeKey(permission), permission]));
   const words = [...places.values()].map((place) => {
-    const what = place.site === "*" ? "every site" : place.device === "*" ? place.site : `${place.site} ${place.device}`;
+    const what = place.site === "*" ? msg("every site") : place.device === "*" ? place.site : `${place.site} ${place.device}`;
     return `${levelAt(person.permissions, place)} ${what}`;
   });
   return `${words.join(", ")}.`;

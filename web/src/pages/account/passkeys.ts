@@ -1,6 +1,7 @@
 /** One's passkeys: make, list and remove them. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -46,8 +47,8 @@ export class AccountPasskeys extends LitElement {
     const rows = this.list?.passkeys ?? [];
     const on = rows.length > 0 || this.recovery.length > 0;
     return html`<div class="head">
-        <h2>Passkeys</h2>
-        <t-status kind=${on ? "ok" : "unknown"} word=${on ? "on" : "off"}></t-status>
+        <h2>${msg("Passkeys")}</h2>
+        <t-status kind=${on ? "ok" : "unknown"} word=${on ? msg("on") : msg("off")}></t-status>
       </div>
       ${renderAdvice(this.action.problem)}
       ${this.recovery.length > 0 ? renderRecoveryCodes(this.recovery, this.onKept) : this.renderList(rows)}`;
@@ -55,7 +56,7 @@ export class AccountPasskeys extends LitElement {
 
   private renderList(rows: readonly PasskeyShape[]): TemplateResult {
     return html`<p>
-        A key that your phone, your computer or a security key keeps. It signs you in only at this hub's own address, so nobody can get it out of you on another page.
+        ${msg("A key that your phone, your computer or a security key keeps. It signs you in only at this hub's own address, so nobody can get it out of you on another page.")}
       </p>
       ${rows.length === 0 ? nothing : renderRows(rows, (row) => this.renderRow(row))} ${this.renderForm()}`;
   }
@@ -67,14 +68,14 @@ export class AccountPasskeys extends LitElement {
       <div>
         <span class="name">${row.name}</span>
         <div class="facts">
-          <span>for ${row.host}</span>
-          <span>since <t-time .us=${row.created_us} .zone=${zone}></t-time></span>
-          <span>${row.used_us === 0 ? "not used yet" : html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`}</span>
+          <span>${msg(str`for ${row.host}`)}</span>
+          <span>${msg(html`since <t-time .us=${row.created_us} .zone=${zone}></t-time>`)}</span>
+          <span>${row.used_us === 0 ? msg("not used yet") : html`${msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}`}</span>
         </div>
       </div>
       <div class="actions">
-        <t-button label=${`Rename the passkey ${row.name}`} @click=${this.renameOpener(row)}>Rename</t-button>
-        <t-button label=${`Remove the passkey ${row.name}`} ?busy=${this.action.runningKey === row.id} @click=${this.remover(row)}>Remove</t-button>
+        <t-button label=${msg(str`Rename the passkey ${row.name}`)} @click=${this.renameOpener(row)}>${msg("Rename")}</t-button>
+        <t-button label=${msg(str`Remove the passkey ${row.name}`)} ?busy=${this.action.runningKey === row.id} @click=${this.remover(row)}>${msg("Remove")}</t-button>
       </div>
     </li>`;
   }
@@ -82,10 +83,10 @@ export class AccountPasskeys extends LitElement {
   private renderRename(row: PasskeyShape): TemplateResult {
     return html`<li>
       <form class="fields" novalidate @submit=${this.onRename}>
-        <t-field label="New name of the passkey" error=${this.missing ? "Enter a name." : ""}>
+        <t-field label=${msg("New name of the passkey")} error=${this.missing ? msg("Enter a name.") : ""}>
           <input id="new-name" autocomplete="off" maxlength="100" .value=${row.name} required />
         </t-field>
-        ${renderFormActions({ submit: "Rename it", busy: this.action.runningKey === "rename", cancel: this.closeRename })}
+        ${renderFormActions({ submit: msg("Rename it"), busy: this.action.runningKey === "rename", cancel: this.closeRename })}
       </form>
     </li>`;
   }
@@ -93,17 +94,17 @@ export class AccountPasskeys extends LitElement {
   private renderForm(): TemplateResult {
     if (this.list?.possible === false || !hasPasskeys()) {
       return html`<p class="muted">
-        Browsers make passkeys only over HTTPS, and for a name: open this hub by a name (such as hub.example) and not by an IP address.
+        ${msg("Browsers make passkeys only over HTTPS, and for a name: open this hub by a name (such as hub.example) and not by an IP address.")}
       </p>`;
     }
     if (!this.adding) {
-      return html`<div class="actions"><t-button kind=${this.list?.passkeys.length === 0 ? "primary" : "plain"} @click=${this.openForm}>Add a passkey</t-button></div>`;
+      return html`<div class="actions"><t-button kind=${this.list?.passkeys.length === 0 ? "primary" : "plain"} @click=${this.openForm}>${msg("Add a passkey")}</t-button></div>`;
     }
     return html`<form class="fields" novalidate @submit=${this.onSubmit}>
-      <t-field label="Name of the passkey" hint="So that you know it again, such as the device that keeps it." error=${this.missing ? "Enter a name." : ""}>
+      <t-field label=${msg("Name of the passkey")} hint=${msg("So that you know it again, such as the device that keeps it.")} error=${this.missing ? msg("Enter a name.") : ""}>
         <input id="passkey-name" autocomplete="off" maxlength="100" .value=${browserName(navigator.userAgent)} required />
       </t-field>
-      ${renderFormActions({ submit: "Make it", busy: this.action.runningKey === "add", cancel: this.closeForm })}
+      ${renderFormActions({ submit: msg("Make it"), busy: this.action.runningKey === "add", cancel: this.closeForm })}
     </form>`;
   }
 
@@ -128,7 +129,7 @@ export class AccountPasskeys extends LitElement {
 
   private async addPasskey(name: string): Promise<void> {
     const done = await this.action.run(
-      "add a passkey",
+      msg("add a passkey"),
       async () => {
         this.recovery = await new AccountApi(this.api).addPasskey(name);
       },
@@ -161,7 +162,7 @@ export class AccountPasskeys extends LitElement {
     const [id, name] = [this.renaming, this.newName?.value.trim() ?? ""];
     this.missing = name === "";
     if (this.missing) return;
-    void this.action.run("rename this passkey", () => new AccountApi(this.api).renamePasskey(id, name), "", "rename").then((done) => {
+    void this.action.run(msg("rename this passkey"), () => new AccountApi(this.api).renamePasskey(id, name), "", "rename").then((done) => {
       if (!done) return;
       this.closeRename();
       this.dispatchEvent(new CustomEvent("t-changed"));
@@ -170,7 +171,7 @@ export class AccountPasskeys extends LitElement {
 
   private remover(row: PasskeyShape): () => void {
     return () => {
-      void this.action.run("remove this passkey", () => new AccountApi(this.api).removePasskey(row.id), "", row.id).then(async (done) => {
+      void this.action.run(msg("remove this passkey"), () => new AccountApi(this.api).removePasskey(row.id), "", row.id).then(async (done) => {
         if (!done) return;
         this.dispatchEvent(new CustomEvent("t-changed"));
         await this.session.store?.refresh().catch(() => undefined);

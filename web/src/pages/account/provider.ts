@@ -1,6 +1,7 @@
 /** One's account at the provider of sign-ins, where the hub has one. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -38,29 +39,29 @@ export class AccountProvider extends LitElement {
     const label = this.provider.value ?? "";
     if (label === "") return nothing;
     if (this.only) {
-      return html`<h2>Sign-in with ${label}</h2>
-        <p>You sign in with ${label} and have no password here. An admin can give you one.</p>`;
+      return html`<h2>${msg(str`Sign-in with ${label}`)}</h2>
+        <p>${msg(str`You sign in with ${label} and have no password here. An admin can give you one.`)}</p>`;
     }
     if (this.connection.value === true) {
-      return html`<h2>Sign-in with ${label}</h2>
-        <p>${label} signs you in, beside your password.</p>
+      return html`<h2>${msg(str`Sign-in with ${label}`)}</h2>
+        <p>${msg(str`${label} signs you in, beside your password.`)}</p>
         ${renderAdvice(this.action.problem)}
-        <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onDisconnect}>Disconnect it</t-button></div>`;
+        <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onDisconnect}>${msg("Disconnect it")}</t-button></div>`;
     }
-    return html`<h2>Sign-in with ${label}</h2>
-      <p>Connect this account, and ${label} signs you in, too.</p>
+    return html`<h2>${msg(str`Sign-in with ${label}`)}</h2>
+      <p>${msg(str`Connect this account, and ${label} signs you in, too.`)}</p>
       ${renderAdvice(this.action.problem)}
-      <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onConnect}>Connect it</t-button></div>`;
+      <div class="actions"><t-button ?busy=${this.action.busy} @click=${this.onConnect}>${msg("Connect it")}</t-button></div>`;
   }
 
   private readonly onDisconnect = (): void => {
     void this.action
-      .run("disconnect it", () => new AccountApi(this.api).disconnect(), "Disconnected.")
+      .run(msg("disconnect it"), () => new AccountApi(this.api).disconnect(), msg("Disconnected."))
       .finally(this.connection.invalidate);
   };
 
   private readonly onConnect = (): void => {
-    void this.action.run("connect it", async () => {
+    void this.action.run(msg("connect it"), async () => {
       window.location.assign(await this.api.beginOidc("/api/me/oidc/connect", "/account"));
     });
   };

@@ -1,5 +1,6 @@
 /** The recovery codes, shown once. */
 
+import { msg } from "@lit/localize";
 import { html, type TemplateResult } from "lit";
 import "../../elements/forms/button.js";
 import "../../elements/forms/copy-text.js";
@@ -9,12 +10,11 @@ export function renderRecoveryCodes(codes: readonly string[], onKept: () => void
   // A file without a server: the codes never leave this page but by the person's hand.
   const url = `data:text/plain;charset=utf-8,${encodeURIComponent(`${codes.join("\n")}\n`)}`;
   return html`<p>
-      The second factor is on. If your phone or key is lost, each of these codes lets you in once. They are not shown again: keep
-      them where your phone is not.
+      ${msg("The second factor is on. If your phone or key is lost, each of these codes lets you in once. They are not shown again: keep them where your phone is not.")}
     </p>
-    <t-copy label="Recovery codes" .text=${codes.join("\n")}></t-copy>
+    <t-copy label=${msg("Recovery codes")} .text=${codes.join("\n")}></t-copy>
     <div class="actions">
-      <a download="talaia-recovery-codes.txt" href=${url}>Download as a file</a>
-      <t-button kind="primary" @click=${onKept}>I have kept them</t-button>
+      <a download="talaia-recovery-codes.txt" href=${url}>${msg("Download as a file")}</a>
+      <t-button kind="primary" @click=${onKept}>${msg("I have kept them")}</t-button>
     </div>`;
 }

@@ -1,6 +1,7 @@
 /** Set up or remove the codes of an app, as one's second factor. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -62,8 +63,8 @@ export class SecondFactor extends LitElement {
     const { problem } = this.action;
     const on = this.active || this.step === "codes";
     return html`<div class="head">
-        <h2>Codes from an app</h2>
-        <t-status kind=${on ? "ok" : "unknown"} word=${on ? "on" : "off"}></t-status>
+        <h2>${msg("Codes from an app")}</h2>
+        <t-status kind=${on ? "ok" : "unknown"} word=${on ? msg("on") : msg("off")}></t-status>
       </div>
       ${renderAdvice(problem)}
       ${this.renderContent()}`;
@@ -74,41 +75,41 @@ export class SecondFactor extends LitElement {
       case "rest":
         return this.renderIdle();
       case "begin":
-        return this.renderForm("Continue", this.requestSetup, this.renderPasswordField());
+        return this.renderForm(msg("Continue"), this.requestSetup, this.renderPasswordField());
       case "scan":
         return this.renderScan();
       case "codes":
         return renderRecoveryCodes(this.recovery, this.onKept);
       case "remove":
         return this.renderForm(
-          "Remove it",
+          msg("Remove it"),
           this.removeFactor,
-          html`${this.renderPasswordField()}${this.renderCodeField("Six digits from your app, or a recovery code")}`,
+          html`${this.renderPasswordField()}${this.renderCodeField(msg("Six digits from your app, or a recovery code"))}`,
         );
     }
   }
 
   private renderIdle(): TemplateResult {
     return this.active
-      ? html`<p>A code from your app is asked for at each sign-in.</p>
-          <div class="actions"><t-button @click=${this.stepOpener("remove")}>Remove it…</t-button></div>`
+      ? html`<p>${msg("A code from your app is asked for at each sign-in.")}</p>
+          <div class="actions"><t-button @click=${this.stepOpener("remove")}>${msg("Remove it…")}</t-button></div>`
       : html`<p>
-            With one, a password alone lets nobody in: an app on your phone shows a code that changes every 30 s.
+            ${msg("With one, a password alone lets nobody in: an app on your phone shows a code that changes every 30 s.")}
           </p>
-          <div class="actions"><t-button kind="primary" @click=${this.stepOpener("begin")}>Set it up</t-button></div>`;
+          <div class="actions"><t-button kind="primary" @click=${this.stepOpener("begin")}>${msg("Set it up")}</t-button></div>`;
   }
 
   private renderScan(): TemplateResult {
     const { offer } = this;
     if (offer === null) return this.renderIdle();
     return html`<div class="scan">
-      <t-qr .svg=${offer.qr} label="QR code that holds the secret beside it"></t-qr>
+      <t-qr .svg=${offer.qr} label=${msg("QR code that holds the secret beside it")}></t-qr>
       <div>
-        <p>Scan this with your app, or type the secret into it. Then enter the code that it shows.</p>
-        <t-copy label="Secret" .text=${offer.secret}></t-copy>
+        <p>${msg("Scan this with your app, or type the secret into it. Then enter the code that it shows.")}</p>
+        <t-copy label=${msg("Secret")} .text=${offer.secret}></t-copy>
       </div>
     </div>
-    ${this.renderForm("Switch it on", this.onConfirm, this.renderCodeField("Six digits from your app"))}`;
+    ${this.renderForm(msg("Switch it on"), this.onConfirm, this.renderCodeField(msg("Six digits from your app")))}`;
   }
 
   private renderForm(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
@@ -122,13 +123,13 @@ export class SecondFactor extends LitElement {
   }
 
   private renderPasswordField(): TemplateResult {
-    return html`<t-field label="Your password" hint="So that it is you who changes this.">
+    return html`<t-field label=${msg("Your password")} hint=${msg("So that it is you who changes this.")}>
       <input id="password" type="password" autocomplete="current-password" required />
     </t-field>`;
   }
 
   private renderCodeField(hint: string): TemplateResult {
-    return html`<t-field label="Code" hint=${hint}>
+    return html`<t-field label=${msg("Code")} hint=${hint}>
       <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
     </t-field>`;
   }
@@ -152,7 +153,7 @@ export class SecondFactor extends LitElement {
 
   private readonly requestSetup = async (): Promise<void> => {
     const password = this.password?.value ?? "";
-    const done = await this.action.run("begin the set-up", async () => {
+    const done = await this.action.run(msg("begin the set-up"), async () => {
       this.offer = await new AccountApi(this.api).offerFactor(password);
     });
     if (done) this.showStep("scan");
@@ -160,7 +161,7 @@ export class SecondFactor extends LitElement {
 
   private readonly onConfirm = async (): Promise<void> => {
     const code = this.typedCode();
-    const done = await this.action.run("switch it on", async () => {
+    const done = await this.action.run(msg("switch it on"), async () => {
       this.recovery = await new AccountApi(this.api).confirmFactor(code);
     });
     if (!done) return;
@@ -178,7 +179,7 @@ export class SecondFactor extends LitElement {
   private readonly removeFactor = async (): Promise<void> => {
     const password = this.password?.value ?? "";
     const code = this.typedCode();
-    if (!(await this.action.run("remove it", () => new AccountApi(this.api).removeFactor(password, code)))) return;
+    if (!(await this.action.run(msg("remove it"), () => new AccountApi(this.api).removeFactor(password, code)))) return;
     this.showStep("rest");
     this.dispatchEvent(new CustomEvent("t-changed"));
     await this.session.refresh().catch(() => undefined);

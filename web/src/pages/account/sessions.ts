@@ -1,6 +1,7 @@
 /** Where one is signed in, and the end of it. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -36,14 +37,14 @@ export class AccountSessions extends LitElement {
     const others = this.rows.value?.filter((row) => !row.this).length ?? 0;
     const { problem, doneText: done, runningKey: under } = this.action;
     return html`<div class="head">
-        <h2>Sessions</h2>
+        <h2>${msg("Sessions")}</h2>
         ${others < 2
           ? nothing
-          : html`<t-button ?busy=${under === "end them"} @click=${this.endOthers}>End all others</t-button>`}
+          : html`<t-button ?busy=${under === "end them"} @click=${this.endOthers}>${msg("End all others")}</t-button>`}
       </div>
       ${renderAdvice(problem)}
       <p class="visually-hidden" role="status">${done}</p>
-      ${renderLoaded(this.rows, "the list of your sessions", (rows) => renderRows(rows, (row) => this.renderRow(row)))}`;
+      ${renderLoaded(this.rows, msg("the list of your sessions"), (rows) => renderRows(rows, (row) => this.renderRow(row)))}`;
   }
 
   private renderRow(row: SessionShape): TemplateResult {
@@ -51,20 +52,20 @@ export class AccountSessions extends LitElement {
     return html`<li>
       <div>
         <span class="name" title=${row.agent}>${browserName(row.agent)}</span>
-        ${row.this ? html`<t-status kind="ok" word="this one"></t-status>` : nothing}
+        ${row.this ? html`<t-status kind="ok" word=${msg("this one")}></t-status>` : nothing}
         <div class="facts">
-          <span>from ${row.address === "" ? "an unknown address" : row.address}</span>
-          <span>since <t-time .us=${row.created_us} .zone=${zone}></t-time></span>
-          <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
+          <span>${msg(str`from ${row.address === "" ? msg("an unknown address") : row.address}`)}</span>
+          <span>${msg(html`since <t-time .us=${row.created_us} .zone=${zone}></t-time>`)}</span>
+          <span>${msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}</span>
         </div>
       </div>
       ${row.this
         ? nothing
         : html`<t-button
-            label=${`End this: the session of ${browserName(row.agent)} from ${row.address}`}
+            label=${msg(str`End this: the session of ${browserName(row.agent)} from ${row.address}`)}
             ?busy=${this.action.runningKey === row.id}
             @click=${this.sessionEnder(row)}
-            >End this</t-button
+            >${msg("End this")}</t-button
           >`}
     </li>`;
   }
@@ -77,13 +78,13 @@ export class AccountSessions extends LitElement {
 
   private async endSession(row: SessionShape): Promise<void> {
     const api = new AccountApi(this.api);
-    await this.action.run("end this session", () => api.endSession(row.id), "The session is ended.", row.id);
+    await this.action.run(msg("end this session"), () => api.endSession(row.id), msg("The session is ended."), row.id);
     this.rows.invalidate();
   }
 
   private readonly endOthers = (): void => {
     const api = new AccountApi(this.api);
-    void this.action.run("end them", () => api.endOtherSessions(), "All other sessions are ended.").then(this.rows.invalidate);
+    void this.action.run(msg("end them"), () => api.endOtherSessions(), msg("All other sessions are ended.")).then(this.rows.invalidate);
   };
 }
 

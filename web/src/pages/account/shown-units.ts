@@ -1,6 +1,7 @@
 /** In which units one wants to see values: one's own choice, before the site's. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -43,20 +44,20 @@ export class AccountUnits extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<h2>Units</h2>
-      <p class="muted">How pages show values to you. Limits that you type, exports and scripts stay in the unit in which a value is stored.</p>
+    return html`<h2>${msg("Units")}</h2>
+      <p class="muted">${msg("How pages show values to you. Limits that you type, exports and scripts stay in the unit in which a value is stored.")}</p>
       ${renderAdvice(this.action.problem)}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
-      ${renderLoaded(this.known, "the units of your sites", (known) =>
+      ${renderLoaded(this.known, msg("the units of your sites"), (known) =>
         known.length === 0
-          ? html`<p class="muted">No value that you may see has a unit that could be shown in another.</p>`
+          ? html`<p class="muted">${msg("No value that you may see has a unit that could be shown in another.")}</p>`
           : html`<div class="units">${map(known, (choice) => this.renderChoice(choice, known))}</div>`,
       )}`;
   }
 
   private renderChoice({ unit, name, sites, choices, shown }: UnitChoice, known: readonly UnitChoice[]): TemplateResult {
     const now = this.chosen.get(unit) ?? shown;
-    const options = [["", "as the site has it"], [unit, `${unit}, as stored`], ...choices.map((other) => [other, other] as const)] as const;
+    const options = [["", msg("as the site has it")], [unit, msg(str`${unit}, as stored`)], ...choices.map((other) => [other, other] as const)] as const;
     return html`<t-field label=${name === unit ? unit : `${name} (${unit})`} hint=${sites.join(", ")}>
       <select data-unit=${unit} ?disabled=${this.action.busy} @change=${this.chooser(unit, known)}>${renderOptions(options, now)}</select>
     </t-field>`;
@@ -74,7 +75,7 @@ export class AccountUnits extends LitElement {
     const shown = Object.fromEntries([...all].filter(([, wanted]) => wanted !== ""));
     const before = this.chosen;
     this.chosen = chosen;
-    const done = await this.action.run("change the unit", () => new AccountApi(this.api).chooseUnits(shown), "Values are shown so from now on.");
+    const done = await this.action.run(msg("change the unit"), () => new AccountApi(this.api).chooseUnits(shown), msg("Values are shown so from now on."));
     // What the hub did not take is not shown as if it had.
     if (done) this.sites.store?.forgetDetails();
     else this.chosen = before;

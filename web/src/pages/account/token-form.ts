@@ -1,6 +1,7 @@
 /** What a new token shall be: a name, a day of its end, and some of its maker's rights. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -123,25 +124,25 @@ export class TokenForm extends LitElement {
     const day = (days: number): string => clock.toInput(now + days * DAY_US).slice(0, 10);
     return html`<form novalidate @submit=${this.onSubmit}>
       <div class="fields">
-        <t-field label="Name" hint="What the script is for" error=${this.errors.name}>
+        <t-field label=${msg("Name")} hint=${msg("What the script is for")} error=${this.errors.name}>
           <input id="name" autocomplete="off" maxlength="100" />
         </t-field>
-        <t-field label="Last day" hint=${`It ends with that day in ${clock.zone}`} error=${this.errors.ends}>
+        <t-field label=${msg("Last day")} hint=${msg(str`It ends with that day in ${clock.zone}`)} error=${this.errors.ends}>
           <input id="ends" type="date" min=${day(0)} max=${day(MOST_DAYS)} .defaultValue=${day(FIRST_DAYS)} />
         </t-field>
       </div>
-      ${renderLoaded(this.devices, "the list of your devices", (devices) => this.renderRights(devices))}
-      ${renderFormActions({ submit: "Make the token", busy: this.busy, cancel: this.onCancel })}
+      ${renderLoaded(this.devices, msg("the list of your devices"), (devices) => this.renderRights(devices))}
+      ${renderFormActions({ submit: msg("Make the token"), busy: this.busy, cancel: this.onCancel })}
     </form>`;
   }
 
   private renderRights(devices: readonly DeviceSummary[]): TemplateResult {
     const scopes = scopesOf(this.person?.permissions ?? [], devices);
     if (scopes.length === 0) {
-      return html`<p class="muted">You have no rights to give; the token can read public data only.</p>`;
+      return html`<p class="muted">${msg("You have no rights to give; the token can read public data only.")}</p>`;
     }
     return html`<fieldset>
-      <legend>What it may do</legend>
+      <legend>${msg("What it may do")}</legend>
       ${repeat(
         scopes,
         (scope) => `${scope.site}\n${scope.device}`,
@@ -192,8 +193,8 @@ export class TokenForm extends LitElement {
 
   private endDateProblem(endsUs: number): string {
     const now = Date.now() * 1000;
-    if (Number.isNaN(endsUs) || endsUs <= now) return "Choose a day that is not over.";
-    return endsUs > now + (MOST_DAYS + 1) * DAY_US ? "Choose a day within a year." : "";
+    if (Number.isNaN(endsUs) || endsUs <= now) return msg("Choose a day that is not over.");
+    return endsUs > now + (MOST_DAYS + 1) * DAY_US ? msg("Choose a day within a year.") : "";
   }
 
   private clock(): ZoneClock {
@@ -212,9 +213,9 @@ export class TokenForm extends LitElement {
     const endsUs = clock.dayAfter(clock.fromInput(`${this.ends.value}T12:00:00`), 1);
     const some = (this.person?.permissions.length ?? 0) === 0 || this.permissions.length > 0;
     this.errors = {
-      name: name === "" ? "Enter a name." : "",
+      name: name === "" ? msg("Enter a name.") : "",
       ends: this.endDateProblem(endsUs),
-      rights: some ? "" : "Give it at least one right; without, it is of no use.",
+      rights: some ? "" : msg("Give it at least one right; without, it is of no use."),
     };
     if (Object.values(this.errors).some((error) => error !== "")) return;
     const detail: TokenWish = { name, endsUs: Math.round(endsUs), permissions: this.permissions };

@@ -1,5 +1,6 @@
 /** What a token may be given: the places where its maker has a right, and how much of it. Pure. */
 
+import { msg } from "@lit/localize";
 import {
   ANY,
   EVERYWHERE,
@@ -26,7 +27,7 @@ export interface TokenScope extends AccessPlace {
 }
 
 export function scopesOf(permissions: readonly PermissionShape[], devices: readonly DeviceSummary[]): readonly TokenScope[] {
-  const scopes: TokenScope[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, ...givenAt(permissions, EVERYWHERE) }];
+  const scopes: TokenScope[] = [{ ...EVERYWHERE, name: msg("Every site"), depth: 0, ...givenAt(permissions, EVERYWHERE) }];
   const sites = new Map(devices.map((row) => [row.site, row.site_name]));
   for (const [site, name] of sites) {
     const whole = { site, device: ANY };

@@ -1,6 +1,7 @@
 /** Tokens for scripts: each with a part of one's rights, until a day. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -38,7 +39,7 @@ export class AccountTokens extends LitElement {
   private readonly action = new ActionController(this);
   private readonly form = new OpenSubject<"new">(this);
   private readonly revoking = new QuestionController<TokenShape>(this, (row, action) =>
-    action.run("revoke it", () => new AccountApi(this.api).revokeToken(row.id)).finally(this.rows.invalidate),
+    action.run(msg("revoke it"), () => new AccountApi(this.api).revokeToken(row.id)).finally(this.rows.invalidate),
   );
 
   override willUpdate(): void {
@@ -48,10 +49,10 @@ export class AccountTokens extends LitElement {
   override render(): TemplateResult {
     return html`<div class="head">
         <div>
-          <h2>Tokens for scripts</h2>
-          <p class="muted">A token holds a part of your rights, and never more than you have when it is used.</p>
+          <h2>${msg("Tokens for scripts")}</h2>
+          <p class="muted">${msg("A token holds a part of your rights, and never more than you have when it is used.")}</p>
         </div>
-        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>Make a token</t-button>
+        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>${msg("Make a token")}</t-button>
       </div>
       ${renderAdvice(this.action.problem)} ${this.made === "" ? nothing : this.renderShown()}
       ${this.form.isOpen
@@ -63,25 +64,25 @@ export class AccountTokens extends LitElement {
             @t-cancel=${this.closeForm}
           ></t-token-form>`
         : nothing}
-      ${renderLoaded(this.rows, "the list of your tokens", (rows) => this.renderList(rows))}
+      ${renderLoaded(this.rows, msg("the list of your tokens"), (rows) => this.renderList(rows))}
       ${renderQuestion(this.revoking, ({ name }) => ({
-        heading: `Revoke ${name}?`,
-        action: "Revoke it",
-        keep: "Keep it",
-        text: "Whatever uses it is refused from now on. It cannot be taken back.",
+        heading: msg(str`Revoke ${name}?`),
+        action: msg("Revoke it"),
+        keep: msg("Keep it"),
+        text: msg("Whatever uses it is refused from now on. It cannot be taken back."),
       }))}`;
   }
 
   private renderShown(): TemplateResult {
     return renderShownOnce(
-      { label: "Token", secret: this.made, done: "I have kept it", onDone: this.closeSecret },
-      html`<strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.`,
-      html`<p class="muted">A script sends it with each request as <code>Authorization: Bearer …</code></p>`,
+      { label: msg("Token"), secret: this.made, done: msg("I have kept it"), onDone: this.closeSecret },
+      html`${msg(html`<strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.`)}`,
+      html`<p class="muted">${msg(html`A script sends it with each request as <code>Authorization: Bearer …</code>`)}</p>`,
     );
   }
 
   private renderList(rows: readonly TokenShape[]): unknown {
-    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">You have none.</p>`;
+    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("You have none.")}</p>`;
     const zone = this.sites.store?.zone ?? "UTC";
     const now = Date.now() * 1000;
     return renderRows(
@@ -89,14 +90,14 @@ export class AccountTokens extends LitElement {
       (row) => html`<li>
         <div>
           <span class="name">${row.name}</span>
-          ${row.ends_us <= now ? html`<t-status kind="offline" word="ended"></t-status>` : nothing}
+          ${row.ends_us <= now ? html`<t-status kind="offline" word=${msg("ended")}></t-status>` : nothing}
           <div class="facts">
-            <span>may ${permissionText(row.permissions)}</span>
-            <span>until <t-time .us=${row.ends_us} .zone=${zone}></t-time></span>
-            <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
+            <span>${msg(str`may ${permissionText(row.permissions)}`)}</span>
+            <span>${msg(html`until <t-time .us=${row.ends_us} .zone=${zone}></t-time>`)}</span>
+            <span>${msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}</span>
           </div>
         </div>
-        <t-button label=${`Revoke the token ${row.name}`} @click=${this.revoking.opener(row)}>Revoke…</t-button>
+        <t-button label=${msg(str`Revoke the token ${row.name}`)} @click=${this.revoking.opener(row)}>${msg("Revoke…")}</t-button>
       </li>`,
     );
   }
@@ -113,7 +114,7 @@ export class AccountTokens extends LitElement {
   private readonly createToken = (event: CustomEvent<TokenWish>): void => {
     const { name, endsUs, permissions } = event.detail;
     void this.action
-      .run("make the token", async () => {
+      .run(msg("make the token"), async () => {
         this.made = (await new AccountApi(this.api).makeToken(name, endsUs, permissions)).token;
       })
       .then((done) => {

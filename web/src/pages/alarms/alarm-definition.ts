@@ -1,18 +1,19 @@
 /** An alarm's definition as the fields of a form, and back. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { shownDifferenceText, shownText, type Showable } from "../../format/unit.js";
 import type { AlarmDefinition, AlarmKind, EscalationShape, SignalType } from "../../generated/api.js";
 
 export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }[] = [
-  { kind: "limit", name: "Limit" },
-  { kind: "state", name: "State or text" },
-  { kind: "stale", name: "No fresh value" },
-  { kind: "expression", name: "Expression" },
-  { kind: "zone", name: "Inside or outside a zone" },
-  { kind: "anomaly", name: "Anomaly" },
-  { kind: "detection", name: "Something a camera sees" },
-  { kind: "enclosure", name: "Enclosure NOT CLOSED" },
-  { kind: "gateway", name: "Gateway silent" },
+  { kind: "limit", name: msg("Limit") },
+  { kind: "state", name: msg("State or text") },
+  { kind: "stale", name: msg("No fresh value") },
+  { kind: "expression", name: msg("Expression") },
+  { kind: "zone", name: msg("Inside or outside a zone") },
+  { kind: "anomaly", name: msg("Anomaly") },
+  { kind: "detection", name: msg("Something a camera sees") },
+  { kind: "enclosure", name: msg("Enclosure NOT CLOSED") },
+  { kind: "gateway", name: msg("Gateway silent") },
 ];
 
 /** Texts of the form's fields, by name; a ticked box is "on". */
@@ -30,31 +31,31 @@ const ALL = KINDS.map(({ kind }) => kind);
 
 /** Every field, in the order of the form, with the kinds that have it. */
 export const FIELDS: readonly AlarmField[] = [
-  { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly", "zone"], sort: "signal" },
-  { name: "device", label: "Or all of a device", hint: "What becomes unusual together is one alarm", kinds: ["anomaly"], sort: "device" },
-  { name: "inside", label: "Raised inside", hint: "A zone of the map, by its short name", kinds: ["zone"], sort: "text" },
-  { name: "outside", label: "Raised outside", hint: "Or outside of this one", kinds: ["zone"], sort: "text" },
-  { name: "margin", label: "Already so near to its edge (m)", kinds: ["zone"], sort: "number" },
-  { name: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
-  { name: "label", label: "Detected object", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
-  { name: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
-  { name: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
-  { name: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
-  { name: "enclosure", label: "Enclosure", hint: "Its short name, as in the description. Empty: any", kinds: ["enclosure"], sort: "text" },
-  { name: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
-  { name: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
-  { name: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
-  { name: "is_one_of", label: "Raised in these", hint: "With commas between", kinds: ["state"], sort: "words" },
-  { name: "is_not", label: "Raised in all but these", hint: "With commas between", kinds: ["state"], sort: "words" },
-  { name: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
-  { name: "delay", label: "Raised after (s)", hint: "So long it must be so", kinds: ALL, sort: "number" },
-  { name: "clear_delay", label: "Over after (s)", hint: "So long it must not be so", kinds: ALL, sort: "number" },
-  { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly", "zone"], sort: "number" },
-  { name: "unknown_after", label: "Raised if unknown for (s)", hint: "When it cannot be judged. Empty: never", kinds: ALL, sort: "number" },
-  { name: "repeat", label: "Repeat every (s)", hint: "Until acknowledged. Empty: notify once", kinds: ALL, sort: "number" },
-  { name: "escalate", label: "Who is notified, in order", hint: "Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it", kinds: ALL, sort: "people" },
-  { name: "remind", label: "Remind every (s)", hint: "While acknowledged and still so. Empty: never", kinds: ALL, sort: "number" },
-  { name: "advice", label: "What to do", kinds: ALL, sort: "text" },
+  { name: "signal", label: msg("Signal"), kinds: ["limit", "state", "stale", "anomaly", "zone"], sort: "signal" },
+  { name: "device", label: msg("Or all of a device"), hint: msg("What becomes unusual together is one alarm"), kinds: ["anomaly"], sort: "device" },
+  { name: "inside", label: msg("Raised inside"), hint: msg("A zone of the map, by its short name"), kinds: ["zone"], sort: "text" },
+  { name: "outside", label: msg("Raised outside"), hint: msg("Or outside of this one"), kinds: ["zone"], sort: "text" },
+  { name: "margin", label: msg("Already so near to its edge (m)"), kinds: ["zone"], sort: "number" },
+  { name: "stream", label: msg("Camera"), kinds: ["detection"], sort: "stream" },
+  { name: "label", label: msg("Detected object"), hint: msg("As the detector calls it: person, dog, car"), kinds: ["detection"], sort: "text" },
+  { name: "count", label: msg("At least so many"), kinds: ["detection"], sort: "number" },
+  { name: "confidence", label: msg("At least so sure (0 to 1)"), kinds: ["detection"], sort: "number" },
+  { name: "expression", label: msg("Condition"), hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
+  { name: "enclosure", label: msg("Enclosure"), hint: msg("Its short name, as in the description. Empty: any"), kinds: ["enclosure"], sort: "text" },
+  { name: "above", label: msg("Raised above"), kinds: ["limit"], sort: "number" },
+  { name: "below", label: msg("Raised below"), kinds: ["limit"], sort: "number" },
+  { name: "hysteresis", label: msg("Lets go so far on the safe side"), kinds: ["limit"], sort: "number" },
+  { name: "is_one_of", label: msg("Raised in these"), hint: msg("With commas between"), kinds: ["state"], sort: "words" },
+  { name: "is_not", label: msg("Raised in all but these"), hint: msg("With commas between"), kinds: ["state"], sort: "words" },
+  { name: "score", label: msg("At least this score"), kinds: ["anomaly"], sort: "number" },
+  { name: "delay", label: msg("Raised after (s)"), hint: msg("So long it must be so"), kinds: ALL, sort: "number" },
+  { name: "clear_delay", label: msg("Over after (s)"), hint: msg("So long it must not be so"), kinds: ALL, sort: "number" },
+  { name: "max_age", label: msg("A value is unknown after (s)"), hint: msg("Empty: as the signal has it"), kinds: ["limit", "state", "stale", "expression", "anomaly", "zone"], sort: "number" },
+  { name: "unknown_after", label: msg("Raised if unknown for (s)"), hint: msg("When it cannot be judged. Empty: never"), kinds: ALL, sort: "number" },
+  { name: "repeat", label: msg("Repeat every (s)"), hint: msg("Until acknowledged. Empty: notify once"), kinds: ALL, sort: "number" },
+  { name: "escalate", label: msg("Who is notified, in order"), hint: msg("Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it"), kinds: ALL, sort: "people" },
+  { name: "remind", label: msg("Remind every (s)"), hint: msg("While acknowledged and still so. Empty: never"), kinds: ALL, sort: "number" },
+  { name: "advice", label: msg("What to do"), kinds: ALL, sort: "text" },
 ];
 
 /** Fields whose number is in the signal's unit. */
@@ -69,7 +70,7 @@ export function fieldLabel(field: AlarmField, unit: string): string {
 export function shownHint(field: AlarmField, text: string, signal: Showable | undefined): string {
   const value = text.trim() === "" ? Number.NaN : Number(text.trim().replace(",", "."));
   if (!IN_UNIT.includes(field.name) || signal === undefined || signal.shown === null || Number.isNaN(value)) return "";
-  return `In your unit: ${(field.name === "hysteresis" ? shownDifferenceText : shownText)(signal, value)}`;
+  return msg(str`In your unit: ${(field.name === "hysteresis" ? shownDifferenceText : shownText)(signal, value)}`);
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */

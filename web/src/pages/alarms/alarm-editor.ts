@@ -1,6 +1,7 @@
 /** An alarm is made or changed: what it watches, and how it would have done on the last day. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -15,6 +16,7 @@ import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
 import { formatDuration } from "../../format/duration.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { AnomalyList, AlarmDefinition, AlarmKind, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";
@@ -78,7 +80,7 @@ export class AlarmEditor extends LitElement {
   private readonly detectors = new LoadController<AnomalyList>(this);
   private readonly action = new ActionController(this);
   private readonly removing = new QuestionController<string>(this, async (alarm, action) => {
-    const done = await action.run("remove the alarm", () => new AlarmsApi(this.api).removeAlarm(this.site, alarm));
+    const done = await action.run(msg("remove the alarm"), () => new AlarmsApi(this.api).removeAlarm(this.site, alarm));
     if (done) this.fireClose();
     return done;
   });
@@ -95,13 +97,13 @@ export class AlarmEditor extends LitElement {
     const fields = this.definition === null ? {} : alarmFields(this.definition);
     const kind = this.kind ?? this.definition?.kind ?? "limit";
     const signal = this.signalOf(kind, fields["signal"] ?? "");
-    return html`<h2>${this.alarm === "" ? "New alarm" : "Change the alarm"}</h2>
+    return html`<h2>${this.alarm === "" ? msg("New alarm") : msg("Change the alarm")}</h2>
       <form class="entry" novalidate @submit=${this.previewAlarm} @input=${this.onInput}>
-        <t-field label="Name"><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
-        <t-field label="Kind">
+        <t-field label=${msg("Name")}><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
+        <t-field label=${msg("Kind")}>
           <select name="kind" @change=${this.onChoose}>${renderOptions(KINDS.map((option) => [option.kind, option.name]), kind)}</select>
         </t-field>
-        <t-field label="Severity">
+        <t-field label=${msg("Severity")}>
           <select name="severity">${renderOptions(["info", "warning", "critical"], fields["severity"] ?? "warning")}</select>
         </t-field>
         ${map(
@@ -115,32 +117,32 @@ export class AlarmEditor extends LitElement {
           >${field.name === "expression" ? this.renderInserter() : nothing}`,
         )}
         <label class="tick wide"
-          ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> Record the raw topics around it</label
+          ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> ${msg("Record the raw topics around it")}</label
         >
       </form>
       ${this.renderMessage()}
       ${renderAdvice(this.action.problem)}
       <div class="actions">
-        <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>Keep</t-button>
-        <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>Try it on the last day</t-button>
-        <t-button @click=${this.fireClose}>Cancel</t-button>
-        ${this.alarm === "" ? nothing : html`<t-button @click=${this.removing.opener(this.alarm)}>Remove</t-button>`}
+        <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>${msg("Keep")}</t-button>
+        <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>${msg("Try it on the last day")}</t-button>
+        <t-button @click=${this.fireClose}>${msg("Cancel")}</t-button>
+        ${this.alarm === "" ? nothing : html`<t-button @click=${this.removing.opener(this.alarm)}>${msg("Remove")}</t-button>`}
       </div>
       ${renderQuestion(this.removing, () => ({
-        heading: "Remove this alarm?",
-        action: "Remove",
-        text: "It sends no more notifications. Its history stays in the logbook.",
+        heading: msg("Remove this alarm?"),
+        action: msg("Remove"),
+        text: msg("It sends no more notifications. Its history stays in the logbook."),
       }))}`;
   }
 
   private errorOf(name: string): string {
-    if (this.wrong === name) return name === "escalate" ? "Expected accounts with seconds: anna 0, ben 300." : "Expected a number.";
+    if (this.wrong === name) return name === "escalate" ? msg("Expected accounts with seconds: anna 0, ben 300.") : msg("Expected a number.");
     if (this.preview?.where === name || (name === "is_one_of" && this.preview?.where === "is")) return this.preview.problem ?? "";
     return "";
   }
 
   private hintOf(field: AlarmField, states: readonly string[]): string {
-    if (field.sort === "words" && states.length > 0) return `With commas between: ${states.join(", ")}`;
+    if (field.sort === "words" && states.length > 0) return msg(str`With commas between: ${states.join(", ")}`);
     return field.hint ?? "";
   }
 
@@ -153,9 +155,9 @@ export class AlarmEditor extends LitElement {
 
   /** For who does not know the signals' addresses by heart. */
   private renderInserter(): TemplateResult {
-    return html`<t-field class="wide" label="Put a signal in">
+    return html`<t-field class="wide" label=${msg("Put a signal in")}>
       <select @change=${this.insertAddress}>
-        ${renderOptions([["", "Choose…"], ...this.channelOptions(null)], "")}
+        ${renderOptions([["", msg("Choose…")], ...this.channelOptions(null)], "")}
       </select>
     </t-field>`;
   }
@@ -177,7 +179,7 @@ export class AlarmEditor extends LitElement {
 
   /** Groups of signals that are judged together; without the list the signals are there all the same. */
   private groupOptions(): readonly SelectOption[] {
-    return (this.detectors.value?.detectors ?? []).filter(({ signals }) => signals.length > 0).map(({ address, title }) => [address, `${title}: signals together`] as const);
+    return (this.detectors.value?.detectors ?? []).filter(({ signals }) => signals.length > 0).map(({ address, title }) => [address, msg(str`${title}: signals together`)] as const);
   }
 
   private renderControl(name: string, sort: string, fields: AlarmFields, kind: AlarmKind): TemplateResult {
@@ -188,7 +190,7 @@ export class AlarmEditor extends LitElement {
       return html`<select name=${name} @change=${this.onSignalChange}>${renderOptions(options, value)}</select>`;
     }
     if (sort === "device") {
-      return html`<select name=${name}>${renderOptions([["", "No: only this signal"], ...devices.map(({ id, name: label }) => [id, label] as const)], value)}</select>`;
+      return html`<select name=${name}>${renderOptions([["", msg("No: only this signal")], ...devices.map(({ id, name: label }) => [id, label] as const)], value)}</select>`;
     }
     if (sort === "stream") {
       const streams = devices.flatMap((device) => device.streams.map(({ address, name: label }) => [address, label] as const));
@@ -204,7 +206,7 @@ export class AlarmEditor extends LitElement {
     const { preview } = this;
     if (preview === null) return nothing;
     if ((preview.problem ?? "") !== "") {
-      return html`<t-problem what="It cannot be tried." how=${preview.problem ?? ""}></t-problem>`;
+      return html`<t-problem what=${msg("It cannot be tried.")} how=${preview.problem ?? ""}></t-problem>`;
     }
     const from = preview.from_us ?? 0;
     const length = Math.max(1, (preview.to_us ?? 0) - from);
@@ -212,10 +214,10 @@ export class AlarmEditor extends LitElement {
     const count = preview.count ?? 0;
     const zone = this.sites.store?.zoneOf(this.site) ?? "UTC";
     const unknown = (preview.unknown_us ?? 0) / 1e6;
-    return html`<section aria-label="The last day" role="status">
+    return html`<section aria-label=${msg("The last day")} role="status">
       <p>
-        On the last day it would have been raised ${count === 1 ? "once" : `${String(count)} times`}.
-        ${unknown < 1 ? nothing : `It could not have been judged for ${formatDuration(Math.round(unknown))}.`}
+        ${plural(count, msg("On the last day it would have been raised once."), msg(str`On the last day it would have been raised ${String(count)} times.`))}
+        ${unknown < 1 ? nothing : msg(str`It could not have been judged for ${formatDuration(Math.round(unknown))}.`)}
       </p>
       <div class="strip" aria-hidden="true">
         ${map(
@@ -228,7 +230,7 @@ export class AlarmEditor extends LitElement {
         ${map(
           spans.slice(-MOST_SPANS),
           (span) => html`<li>
-            <t-time .us=${span.from_us} .zone=${zone}></t-time> for ${formatDuration(Math.round((span.to_us - span.from_us) / 1e6))}: ${span.why}
+            ${msg(html`<t-time .us=${span.from_us} .zone=${zone}></t-time> for ${formatDuration(Math.round((span.to_us - span.from_us) / 1e6))}:`)} ${span.why}
           </li>`,
         )}
       </ul>
@@ -269,9 +271,9 @@ export class AlarmEditor extends LitElement {
     event.preventDefault();
     const definition = this.readDefinition();
     if (definition === null) return;
-    const named = definition.name === "" ? { ...definition, name: "Alarm" } : definition;
+    const named = definition.name === "" ? { ...definition, name: msg("Alarm") } : definition;
     void this.action.run(
-      "try the alarm",
+      msg("try the alarm"),
       async () => {
         this.preview = await new AlarmsApi(this.api).previewAlarm(this.site, named);
       },
@@ -285,7 +287,7 @@ export class AlarmEditor extends LitElement {
     if (definition === null) return;
     const name = this.alarm === "" ? idOf(definition.name) : this.alarm;
     void this.action
-      .run("keep the alarm", () => new AlarmsApi(this.api).saveAlarm(this.site, name, definition), "", "keep")
+      .run(msg("keep the alarm"), () => new AlarmsApi(this.api).saveAlarm(this.site, name, definition), "", "keep")
       .then((done) => {
         if (done) this.fireClose();
       });

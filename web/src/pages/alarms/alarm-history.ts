@@ -1,6 +1,7 @@
 /** What has happened to one alarm, newest first. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -47,22 +48,22 @@ export class AlarmHistoryView extends LitElement {
   }
 
   override render(): unknown {
-    return renderLoaded(this.past, "the alarm's history", (value) => this.renderHistory(value));
+    return renderLoaded(this.past, msg("the alarm's history"), (value) => this.renderHistory(value));
   }
 
   private renderHistory(value: AlarmPastList): TemplateResult {
-    if (value.past.length === 0) return html`<p class="muted">It has never been raised, and it has no notes.</p>`;
+    if (value.past.length === 0) return html`<p class="muted">${msg("It has never been raised, and it has no notes.")}</p>`;
     return html`<ol>
         ${map(
           value.past,
           (event) => html`<li>
             <t-time .us=${event.time_us} .zone=${this.zone}></t-time>
-            <strong>${event.what}</strong>${event.who === "" ? "" : ` by ${event.who}`}${event.message === "" ? "" : `: ${event.message}`}
-            <a href=${boardAtPath(this.site, event.time_us)} title="See the board at that moment">Board then</a>
+            <strong>${event.what}</strong>${event.who === "" ? "" : msg(str` by ${event.who}`)}${event.message === "" ? "" : `: ${event.message}`}
+            <a href=${boardAtPath(this.site, event.time_us)} title=${msg("See the board at that moment")}>${msg("Board then")}</a>
           </li>`,
         )}
       </ol>
-      ${value.more ? html`<p class="muted">Earlier entries are in the logbook.</p>` : nothing}`;
+      ${value.more ? html`<p class="muted">${msg("Earlier entries are in the logbook.")}</p>` : nothing}`;
   }
 }
 

@@ -1,6 +1,7 @@
 /** Every alarm that is open to the person: how it stands, what to do about it, and what has been. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -16,6 +17,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import type { AlarmUpdate } from "../../generated/wire.js";
 import { alarmsContext, alarmSoundContext, apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -38,12 +40,12 @@ import "./alarm-history.js";
 type AlarmAction = "assign" | "comment" | "shelve";
 
 const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: string, action: string]>> = {
-  assign: ["Who sees to it?", "Name of the person (empty: nobody)", "Assign"],
-  comment: ["Say something about it", "Comment", "Keep"],
-  shelve: ["Put it aside for a while", "Why", "Shelve"],
+  assign: [msg("Who sees to it?"), msg("Name of the person (empty: nobody)"), msg("Assign")],
+  comment: [msg("Say something about it"), msg("Comment"), msg("Keep")],
+  shelve: [msg("Put it aside for a while"), msg("Why"), msg("Shelve")],
 };
 
-const SHELVE_HOURS = [["0.5", "half an hour"], ["1", "1 hour"], ["8", "8 hours"], ["24", "1 day"], ["168", "7 days"]] as const;
+const SHELVE_HOURS = [["0.5", msg("half an hour")], ["1", msg("1 hour")], ["8", msg("8 hours")], ["24", msg("1 day")], ["168", msg("7 days")]] as const;
 
 @customElement("t-page-alarms")
 export class PageAlarms extends LitElement {
@@ -157,18 +159,18 @@ export class PageAlarms extends LitElement {
     const manageable = [...(this.defined.value ?? [])].filter(([, one]) => one.may_manage).map(([site]) => site);
     const editing = this.editor.subject;
     return html`${renderPageHead(
-        "Alarms",
+        msg("Alarms"),
         html`<span role="status">${this.countText(list)}</span>`,
         html`<div class="actions">
-          <t-button pressed=${this.sound.store?.isOn === true ? "true" : "false"} @click=${this.toggleSound}>Sound</t-button>
+          <t-button pressed=${this.sound.store?.isOn === true ? "true" : "false"} @click=${this.toggleSound}>${msg("Sound")}</t-button>
           ${map(
             this.sites.store?.list ?? [],
-            ({ site, name }) => html`<a href=${sitePath(site, "logbook")}>Logbook of ${name}</a>`,
+            ({ site, name }) => html`<a href=${sitePath(site, "logbook")}>${msg(str`Logbook of ${name}`)}</a>`,
           )}
           ${map(
             manageable,
             (site) => html`<t-button @click=${this.editor.opener({ site, alarm: "" })}
-              >New alarm${manageable.length > 1 ? ` of ${this.sites.store?.siteRow(site)?.name ?? site}` : ""}</t-button
+              >${manageable.length > 1 ? msg(str`New alarm of ${this.sites.store?.siteRow(site)?.name ?? site}`) : msg("New alarm")}</t-button
             >`,
           )}
         </div>`,
@@ -177,7 +179,7 @@ export class PageAlarms extends LitElement {
       ${editing?.alarm === ""
         ? html`<section class="sheet"><t-alarm-editor .site=${editing.site} @t-done=${this.onAlarmSaved}></t-alarm-editor></section>`
         : nothing}
-      ${list.length === 0 || this.defined.result.state === "failed" ? renderLoaded(this.defined, "the alarms", () => renderEmpty(list)) : nothing}
+      ${list.length === 0 || this.defined.result.state === "failed" ? renderLoaded(this.defined, msg("the alarms"), () => renderEmpty(list)) : nothing}
       ${list.length === 0 ? nothing : this.renderSheet(list)} ${this.renderDialog()}`;
   }
 
@@ -185,12 +187,12 @@ export class PageAlarms extends LitElement {
     const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
     const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
     if (list.length === 0) return "";
-    const parts = [on === 1 ? "1 is active" : `${String(on)} are active`, `of ${String(list.length)}`];
-    return parts.join(" ") + (unknown === 0 ? "." : `; ${String(unknown)} cannot be judged now.`);
+    const parts = [plural(on, msg("1 is active"), msg(str`${String(on)} are active`)), msg(str`of ${String(list.length)}`)];
+    return parts.join(" ") + (unknown === 0 ? "." : msg(str`; ${String(unknown)} cannot be judged now.`));
   }
 
   private renderSheet(list: readonly AlarmUpdate[]): TemplateResult {
-    return html`<section class="sheet" aria-label="Every alarm">
+    return html`<section class="sheet" aria-label=${msg("Every alarm")}>
       <ul class="rows">
         ${repeat(
           list,
@@ -221,20 +223,20 @@ export class PageAlarms extends LitElement {
         ${alarm.shares.length < 2
           ? nothing
           : html`<t-signal-shares .shares=${alarm.shares} .labels=${new Map(alarm.shares.map(({ signal, name }) => [signal, name]))}></t-signal-shares>`}
-        ${alarm.known ? nothing : html`<div class="why">It cannot be judged now: ${capitalized(alarm.unknown_why)}</div>`}
-        ${alarm.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>What to do:</strong> ${alarm.advice}</div>`}
-        ${alarm.undelivered === "" ? nothing : html`<div class="undelivered">Could not be delivered: ${alarm.undelivered}</div>`}
+        ${alarm.known ? nothing : html`<div class="why">${msg("It cannot be judged now:")} ${capitalized(alarm.unknown_why)}</div>`}
+        ${alarm.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>${msg("What to do:")}</strong> ${alarm.advice}</div>`}
+        ${alarm.undelivered === "" ? nothing : html`<div class="undelivered">${msg("Could not be delivered:")} ${alarm.undelivered}</div>`}
         <div class="facts">
-          ${alarm.raised_us === 0 ? nothing : html`<span>raised <t-time .us=${alarm.raised_us} .zone=${zone}></t-time></span>`}
-          ${alarm.cleared_us === 0 ? nothing : html`<span>over <t-time .us=${alarm.cleared_us} .zone=${zone}></t-time></span>`}
-          ${alarm.acked_by === "" ? nothing : html`<span>acknowledged by ${alarm.acked_by}</span>`}
-          ${alarm.assigned === "" ? nothing : html`<span>${alarm.assigned} sees to it</span>`}
+          ${alarm.raised_us === 0 ? nothing : html`<span>${msg(html`raised <t-time .us=${alarm.raised_us} .zone=${zone}></t-time>`)}</span>`}
+          ${alarm.cleared_us === 0 ? nothing : html`<span>${msg(html`over <t-time .us=${alarm.cleared_us} .zone=${zone}></t-time>`)}</span>`}
+          ${alarm.acked_by === "" ? nothing : html`<span>${msg(str`acknowledged by ${alarm.acked_by}`)}</span>`}
+          ${alarm.assigned === "" ? nothing : html`<span>${msg(str`${alarm.assigned} sees to it`)}</span>`}
           ${this.alarms.store?.isShelved(alarm) === true
-            ? html`<span>shelved by ${alarm.shelved_by} until <t-time .us=${alarm.shelved_until_us} .zone=${zone}></t-time>${alarm.shelved_why === "" ? "" : `: ${alarm.shelved_why}`}</span>`
+            ? html`<span>${msg(html`shelved by ${alarm.shelved_by} until <t-time .us=${alarm.shelved_until_us} .zone=${zone}></t-time>${alarm.shelved_why === "" ? "" : `: ${alarm.shelved_why}`}`)}</span>`
             : nothing}
-          ${alarm.raised_us === 0 || alarm.signals.length === 0 ? nothing : html`<a href=${historyAt(alarm)}>Chart</a>`}
-          ${alarm.raised_us === 0 ? nothing : html`<a href=${`${sitePath(alarm.site, "cause")}?${causeQuery(alarm.raised_us)}`}>Cause</a>`}
-          ${alarm.raised_us === 0 ? nothing : html`<a href=${boardAtPath(alarm.site, alarm.raised_us)} title="See the board at that moment">Board then</a>`}
+          ${alarm.raised_us === 0 || alarm.signals.length === 0 ? nothing : html`<a href=${historyAt(alarm)}>${msg("Chart")}</a>`}
+          ${alarm.raised_us === 0 ? nothing : html`<a href=${`${sitePath(alarm.site, "cause")}?${causeQuery(alarm.raised_us)}`}>${msg("Cause")}</a>`}
+          ${alarm.raised_us === 0 ? nothing : html`<a href=${boardAtPath(alarm.site, alarm.raised_us)} title=${msg("See the board at that moment")}>${msg("Board then")}</a>`}
         </div>
       </div>
       ${this.renderButtons(alarm)}
@@ -261,19 +263,19 @@ export class PageAlarms extends LitElement {
     const more = open || shelved || alarm.phase !== "normal";
     return html`<div class="actions">
       ${may && unseen
-        ? html`<t-button kind="primary" label=${`Acknowledge ${alarm.name}`} ?busy=${this.action.runningKey === id} @click=${this.acknowledgeAsker(alarm)}
-            >Acknowledge</t-button
+        ? html`<t-button kind="primary" label=${msg(str`Acknowledge ${alarm.name}`)} ?busy=${this.action.runningKey === id} @click=${this.acknowledgeAsker(alarm)}
+            >${msg("Acknowledge")}</t-button
           >`
         : nothing}
       ${may && more
-        ? html`<t-button label=${`Assign ${alarm.name}`} @click=${this.dialogOpener("assign", alarm)}>Assign</t-button>
-            <t-button label=${`Comment on ${alarm.name}`} @click=${this.dialogOpener("comment", alarm)}>Comment</t-button>
+        ? html`<t-button label=${msg(str`Assign ${alarm.name}`)} @click=${this.dialogOpener("assign", alarm)}>${msg("Assign")}</t-button>
+            <t-button label=${msg(str`Comment on ${alarm.name}`)} @click=${this.dialogOpener("comment", alarm)}>${msg("Comment")}</t-button>
             ${shelved
-              ? html`<t-button label=${`Unshelve ${alarm.name}`} @click=${this.unshelveAction(alarm)}>Unshelve</t-button>`
-              : html`<t-button label=${`Shelve ${alarm.name}`} @click=${this.dialogOpener("shelve", alarm)}>Shelve</t-button>`}`
+              ? html`<t-button label=${msg(str`Unshelve ${alarm.name}`)} @click=${this.unshelveAction(alarm)}>${msg("Unshelve")}</t-button>`
+              : html`<t-button label=${msg(str`Shelve ${alarm.name}`)} @click=${this.dialogOpener("shelve", alarm)}>${msg("Shelve")}</t-button>`}`
         : nothing}
-      <t-button label=${`More about ${alarm.name}`} pressed=${open ? "true" : "false"} @click=${this.detailsToggler(id)}>More</t-button>
-      ${manage && (more || !alarm.known) ? html`<t-button label=${`Change ${alarm.name}`} @click=${this.editorOpener(alarm)}>Change</t-button>` : nothing}
+      <t-button label=${msg(str`More about ${alarm.name}`)} pressed=${open ? "true" : "false"} @click=${this.detailsToggler(id)}>${msg("More")}</t-button>
+      ${manage && (more || !alarm.known) ? html`<t-button label=${msg(str`Change ${alarm.name}`)} @click=${this.editorOpener(alarm)}>${msg("Change")}</t-button>` : nothing}
     </div>`;
   }
 
@@ -287,9 +289,9 @@ export class PageAlarms extends LitElement {
         <t-field label=${label}>
           <input id="text" type="text" maxlength=${what === "assign" ? "200" : "1000"} autocomplete="off" />
         </t-field>
-        ${what === "assign" ? html`<t-button @click=${this.openOwnRules}>Myself</t-button>` : nothing}
+        ${what === "assign" ? html`<t-button @click=${this.openOwnRules}>${msg("Myself")}</t-button>` : nothing}
         ${what === "shelve"
-          ? html`<t-field label="For" hint="It is listed separately and sends no notifications meanwhile.">
+          ? html`<t-field label=${msg("For")} hint=${msg("It is listed separately and sends no notifications meanwhile.")}>
               <select id="hours">
                 ${renderOptions(SHELVE_HOURS, "1")}
               </select>
@@ -297,7 +299,7 @@ export class PageAlarms extends LitElement {
           : nothing}
         ${renderAdvice(this.action.problem)}
       </form>
-      <t-button slot="actions" @click=${close}>Cancel</t-button>
+      <t-button slot="actions" @click=${close}>${msg("Cancel")}</t-button>
       <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.onSubmit}>${action}</t-button>
     </t-dialog>`;
   }
@@ -305,7 +307,7 @@ export class PageAlarms extends LitElement {
   private acknowledgeAsker(alarm: AlarmUpdate): () => void {
     return () => {
       void this.action.run(
-        "acknowledge the alarm",
+        msg("acknowledge the alarm"),
         () => new AlarmsApi(this.api).applyAction(alarm.site, alarm.alarm, { act: "acknowledge" }),
         "",
         `${alarm.site}/${alarm.alarm}`,
@@ -315,7 +317,7 @@ export class PageAlarms extends LitElement {
 
   private unshelveAction(alarm: AlarmUpdate): () => void {
     return () => {
-      void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).applyAction(alarm.site, alarm.alarm, { act: "unshelve" }));
+      void this.action.run(msg("unshelve the alarm"), () => new AlarmsApi(this.api).applyAction(alarm.site, alarm.alarm, { act: "unshelve" }));
     };
   }
 
@@ -362,7 +364,7 @@ export class PageAlarms extends LitElement {
     const { site, alarm } = doing.about;
     const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
     const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
-    void this.action.run(`${doing.what} it`, () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
+    void this.action.run(msg(str`${doing.what} it`), () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
       // Another question may have been opened while the hub was asked.
       if (done && this.doing.subject === doing) this.doing.close();
     });
@@ -371,8 +373,8 @@ export class PageAlarms extends LitElement {
 
 function renderEmpty(list: readonly AlarmUpdate[]): TemplateResult | typeof nothing {
   if (list.length > 0) return nothing;
-  return html`<t-empty heading="There are no alarms yet" icon="bell">
-    <p>The site description can have some under <code>alarms:</code>, and whoever manages a site can make more here.</p>
+  return html`<t-empty heading=${msg("There are no alarms yet")} icon="bell">
+    <p>${msg(html`The site description can have some under <code>alarms:</code>, and whoever manages a site can make more here.`)}</p>
   </t-empty>`;
 }
 

@@ -1,6 +1,7 @@
 /** Rules by which notices of transients become rapid requests: those of a proposal, and the form of one. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -42,7 +43,7 @@ export class PageAlertRules extends LitElement {
   /** The rule whose form is open. */
   private readonly form = new OpenSubject<AlertRuleShape | "new">(this);
   private readonly question = new QuestionController<AlertRuleShape>(this, async (rule, action) => {
-    const done = await action.run(`remove the rule ${rule.name}`, () => this.rulesApi().removeRule(rule.id));
+    const done = await action.run(msg(str`remove the rule ${rule.name}`), () => this.rulesApi().removeRule(rule.id));
     this.rules.invalidate();
     return done;
   });
@@ -55,26 +56,26 @@ export class PageAlertRules extends LitElement {
 
   override render(): TemplateResult {
     const links = html`<div class="actions">
-      ${this.rules.value?.may_change === true && !this.form.isOpen ? html`<t-button kind="primary" @click=${this.form.opener("new")}>New rule</t-button>` : nothing}
-      <a href=${sitePath(this.site, "proposals")}>Proposals</a>
-      <a href=${sitePath(this.site, "requests")}>Requests</a>
+      ${this.rules.value?.may_change === true && !this.form.isOpen ? html`<t-button kind="primary" @click=${this.form.opener("new")}>${msg("New rule")}</t-button>` : nothing}
+      <a href=${sitePath(this.site, "proposals")}>${msg("Proposals")}</a>
+      <a href=${sitePath(this.site, "requests")}>${msg("Requests")}</a>
     </div>`;
-    return html`${renderPageHead("Alert rules", `Which notices of transients become rapid requests at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}.`, links)}
-    ${renderLoaded(this.proposals, "the proposals", (list) => this.renderProposals(list))}`;
+    return html`${renderPageHead(msg("Alert rules"), msg(str`Which notices of transients become rapid requests at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}.`), links)}
+    ${renderLoaded(this.proposals, msg("the proposals"), (list) => this.renderProposals(list))}`;
   }
 
   private renderProposals({ proposals, abilities }: ProposalList): TemplateResult {
     const own = ownProposals(proposals);
     const chosen = this.chosen();
     if (chosen === undefined) {
-      return html`<t-empty heading="No rules" icon="lock"><p>Rules belong to a proposal: members see its rules, and who leads it changes them. You are in none here.</p></t-empty>`;
+      return html`<t-empty heading=${msg("No rules")} icon="lock"><p>${msg("Rules belong to a proposal: members see its rules, and who leads it changes them. You are in none here.")}</p></t-empty>`;
     }
     const { subject } = this.form;
-    return html`<section class="sheet" aria-label="Proposal">
+    return html`<section class="sheet" aria-label=${msg("Proposal")}>
         <form class="entry" @change=${this.onChoose}>
-          <t-field label="Proposal"><select name="proposal" ?disabled=${subject !== null}>${renderOptions(own.map(({ id, title }) => [id, title === "" ? id : `${id}: ${title}`] as const), chosen.id)}</select></t-field>
+          <t-field label=${msg("Proposal")}><select name="proposal" ?disabled=${subject !== null}>${renderOptions(own.map(({ id, title }) => [id, title === "" ? id : `${id}: ${title}`] as const), chosen.id)}</select></t-field>
         </form>
-        ${chosen.urgencies.includes("RAPID_RESPONSE") ? nothing : html`<p><t-status kind="warn" word="no rapid requests"></t-status> This proposal may not ask for them, so its rules make nothing. An admin of the site can change that.</p>`}
+        ${chosen.urgencies.includes("RAPID_RESPONSE") ? nothing : html`<p><t-status kind="warn" word=${msg("no rapid requests")}></t-status> ${msg("This proposal may not ask for them, so its rules make nothing. An admin of the site can change that.")}</p>`}
       </section>
       ${subject === null
         ? nothing
@@ -87,17 +88,17 @@ export class PageAlertRules extends LitElement {
             @t-saved=${this.onSaved}
             @t-cancel=${this.form.close}
           ></t-alert-rule-form>`}
-      ${renderLoaded(this.rules, "the rules", (list) => (list === null ? nothing : this.renderRules(list)))}
-      ${renderQuestion(this.question, ({ name }) => ({ heading: `Remove the rule ${name}?`, action: "Remove", text: "No notice becomes a request by it any more. What it has asked for stays." }))}`;
+      ${renderLoaded(this.rules, msg("the rules"), (list) => (list === null ? nothing : this.renderRules(list)))}
+      ${renderQuestion(this.question, ({ name }) => ({ heading: msg(str`Remove the rule ${name}?`), action: msg("Remove"), text: msg("No notice becomes a request by it any more. What it has asked for stays.") }))}`;
   }
 
   private renderRules({ rules, may_change: may }: AlertRuleList): TemplateResult {
     if (rules.length === 0) {
-      return html`<t-empty heading="No rules" icon="logbook">
-        <p>${may ? "No notice becomes a request of this proposal yet: make a rule, and see first what the last notices would have made." : "Who leads the proposal and is in it makes them."}</p>
+      return html`<t-empty heading=${msg("No rules")} icon="logbook">
+        <p>${may ? msg("No notice becomes a request of this proposal yet: make a rule, and see first what the last notices would have made.") : msg("Who leads the proposal and is in it makes them.")}</p>
       </t-empty>`;
     }
-    return renderRowSheet("Rules", rules, (rule) => this.renderRule(rule, may));
+    return renderRowSheet(msg("Rules"), rules, (rule) => this.renderRule(rule, may));
   }
 
   private renderRule(rule: AlertRuleShape, may: boolean): TemplateResult {
@@ -108,15 +109,15 @@ export class PageAlertRules extends LitElement {
         <span class="name">${name}</span>
         <div>${filterText(filter)}</div>
         <div class="facts">
-          <t-status kind=${active ? "ok" : "unknown"} word=${active ? "active" : "off"}></t-status>
-          <span>${frames}</span><span>within ${hours} h of the event</span><span>priority ${priority}</span>
-          ${maker === "" ? html`<t-status kind="warn" word="its maker is gone: it makes nothing"></t-status>` : html`<span>asks in the name of ${maker}</span>`}
+          <t-status kind=${active ? "ok" : "unknown"} word=${active ? msg("active") : msg("off")}></t-status>
+          <span>${frames}</span><span>${msg(str`within ${hours} h of the event`)}</span><span>${msg(str`priority ${priority}`)}</span>
+          ${maker === "" ? html`<t-status kind="warn" word=${msg("its maker is gone: it makes nothing")}></t-status>` : html`<span>${msg(str`asks in the name of ${maker}`)}</span>`}
         </div>
       </div>
       ${may && !this.form.isOpen
         ? html`<div class="actions">
-            <t-button label=${`Change ${name}`} @click=${this.form.opener(rule)}>Change…</t-button>
-            <t-button kind="quiet" label=${`Remove ${name}`} @click=${this.question.opener(rule)}>Remove…</t-button>
+            <t-button label=${msg(str`Change ${name}`)} @click=${this.form.opener(rule)}>${msg("Change…")}</t-button>
+            <t-button kind="quiet" label=${msg(str`Remove ${name}`)} @click=${this.question.opener(rule)}>${msg("Remove…")}</t-button>
           </div>`
         : nothing}
     </li>`;

@@ -1,5 +1,6 @@
 /** An alert rule as it is typed: read field by field, and made from one that is there. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { AlertFilterShape, AlertRuleAsk, AlertRuleShape, GroupShape, RequestShape } from "../../generated/api.js";
 import { FieldReader } from "../requests/form/field-reader.js";
 import type { ReadGroup } from "../requests/form/read-draft.js";
@@ -40,19 +41,19 @@ export function readRule(draft: RuleDraft, request: ReadGroup["requests"][number
   const name = draft.name.trim();
   if (name === "") fields.problems.set("name", "Give it a name: requests are called by it.");
   if (draft.roles.length === 0) fields.problems.set("roles", "Choose at least one: a notice always has a role.");
-  const low = fields.optional("lowestDec", draft.lowestDec, [-90, 90], "Declination in °", -90);
-  const high = fields.optional("highestDec", draft.highestDec, [-90, 90], "Declination in °", 90);
+  const low = fields.optional("lowestDec", draft.lowestDec, [-90, 90], msg("Declination in °"), -90);
+  const high = fields.optional("highestDec", draft.highestDec, [-90, 90], msg("Declination in °"), 90);
   if (low > high) fields.problems.set("highestDec", "It is lower than the lowest declination.");
   const filter: AlertFilterShape = {
     sources: linesOf(draft.sources),
     roles: draft.roles,
-    largest_error: fields.optional("largestError", draft.largestError, [0, 180], "Error in °", 0),
+    largest_error: fields.optional("largestError", draft.largestError, [0, 180], msg("Error in °"), 0),
     lowest_declination: low,
     highest_declination: high,
     ...readParameters(draft.parameters, fields),
   };
-  const hours = fields.number("hours", draft.hours, [0.01, 8784], "Hours after the event");
-  const priority = fields.number("priority", draft.priority, [0.001, 1000], "Priority");
+  const hours = fields.number("hours", draft.hours, [0.01, 8784], msg("Hours after the event"));
+  const priority = fields.number("priority", draft.priority, [0.001, 1000], msg("Priority"));
   // Only frames and constraints of the request count: the notice has the target, the rule the window.
   const isWhole = fields.problems.size === 0 && request?.problems.size === 0;
   if (!isWhole) return { asked: null, problems: fields.problems };
@@ -123,13 +124,13 @@ export function ruleGroup(rule: Pick<AlertRuleShape, "configurations" | "constra
 /** What a filter asks, in words, for a list. */
 export function filterText({ sources = [], roles = [], largest_error: error = 0, lowest_declination: low = -90, highest_declination: high = 90, least = {}, most = {}, equal = {} }: AlertFilterShape): string {
   const parts = [
-    sources.length === 0 ? "from anybody" : `from ${sources.join(" or ")}`,
+    sources.length === 0 ? msg("from anybody") : msg(str`from ${sources.join(" or ")}`),
     roles.join(" or "),
-    error === 0 ? "" : `known to ${String(error)}° or better`,
-    low === -90 && high === 90 ? "" : `declination ${String(low).replace("-", "−")}° to ${String(high).replace("-", "−")}°`,
-    ...Object.entries(least).map(([name, value]) => `${name} at least ${String(value)}`),
-    ...Object.entries(most).map(([name, value]) => `${name} at most ${String(value)}`),
-    ...Object.entries(equal).map(([name, values]) => `${name} is ${values.join(" or ")}`),
+    error === 0 ? "" : msg(str`known to ${String(error)}° or better`),
+    low === -90 && high === 90 ? "" : msg(str`declination ${String(low).replace("-", "−")}° to ${String(high).replace("-", "−")}°`),
+    ...Object.entries(least).map(([name, value]) => msg(str`${name} at least ${String(value)}`)),
+    ...Object.entries(most).map(([name, value]) => msg(str`${name} at most ${String(value)}`)),
+    ...Object.entries(equal).map(([name, values]) => msg(str`${name} is ${values.join(" or ")}`)),
   ];
   return parts.filter(Boolean).join(", ");
 }

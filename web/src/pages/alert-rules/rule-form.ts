@@ -1,6 +1,7 @@
 /** A rule as a form: what a notice must be, what is then asked for, and what the last notices would have made. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -78,17 +79,17 @@ export class AlertRuleForm extends LitElement {
     if (view === null) return nothing;
     const read = readRule(this.draft, view.readRequest);
     return html`<form class="sheet" novalidate @submit=${this.onSubmit} @input=${this.onInput}>
-      <h2>${this.rule === null ? "New rule" : `Change rule ${this.rule.name}`}</h2>
+      <h2>${this.rule === null ? msg("New rule") : msg(str`Change rule ${this.rule.name}`)}</h2>
       ${this.renderFilter(read)} ${this.renderAsked(read)} ${renderFrames(view, this.editor)} ${renderConstraints(view)}
       <section aria-labelledby="would">
-        <h3 id="would">What it would have made of the last notices</h3>
+        <h3 id="would">${msg("What it would have made of the last notices")}</h3>
         <t-alert-rule-preview .site=${this.site} .proposal=${this.proposal?.id ?? ""} .asked=${read.asked} .zone=${this.zone}></t-alert-rule-preview>
       </section>
-      ${this.tried && read.asked === null ? html`<p role="alert">Not kept yet: ${[...read.problems.values(), ...view.readRequest.problems.values()].slice(0, 3).join(" ")}</p>` : nothing}
+      ${this.tried && read.asked === null ? html`<p role="alert">${msg("Not kept yet:")} ${[...read.problems.values(), ...view.readRequest.problems.values()].slice(0, 3).join(" ")}</p>` : nothing}
       ${renderAdvice(this.action.problem)}
       <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.action.busy}>Keep</t-button>
-        <t-button @click=${this.onCancel}>Cancel</t-button>
+        <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${msg("Keep")}</t-button>
+        <t-button @click=${this.onCancel}>${msg("Cancel")}</t-button>
       </div>
     </form>`;
   }
@@ -104,14 +105,14 @@ export class AlertRuleForm extends LitElement {
   private renderFilter(read: ReadRule): TemplateResult {
     const { draft } = this;
     return html`<fieldset>
-      <legend>A notice passes when</legend>
-      ${this.renderField("sources", "It comes from", read, html`<textarea name="rule.sources" spellcheck="false" .value=${draft.sources}></textarea>`, "Patterns, one a line: *SWIFT*; empty: anybody")}
-      ${this.renderField("parameters", "Its parameters say", read, html`<textarea name="rule.parameters" spellcheck="false" .value=${draft.parameters}></textarea>`, "One a line: Rate_Signif >= 7, or Packet_Type = 61, 67")}
-      ${this.renderField("largestError", "Its place is known to (°)", read, numberInput("rule.largestError", draft.largestError), "or better; empty: any")}
-      ${this.renderField("lowestDec", "Lowest declination (°)", read, numberInput("rule.lowestDec", draft.lowestDec), "empty: any")}
-      ${this.renderField("highestDec", "Highest declination (°)", read, numberInput("rule.highestDec", draft.highestDec), "empty: any")}
-      <div class="wide" role="group" aria-label="Its role is">
-        <span class="small">Its role is</span>
+      <legend>${msg("A notice passes when")}</legend>
+      ${this.renderField("sources", msg("It comes from"), read, html`<textarea name="rule.sources" spellcheck="false" .value=${draft.sources}></textarea>`, msg("Patterns, one a line: *SWIFT*; empty: anybody"))}
+      ${this.renderField("parameters", msg("Its parameters say"), read, html`<textarea name="rule.parameters" spellcheck="false" .value=${draft.parameters}></textarea>`, msg("One a line: Rate_Signif >= 7, or Packet_Type = 61, 67"))}
+      ${this.renderField("largestError", msg("Its place is known to (°)"), read, numberInput("rule.largestError", draft.largestError), msg("or better; empty: any"))}
+      ${this.renderField("lowestDec", msg("Lowest declination (°)"), read, numberInput("rule.lowestDec", draft.lowestDec), msg("empty: any"))}
+      ${this.renderField("highestDec", msg("Highest declination (°)"), read, numberInput("rule.highestDec", draft.highestDec), msg("empty: any"))}
+      <div class="wide" role="group" aria-label=${msg("Its role is")}>
+        <span class="small">${msg("Its role is")}</span>
         <div class="actions">${map(ROLES, (role) => html`<label class="tick"><input name="rule.role" type="checkbox" .value=${role} .checked=${draft.roles.includes(role)} /> ${role}</label>`)}</div>
         ${read.problems.has("roles") ? html`<p class="wrong" role="alert">${read.problems.get("roles")}</p>` : nothing}
       </div>
@@ -121,11 +122,11 @@ export class AlertRuleForm extends LitElement {
   private renderAsked(read: ReadRule): TemplateResult {
     const { draft, proposal } = this;
     return html`<fieldset>
-      <legend>Then a rapid request is made</legend>
-      ${this.renderField("name", "Called", read, html`<input name="rule.name" maxlength="100" autocomplete="off" .value=${settled(draft.name)} />`, "With the event's name behind it")}
-      ${this.renderField("hours", "Within (h)", read, numberInput("rule.hours", draft.hours), "Of the event; what is older is not asked for")}
-      ${this.renderField("priority", "Priority", read, numberInput("rule.priority", draft.priority), proposal === null ? "" : `Up to ${String(proposal.max_priority)} in this proposal`)}
-      <label class="tick"><input name="rule.active" type="checkbox" .checked=${draft.active} /> The rule is active</label>
+      <legend>${msg("Then a rapid request is made")}</legend>
+      ${this.renderField("name", msg("Called"), read, html`<input name="rule.name" maxlength="100" autocomplete="off" .value=${settled(draft.name)} />`, msg("With the event's name behind it"))}
+      ${this.renderField("hours", msg("Within (h)"), read, numberInput("rule.hours", draft.hours), msg("Of the event; what is older is not asked for"))}
+      ${this.renderField("priority", msg("Priority"), read, numberInput("rule.priority", draft.priority), proposal === null ? "" : msg(str`Up to ${String(proposal.max_priority)} in this proposal`))}
+      <label class="tick"><input name="rule.active" type="checkbox" .checked=${draft.active} /> ${msg("The rule is active")}</label>
     </fieldset>`;
   }
 
@@ -151,7 +152,7 @@ export class AlertRuleForm extends LitElement {
     const { rule, proposal } = this;
     if (asked === null || proposal === null) return;
     const api = new AlertRulesApi(this.api, this.site, proposal.id);
-    void this.action.run("keep the rule", () => (rule === null ? api.addRule(asked) : api.changeRule(rule.id, asked))).then((done) => {
+    void this.action.run(msg("keep the rule"), () => (rule === null ? api.addRule(asked) : api.changeRule(rule.id, asked))).then((done) => {
       if (done) this.dispatchEvent(new CustomEvent("t-saved"));
     });
   };

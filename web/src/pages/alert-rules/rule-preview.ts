@@ -1,6 +1,7 @@
 /** What a rule that is being typed would have made of the notices that came last. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -68,26 +69,26 @@ export class AlertRulePreview extends LitElement {
 
   override render(): TemplateResult {
     const { result, value } = this.answer;
-    if (this.typed === "") return html`<p class="muted">It is tried once everything that it needs is written.</p>`;
-    if (result.state === "failed") return html`<div>${renderAdvice(adviceFor(result.error, "what this rule would have made"), this.answer.invalidate)}</div>`;
-    if (value === undefined || value === null) return html`<p class="muted">Trying it …</p>`;
+    if (this.typed === "") return html`<p class="muted">${msg("It is tried once everything that it needs is written.")}</p>`;
+    if (result.state === "failed") return html`<div>${renderAdvice(adviceFor(result.error, msg("what this rule would have made")), this.answer.invalidate)}</div>`;
+    if (value === undefined || value === null) return html`<p class="muted">${msg("Trying it …")}</p>`;
     const isNow = this.question === this.typed && result.state === "ready";
     const message = value.message.charAt(0).toUpperCase() + value.message.slice(1);
-    return html`<p role="status" aria-busy=${isNow ? "false" : "true"}><strong>${message}.</strong>${isNow ? nothing : html` <span class="muted">(before the last change)</span>`}</p>
+    return html`<p role="status" aria-busy=${isNow ? "false" : "true"}><strong>${message}.</strong>${isNow ? nothing : html` <span class="muted">${msg("(before the last change)")}</span>`}</p>
       ${value.notices.length === 0 ? nothing : this.renderNotices(value.notices)}`;
   }
 
   private renderNotices(notices: readonly AlertPreviewLine[]): TemplateResult {
     return renderTable<AlertPreviewLine, string>({
-      label: "The last notices",
+      label: msg("The last notices"),
       rows: notices,
       key: ({ id }) => id,
       columns: [
-        { title: "Came", cell: ({ received_us: time }) => html`<t-time .us=${time} .zone=${this.zone}></t-time>` },
-        { title: "Event", heads: true, cell: ({ event, source }) => html`${event} <span class="muted small">${source}</span>` },
-        { title: "Place (J2000)", titled: true, cell: ({ ra, dec }) => (ra === null || dec === null ? "none" : `${formatRa(ra / 15)} ${formatDec(dec)}`) },
-        { title: "Request", cell: ({ passes }) => html`<t-status kind=${passes ? "ok" : "unknown"} word=${passes ? "would be made" : "none"}></t-status>` },
-        { title: "Why", cell: ({ why }) => why },
+        { title: msg("Came"), cell: ({ received_us: time }) => html`<t-time .us=${time} .zone=${this.zone}></t-time>` },
+        { title: msg("Event"), heads: true, cell: ({ event, source }) => html`${event} <span class="muted small">${source}</span>` },
+        { title: msg("Place (J2000)"), titled: true, cell: ({ ra, dec }) => (ra === null || dec === null ? "none" : `${formatRa(ra / 15)} ${formatDec(dec)}`) },
+        { title: msg("Request"), cell: ({ passes }) => html`<t-status kind=${passes ? "ok" : "unknown"} word=${passes ? msg("would be made") : msg("none")}></t-status>` },
+        { title: msg("Why"), cell: ({ why }) => why },
       ],
     });
   }

@@ -1,5 +1,6 @@
 /** What a detector would have said of the last day, week or month: two settings side by side. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -25,22 +26,22 @@ export interface TestSource {
 
 const ASK_MS = 1000;
 const WINDOWS: readonly SelectOption[] = [
-  ["1", "the last day"],
-  ["7", "the last week"],
-  ["30", "the last 30 days"],
+  ["1", msg("the last day")],
+  ["7", msg("the last week")],
+  ["30", msg("the last 30 days")],
 ];
 const SETTINGS = ["A", "B"] as const;
 /** Detectors of one signal that history can be judged by; limits are set in numbers. */
 const OF_ONE: readonly SelectOption[] = [
-  ["together", "all together"],
-  ["change", "change of level"],
-  ["nearest", "nearest stretches"],
-  ["season", "time of day"],
-  ["baseline", "robust baseline"],
-  ["context", "context"],
-  ["iqr", "quartiles"],
-  ["still", "flat line"],
-  ["rate", "rate of change"],
+  ["together", msg("all together")],
+  ["change", msg("change of level")],
+  ["nearest", msg("nearest stretches")],
+  ["season", msg("time of day")],
+  ["baseline", msg("robust baseline")],
+  ["context", msg("context")],
+  ["iqr", msg("quartiles")],
+  ["still", msg("flat line")],
+  ["rate", msg("rate of change")],
 ];
 
 @customElement("t-back-test")
@@ -92,18 +93,18 @@ export class BackTest extends LitElement {
 
   override render(): TemplateResult {
     const subjects: readonly SelectOption[] = [
-      ...this.groups.map((group) => [group.address, `${subjectOf(group)}: signals together`] as const),
+      ...this.groups.map((group) => [group.address, msg(str`${subjectOf(group)}: signals together`)] as const),
       ...[...this.signals].map(([address, label]) => [address, label] as const),
     ];
     const subject = this.subject === "" ? (subjects[0]?.[0] ?? "") : this.subject;
     const grouped = subject.startsWith("/");
     const busy = this.action.busy || this.tests.some((test) => test.state === "running");
     return html`<form novalidate @submit=${this.onSubmit}>
-        <t-field label="What"><select name="subject" @change=${this.onSubject}>${renderOptions(subjects, subject)}</select></t-field>
-        ${grouped ? nothing : html`<t-field label="Detector"><select name="detector">${renderOptions(OF_ONE, "together")}</select></t-field>`}
-        <t-field label="Over"><select name="days">${renderOptions(WINDOWS, "1")}</select></t-field>
+        <t-field label=${msg("What")}><select name="subject" @change=${this.onSubject}>${renderOptions(subjects, subject)}</select></t-field>
+        ${grouped ? nothing : html`<t-field label=${msg("Detector")}><select name="detector">${renderOptions(OF_ONE, "together")}</select></t-field>`}
+        <t-field label=${msg("Over")}><select name="days">${renderOptions(WINDOWS, "1")}</select></t-field>
         ${map(SETTINGS, (setting) => this.renderSetting(setting, grouped))}
-        <t-button kind="primary" ?disabled=${busy} @click=${this.submit}>Try both</t-button>
+        <t-button kind="primary" ?disabled=${busy} @click=${this.submit}>${msg("Try both")}</t-button>
       </form>
       ${this.action.problem === null ? nothing : renderAdvice(this.action.problem)}
       <div class="results">
@@ -111,7 +112,7 @@ export class BackTest extends LitElement {
           this.tests,
           (test, place) =>
             html`<t-test-result
-              heading=${`Setting ${SETTINGS[place] ?? ""}`}
+              heading=${msg(str`Setting ${SETTINGS[place] ?? ""}`)}
               .site=${this.site}
               .zone=${this.zone}
               .test=${test}
@@ -122,15 +123,13 @@ export class BackTest extends LitElement {
   }
 
   private renderSetting(setting: string, grouped: boolean): TemplateResult {
-    const error = this.wrong === setting ? "Expected a number from 0 to 1." : "";
-    return html`<t-field label=${`${setting}: told from`} .error=${error}
-        ><input name=${`bar${setting}`} inputmode="decimal" autocomplete="off" placeholder="its own" .defaultValue=${setting === "A" ? "" : "0.7"}
+    const error = this.wrong === setting ? msg("Expected a number from 0 to 1.") : "";
+    return html`<t-field label=${msg(str`${setting}: told from`)} .error=${error}
+        ><input name=${`bar${setting}`} inputmode="decimal" autocomplete="off" placeholder=${msg("its own")} .defaultValue=${setting === "A" ? "" : "0.7"}
       /></t-field>
-      ${
-        grouped
-          ? html`<t-field label=${`${setting}: learns from (steps)`}><input name=${`learn${setting}`} inputmode="numeric" autocomplete="off" placeholder="as described" /></t-field>`
-          : nothing
-      }`;
+      ${grouped
+          ? html`<t-field label=${msg(str`${setting}: learns from (steps)`)}><input name=${`learn${setting}`} inputmode="numeric" autocomplete="off" placeholder=${msg("as described")} /></t-field>`
+          : nothing}`;
   }
 
   private readonly onSubject = (event: Event): void => {
@@ -163,7 +162,7 @@ export class BackTest extends LitElement {
     if (hub === null) return;
     clearTimeout(this.timer);
     this.tests = [];
-    await this.action.run("try this detector", async () => {
+    await this.action.run(msg("try this detector"), async () => {
       for (const ask of asks) this.tests = [...this.tests, await hub.beginTest(ask)];
     });
     this.waitForNews();
@@ -192,7 +191,7 @@ export class BackTest extends LitElement {
   private async cancel(key: string): Promise<void> {
     const { hub } = this;
     if (hub === null) return;
-    await this.action.run("cancel the test", () => hub.cancelTest(key));
+    await this.action.run(msg("cancel the test"), () => hub.cancelTest(key));
     clearTimeout(this.timer);
     await this.askAgain();
   }

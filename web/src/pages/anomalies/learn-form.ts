@@ -1,5 +1,6 @@
 /** "Learn from Tuesday's run": a stretch of the history that shows a group as it usually is. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -66,14 +67,14 @@ export class LearnForm extends LitElement {
         ><input name=${name} type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" .defaultValue=${clock.toInput(us)}
       /></t-field>`;
     return html`<form novalidate @submit=${this.onSubmit}>
-        <t-field label="Group">
+        <t-field label=${msg("Group")}>
           <select name="group">
             ${map(this.groups, (group) => html`<option value=${group.address}>${subjectOf(group)}</option>`)}
           </select>
         </t-field>
-        ${moment("from", "From", now - HOUR_US, this.errors.from)} ${moment("to", "To", now, this.errors.to)}
-        <t-field label="Which run it was (optional)"><input name="comment" autocomplete="off" maxlength="500" /></t-field>
-        <t-button kind="primary" type="submit" ?disabled=${this.action.busy} @click=${this.submit}>${this.action.busy ? "Learning…" : "Learn from it"}</t-button>
+        ${moment("from", msg("From"), now - HOUR_US, this.errors.from)} ${moment("to", msg("To"), now, this.errors.to)}
+        <t-field label=${msg("Which run it was (optional)")}><input name="comment" autocomplete="off" maxlength="500" /></t-field>
+        <t-button kind="primary" type="submit" ?disabled=${this.action.busy} @click=${this.submit}>${this.action.busy ? msg("Learning…") : msg("Learn from it")}</t-button>
       </form>
       <p class="said" role="status">${this.learned}</p>
       ${this.action.problem === null ? nothing : renderAdvice(this.action.problem)}`;
@@ -90,10 +91,10 @@ export class LearnForm extends LitElement {
     const clock = clockOf(this.zone);
     const fromUs = clock.fromInput(text("from"));
     const toUs = clock.fromInput(text("to"));
-    const needed = "Write it like 2026-03-29 14:05:09.";
+    const needed = msg("Write it like 2026-03-29 14:05:09.");
     const wrong = (typed: string, us: number): string => (typed === "" ? needed : momentProblem(typed, us));
     this.errors = { from: wrong(text("from"), fromUs), to: wrong(text("to"), toUs) };
-    if (this.errors.to === "" && fromUs >= toUs) this.errors = { ...this.errors, to: "The stretch ends after it begins." };
+    if (this.errors.to === "" && fromUs >= toUs) this.errors = { ...this.errors, to: msg("The stretch ends after it begins.") };
     if (this.errors.from !== "" || this.errors.to !== "") return;
     void this.learn(text("group"), { fromUs: Math.round(fromUs), toUs: Math.round(toUs) }, text("comment"));
   };
@@ -103,7 +104,7 @@ export class LearnForm extends LitElement {
     if (hub === null) return;
     this.learned = "";
     const group = this.groups.find((known) => known.address === address);
-    await this.action.run("learn from this stretch", async () => {
+    await this.action.run(msg("learn from this stretch"), async () => {
       this.learned = learnedText(group === undefined ? address : subjectOf(group), await hub.learnUsual(site, address, span, comment));
     });
   }
@@ -111,9 +112,9 @@ export class LearnForm extends LitElement {
 
 /** What was learned, in words. */
 export function learnedText(group: string, { rows, modes, still }: LearnAnswer): string {
-  const ways = modes.length === 0 ? "" : `, in the ways of running ${modes.join(", ")}`;
-  const missing = still.length === 0 ? "" : ` Of ${still.join(", ")} there was too little in it; it learns these as they come.`;
-  return `${group} has learned from ${String(rows)} steps${ways}. What it knew before is forgotten.${missing}`;
+  const ways = modes.length === 0 ? "" : msg(str`, in the ways of running ${modes.join(", ")}`);
+  const missing = still.length === 0 ? "" : msg(str` Of ${still.join(", ")} there was too little in it; it learns these as they come.`);
+  return msg(str`${group} has learned from ${String(rows)} steps${ways}. What it knew before is forgotten.${missing}`);
 }
 
 declare global {

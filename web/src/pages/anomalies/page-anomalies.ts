@@ -1,6 +1,7 @@
 /** What is unusual at a site: groups of signals with who made them so, and the detectors of single signals. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -86,16 +87,16 @@ export class PageAnomalies extends LitElement {
   override render(): TemplateResult {
     const name = this.sites.store?.siteRow(this.site)?.name ?? this.site;
     return html`${renderPageHead(
-        "Anomalies",
-        `What is not as usual at ${name}: several signals judged together, and single ones.`,
-        html`<div class="actions"><a href=${sitePath(this.site, "history")}>History</a> <a href=${sitePath(this.site, "live")}>Real-time</a></div>`,
+        msg("Anomalies"),
+        msg(str`What is not as usual at ${name}: several signals judged together, and single ones.`),
+        html`<div class="actions"><a href=${sitePath(this.site, "history")}>${msg("History")}</a> <a href=${sitePath(this.site, "live")}>${msg("Real-time")}</a></div>`,
       )}
-      ${renderLoaded(this.detail, "the site", (detail) => this.renderDetectors(detail))}`;
+      ${renderLoaded(this.detail, msg("the site"), (detail) => this.renderDetectors(detail))}`;
   }
 
   private renderDetectors(detail: SiteShape): TemplateResult {
-    if (this.detectors.state === "failed") return renderAdvice(adviceFor(this.detectors.renderError, "the anomaly detectors"), this.retry);
-    if (!this.detectors.hasList) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
+    if (this.detectors.state === "failed") return renderAdvice(adviceFor(this.detectors.renderError, msg("the anomaly detectors")), this.retry);
+    if (!this.detectors.hasList) return html`<t-loading what=${msg("Loading the anomaly detectors")}></t-loading>`;
     const { list, mayForgive } = this.detectors.book;
     if (list.length === 0) return html`${renderNone()} ${this.renderTrial(detail, [])}`;
     const groups = list.filter(({ signals }) => signals.length > 0);
@@ -112,8 +113,8 @@ export class PageAnomalies extends LitElement {
       this.testsOf = this.site;
     }
     return html`<section class="sheet" aria-labelledby="trial">
-      <h2 id="trial">Try a detector on the past</h2>
-      <p class="muted">What it would have said of stored history, by two settings. It looks at one sample a second; nothing is switched on and nobody is told.</p>
+      <h2 id="trial">${msg("Try a detector on the past")}</h2>
+      <p class="muted">${msg("What it would have said of stored history, by two settings. It looks at one sample a second; nothing is switched on and nobody is told.")}</p>
       <t-back-test .site=${this.site} .zone=${detail.zone} .groups=${groups} .signals=${numbersOf(detail)} .hub=${this.tests}></t-back-test>
     </section>`;
   }
@@ -125,7 +126,7 @@ export class PageAnomalies extends LitElement {
       this.budgetOf = this.site;
     }
     return html`<section class="sheet" aria-labelledby="budget">
-      <h2 id="budget">How often may it cry?</h2>
+      <h2 id="budget">${msg("How often may it cry?")}</h2>
       <t-alarm-budget .hub=${this.budget}></t-alarm-budget>
     </section>`;
   }
@@ -135,8 +136,8 @@ export class PageAnomalies extends LitElement {
     const span: TimeSpan = { fromUs: toUs - SHOWN_US, toUs };
     const channels = groups.map(({ address }) => address);
     return html`<section class="sheet" aria-labelledby="together">
-        <h2 id="together">Signals together</h2>
-        <p class="muted">The last hour of each group's score. A bar says how much of an anomaly a signal made.</p>
+        <h2 id="together">${msg("Signals together")}</h2>
+        <p class="muted">${msg("The last hour of each group's score. A bar says how much of an anomaly a signal made.")}</p>
         <t-anomalies
           bare
           .site=${this.site}
@@ -156,10 +157,9 @@ export class PageAnomalies extends LitElement {
 
   private renderLearning(detail: SiteShape, groups: readonly Detector[]): TemplateResult {
     return html`<section class="sheet" aria-labelledby="learn">
-      <h2 id="learn">Learn from a run</h2>
+      <h2 id="learn">${msg("Learn from a run")}</h2>
       <p class="muted">
-        Name a stretch of the history in which nothing was wrong and in which the machine did all that it usually does. The group forgets what it
-        knew and takes that stretch for usual.
+        ${msg("Name a stretch of the history in which nothing was wrong and in which the machine did all that it usually does. The group forgets what it knew and takes that stretch for usual.")}
       </p>
       <t-learn-form .site=${this.site} .zone=${detail.zone} .groups=${groups} .hub=${this.api ?? null}></t-learn-form>
     </section>`;
@@ -169,7 +169,7 @@ export class PageAnomalies extends LitElement {
     // What is on comes first, then what was last.
     const order = [...singles].sort((a, b) => (b.anomaly?.toUs ?? 0) - (a.anomaly?.toUs ?? 0));
     return html`<section class="sheet" aria-labelledby="single">
-      <h2 id="single">Single signals</h2>
+      <h2 id="single">${msg("Single signals")}</h2>
       <ul class="rows">
         ${repeat(
           order,
@@ -187,11 +187,11 @@ export class PageAnomalies extends LitElement {
 
 function renderSingle(site: string, detail: SiteShape, { address, name, on, learning, anomaly }: Detector, label: string): TemplateResult {
   const path = `${sitePath(site, "history")}?${new URLSearchParams({ c: address }).toString()}`;
-  const [kind, word] = on ? ["warn", "anomaly"] : learning > 0 ? ["busy", "learning"] : ["ok", "as usual"];
+  const [kind, word] = on ? ["warn", "anomaly"] : learning > 0 ? ["busy", "learning"] : ["ok", msg("as usual")];
   return html`<li ?data-on=${on}>
     <a href=${path}>${label}, ${name}</a>
     <t-status kind=${kind} word=${word}></t-status>
-    ${anomaly === null ? nothing : html`<span class="why">${on ? "Since" : "Last at"} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why} <a href=${`${sitePath(site, "cause")}?${causeQuery(anomaly.fromUs)}`}>Cause</a></span>`}
+    ${anomaly === null ? nothing : html`<span class="why">${on ? msg("Since") : msg("Last at")} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why} <a href=${`${sitePath(site, "cause")}?${causeQuery(anomaly.fromUs)}`}>${msg("Cause")}</a></span>`}
   </li>`;
 }
 
@@ -203,7 +203,7 @@ function renderCauses(site: string, detail: SiteShape, groups: readonly Detector
     ${repeat(
       told,
       ({ title }) => title,
-      ({ title, fromUs }) => html`<li><a href=${`${sitePath(site, "cause")}?${causeQuery(fromUs)}`}>Cause of ${title}, ${formatClock(fromUs, detail.zone)}</a></li>`,
+      ({ title, fromUs }) => html`<li><a href=${`${sitePath(site, "cause")}?${causeQuery(fromUs)}`}>${msg(str`Cause of ${title}, ${formatClock(fromUs, detail.zone)}`)}</a></li>`,
     )}
   </ul>`;
 }
@@ -221,8 +221,8 @@ function numbersOf(detail: SiteShape): ReadonlyMap<string, string> {
 }
 
 function renderNone(): TemplateResult {
-  return html`<t-empty heading="Nothing is watched for anomalies" icon="live">
-    <p>Switch it on in the site description: services: {anomaly_detection: true}, or name detectors at signals and groups.</p>
+  return html`<t-empty heading=${msg("Nothing is watched for anomalies")} icon="live">
+    <p>${msg("Switch it on in the site description: services: {anomaly_detection: true}, or name detectors at signals and groups.")}</p>
   </t-empty>`;
 }
 

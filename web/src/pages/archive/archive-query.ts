@@ -1,5 +1,6 @@
 /** What of the archive is asked for, as the page's address and as the hub's question. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { queryTexts, textsQuery } from "../../format/filter-query.js";
 import type { FrameShape } from "../../generated/api.js";
 import { formatDec, formatRa, parseDec, parseRa, wrapped, writeRa } from "../../format/sexagesimal.js";
@@ -54,10 +55,10 @@ interface PlaceProblem {
 /** Says what is wrong with a place on the sky as a person wrote it; null when all is well. */
 export function placeProblem({ ra, dec, radius }: ArchiveFilter): PlaceProblem | null {
   if (ra === "" && dec === "") return null;
-  if (ra === "" || dec === "") return { field: ra === "" ? "ra" : "dec", text: "Give both right ascension and declination." };
-  if (!isWithin(ra, 0, 360)) return { field: "ra", text: "Right ascension: write 05:34:32 or 83.63° (0 to 360)." };
-  if (!isWithin(dec, -90, 90)) return { field: "dec", text: "Declination: write -05:23:28 or -5.39 (-90 to 90 degrees)." };
-  if (radius !== "" && !isWithin(radius, 0.001, 180)) return { field: "radius", text: "Radius: expected 0.001 to 180 degrees." };
+  if (ra === "" || dec === "") return { field: ra === "" ? "ra" : "dec", text: msg("Give both right ascension and declination.") };
+  if (!isWithin(ra, 0, 360)) return { field: "ra", text: msg("Right ascension: write 05:34:32 or 83.63° (0 to 360).") };
+  if (!isWithin(dec, -90, 90)) return { field: "dec", text: msg("Declination: write -05:23:28 or -5.39 (-90 to 90 degrees).") };
+  if (radius !== "" && !isWithin(radius, 0.001, 180)) return { field: "radius", text: msg("Radius: expected 0.001 to 180 degrees.") };
   return null;
 }
 
@@ -88,13 +89,13 @@ export function formatFileSize(bytes: number): string {
 
 /** How good a picture is, as rows of name and value; what is not known is left out. */
 export function qualityRows(frame: FrameShape): [string, string][] {
-  if (!frame.measured) return [["Quality", "not measured"]];
+  if (!frame.measured) return [[msg("Quality"), msg("not measured")]];
   const rows: [string, string | null][] = [
-    ["Width of stars", frame.fwhm === null ? null : `${frame.fwhm.toFixed(2)}″`],
-    ["Stars", frame.stars === null ? null : String(frame.stars)],
-    ["Sky", frame.background === null ? null : `${frame.background.toFixed(0)} counts`],
-    ["Zero point", frame.zero_point === null ? null : `${frame.zero_point.toFixed(2)} mag`],
-    ["Plate", frame.solved ? "solved" : frame.note === "" ? null : `not solved: ${frame.note}`],
+    [msg("Width of stars"), frame.fwhm === null ? null : `${frame.fwhm.toFixed(2)}″`],
+    [msg("Stars"), frame.stars === null ? null : String(frame.stars)],
+    [msg("Sky"), frame.background === null ? null : msg(str`${frame.background.toFixed(0)} counts`)],
+    [msg("Zero point"), frame.zero_point === null ? null : msg(str`${frame.zero_point.toFixed(2)} mag`)],
+    [msg("Plate"), frame.solved ? "solved" : frame.note === "" ? null : msg(str`not solved: ${frame.note}`)],
   ];
   return rows.filter((row): row is [string, string] => row[1] !== null);
 }

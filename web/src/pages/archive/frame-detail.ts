@@ -1,6 +1,7 @@
 /** One picture of the archive: drawn, with its histogram, its facts and its header. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -85,12 +86,12 @@ export class FrameDetailSheet extends LitElement {
     const { result, value } = this.detail;
     if (result.state === "failed") {
       return html`<div class="sheet">
-        ${renderLoaded(this.detail, "this picture", () => nothing)}
-        <div class="actions"><t-button @click=${this.close}>Back to the list</t-button></div>
+        ${renderLoaded(this.detail, msg("this picture"), () => nothing)}
+        <div class="actions"><t-button @click=${this.close}>${msg("Back to the list")}</t-button></div>
       </div>`;
     }
     // The picture before this one is of no use here.
-    if (value?.frame.id !== this.frame) return html`<t-loading what="Loading this picture"></t-loading>`;
+    if (value?.frame.id !== this.frame) return html`<t-loading what=${msg("Loading this picture")}></t-loading>`;
     return this.renderPicture(value);
   }
 
@@ -98,14 +99,14 @@ export class FrameDetailSheet extends LitElement {
     return html`<section class="sheet" aria-labelledby="name">
       <div class="head">
         <div>
-          <h2 id="name">${found.frame.target === "" ? "No target named" : found.frame.target}</h2>
+          <h2 id="name">${found.frame.target === "" ? msg("No target named") : found.frame.target}</h2>
           <p class="muted">${found.frame.name}</p>
         </div>
         <div class="actions">
           <a download=${found.frame.name} href=${filePath(this.site, this.frame)}
-            >Download FITS (${formatFileSize(found.frame.bytes)})</a
+            >${msg(str`Download FITS (${formatFileSize(found.frame.bytes)})`)}</a
           >
-          <t-button @click=${this.close}>Close</t-button>
+          <t-button @click=${this.close}>${msg("Close")}</t-button>
         </div>
       </div>
       <div class="split">
@@ -115,8 +116,8 @@ export class FrameDetailSheet extends LitElement {
         <div class="side">${this.renderFacts(found.frame)} ${renderPixelValues(found.histogram)} ${this.renderCheck(found.frame)}</div>
       </div>
       <details>
-        <summary>Header, ${found.header.length} cards</summary>
-        <div class="cards" tabindex="0" role="region" aria-label="FITS header">
+        <summary>${msg(str`Header, ${found.header.length} cards`)}</summary>
+        <div class="cards" tabindex="0" role="region" aria-label=${msg("FITS header")}>
           <table>
             ${map(
               found.header,
@@ -135,14 +136,14 @@ export class FrameDetailSheet extends LitElement {
 
   private renderFacts(frame: FrameShape): TemplateResult {
     const rows: [string, unknown][] = [
-      ["Taken", html`<t-time .us=${frame.time_us} .zone=${this.zone}></t-time>`],
-      ["Night of", frame.night],
-      ["Exposure", frame.exposure_s === null ? "–" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`],
-      ["Frame", frame.kind],
-      ["Filter", frame.filter || "–"],
-      ["Place (J2000)", frame.ra_deg === null || frame.dec_deg === null ? "–" : skyPlace(frame.ra_deg, frame.dec_deg)],
-      ["Size", `${String(frame.width)} × ${String(frame.height)} px`],
-      ["Camera", frame.device],
+      [msg("Taken"), html`<t-time .us=${frame.time_us} .zone=${this.zone}></t-time>`],
+      [msg("Night of"), frame.night],
+      [msg("Exposure"), frame.exposure_s === null ? "–" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`],
+      [msg("Frame"), frame.kind],
+      [msg("Filter"), frame.filter || "–"],
+      [msg("Place (J2000)"), frame.ra_deg === null || frame.dec_deg === null ? "–" : skyPlace(frame.ra_deg, frame.dec_deg)],
+      [msg("Size"), `${String(frame.width)} × ${String(frame.height)} px`],
+      [msg("Camera"), frame.device],
       ...qualityRows(frame),
     ];
     return html`<dl>${map(rows, ([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`)}</dl>`;
@@ -150,10 +151,10 @@ export class FrameDetailSheet extends LitElement {
 
   private renderCheck(frame: FrameShape): unknown {
     if (frame.problems.length === 0) {
-      return html`<t-status kind="ok" word="Follows the FITS standard (checked by astropy)"></t-status>`;
+      return html`<t-status kind="ok" word=${msg("Follows the FITS standard (checked by astropy)")}></t-status>`;
     }
     return html`<div>
-      <t-status kind="warn" word="Departs from the FITS standard"></t-status>
+      <t-status kind="warn" word=${msg("Departs from the FITS standard")}></t-status>
       <ul>
         ${map(frame.problems, (problem) => html`<li class="muted">${problem}</li>`)}
       </ul>

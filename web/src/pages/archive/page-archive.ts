@@ -1,6 +1,7 @@
 /** The archive of pictures of a site: by night, searched by target, filter, camera and place. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -13,6 +14,7 @@ import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { ArchiveApi, obscorePath, previewPath } from "../../wire/archive-api.js";
@@ -117,15 +119,15 @@ export class PageArchive extends LitElement {
     const total = nights.reduce((sum, night) => sum + night.frames, 0);
     const bytes = nights.reduce((sum, night) => sum + night.bytes, 0);
     return html`${renderPageHead(
-        "Archive",
+        msg("Archive"),
         this.nights.value === undefined
-          ? "Pictures that the cameras took, by night."
-          : `${String(total)} ${total === 1 ? "picture" : "pictures"} of ${String(nights.length)} ${nights.length === 1 ? "night" : "nights"}, ${formatFileSize(bytes)}. A night lasts from noon to noon.`,
+          ? msg("Pictures that the cameras took, by night.")
+          : plural(total, plural(nights.length, msg(str`${String(total)} picture of ${String(nights.length)} night, ${formatFileSize(bytes)}. A night lasts from noon to noon.`), msg(str`${String(total)} picture of ${String(nights.length)} nights, ${formatFileSize(bytes)}. A night lasts from noon to noon.`)), plural(nights.length, msg(str`${String(total)} pictures of ${String(nights.length)} night, ${formatFileSize(bytes)}. A night lasts from noon to noon.`), msg(str`${String(total)} pictures of ${String(nights.length)} nights, ${formatFileSize(bytes)}. A night lasts from noon to noon.`))),
       )}
       ${frame === ""
         ? nothing
         : html`<t-frame-detail .site=${this.site} .frame=${frame} .zone=${this.zone()} @t-close=${this.closeFrame}></t-frame-detail>`}
-      ${this.renderSearch()} ${renderLoaded(this.found, "the archive", (found) => this.renderPictures(found))}`;
+      ${this.renderSearch()} ${renderLoaded(this.found, msg("the archive"), (found) => this.renderPictures(found))}`;
   }
 
   private renderSearch(): TemplateResult {
@@ -134,28 +136,28 @@ export class PageArchive extends LitElement {
     const problem = placeProblem(filter);
     const errorOf = (field: string): string => (problem?.field === field ? problem.text : "");
     return html`<form class="sheet filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
-      <t-field label="Night">
+      <t-field label=${msg("Night")}>
         <select name="night">
           ${renderOptions([["", "all"], ...nights.map(({ night, frames }) => [night, `${night} (${String(frames)})`] as const)], filter.night)}
         </select>
       </t-field>
-      <t-field label="Target"><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
-      <t-field label="Filter"><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
-      <t-field label="Camera"><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
-      <t-field label="RA (J2000)" hint="05:34:32 or 83.63°" error=${errorOf("ra")}>
+      <t-field label=${msg("Target")}><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
+      <t-field label=${msg("Filter")}><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
+      <t-field label=${msg("Camera")}><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
+      <t-field label="RA (J2000)" hint=${msg("05:34:32 or 83.63°")} error=${errorOf("ra")}>
         <input name="ra" autocomplete="off" .value=${shownRa(filter)} />
       </t-field>
-      <t-field label="Dec (J2000)" hint="−05:23:28 or −5.39" error=${errorOf("dec")}>
+      <t-field label="Dec (J2000)" hint=${msg("\u221205:23:28 or \u22125.39")} error=${errorOf("dec")}>
         <input name="dec" inputmode="decimal" autocomplete="off" .value=${filter.dec} />
       </t-field>
-      <t-field label="Within (°)" error=${errorOf("radius")}>
+      <t-field label=${msg("Within (°)")} error=${errorOf("radius")}>
         <input name="radius" inputmode="decimal" autocomplete="off" placeholder="1" .value=${filter.radius} />
       </t-field>
       <div class="actions">
-        <t-button type="submit">Search</t-button>
-        <t-button kind="quiet" ?disabled=${writeArchiveFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
-        <a download href=${obscorePath(this.site, "votable")} title="All pictures that you may see, as a table of the Virtual Observatory">ObsCore (VOTable)</a>
-        <a download href=${obscorePath(this.site, "csv")}>ObsCore (CSV)</a>
+        <t-button type="submit">${msg("Search")}</t-button>
+        <t-button kind="quiet" ?disabled=${writeArchiveFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
+        <a download href=${obscorePath(this.site, "votable")} title=${msg("All pictures that you may see, as a table of the Virtual Observatory")}>${msg("ObsCore (VOTable)")}</a>
+        <a download href=${obscorePath(this.site, "csv")}>${msg("ObsCore (CSV)")}</a>
       </div>
     </form>`;
   }
@@ -163,15 +165,15 @@ export class PageArchive extends LitElement {
   private renderPictures(found: FrameList): TemplateResult {
     if (found.frames.length === 0) {
       const all = writeArchiveFilter(this.filter()) === "";
-      return html`<t-empty heading=${all ? "No pictures yet" : "No matches"} icon="camera">
+      return html`<t-empty heading=${all ? msg("No pictures yet") : msg("No matches")} icon="camera">
         <p>
           ${all
-            ? "A picture comes here by itself after each exposure of a camera that you may see."
-            : "No picture is like this; take one of the words away."}
+            ? msg("A picture comes here by itself after each exposure of a camera that you may see.")
+            : msg("No picture is like this; take one of the words away.")}
         </p>
       </t-empty>`;
     }
-    return html`<ul class="frames" aria-label="Pictures" aria-busy=${this.found.result.state === "loading"}>
+    return html`<ul class="frames" aria-label=${msg("Pictures")} aria-busy=${this.found.result.state === "loading"}>
         ${repeat(
           found.frames,
           (frame) => frame.id,
@@ -179,7 +181,7 @@ export class PageArchive extends LitElement {
         )}
       </ul>
       ${found.more && this.limit < MOST
-        ? html`<div class="actions"><t-button @click=${this.showMore}>Show more</t-button></div>`
+        ? html`<div class="actions"><t-button @click=${this.showMore}>${msg("Show more")}</t-button></div>`
         : nothing}`;
   }
 
@@ -188,20 +190,20 @@ export class PageArchive extends LitElement {
     return html`<li>
       <a href=${this.pathOf(frame.id)}>
         <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", SMALL_PX)} />
-        <span class="name">${frame.target === "" ? "No target named" : frame.target}</span>
+        <span class="name">${frame.target === "" ? msg("No target named") : frame.target}</span>
         <span class="facts">
           <span>${[frame.kind, frame.filter, exposure].filter(Boolean).join(" · ")}</span>
         </span>
         ${frame.stars === null
           ? nothing
           : html`<span class="muted small">
-              ${[`${String(frame.stars)} stars`, frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.solved ? "solved" : ""].filter(Boolean).join(" · ")}
+              ${[msg(str`${String(frame.stars)} stars`), frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.solved ? "solved" : ""].filter(Boolean).join(" · ")}
             </span>`}
         <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone()}></t-time></span>
         ${frame.ra_deg === null || frame.dec_deg === null
           ? nothing
           : html`<span class="muted small">${skyPlace(frame.ra_deg, frame.dec_deg)}</span>`}
-        ${frame.problems.length === 0 ? nothing : html`<t-status kind="warn" word="departs from FITS"></t-status>`}
+        ${frame.problems.length === 0 ? nothing : html`<t-status kind="warn" word=${msg("departs from FITS")}></t-status>`}
       </a>
     </li>`;
   }

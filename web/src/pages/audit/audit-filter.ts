@@ -1,5 +1,6 @@
 /** What of the audit log to show. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { FilterForm } from "../../controllers/filter-form.js";
@@ -43,28 +44,28 @@ export class AuditFilterForm extends LitElement {
     const clock = new ZoneClock(knownZone(this.zone));
     const shown = (us: number): string => (Number.isNaN(us) ? "" : clock.toInput(us));
     return html`<form class="filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
-      <t-field label="Person"><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
-      <t-field label="Site">
+      <t-field label=${msg("Person")}><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
+      <t-field label=${msg("Site")}>
         <select name="site">
           ${renderOptions([["", "all"], ...this.sites.map(({ site, name }) => [site, name] as const)], filter.site)}
         </select>
       </t-field>
-      <t-field label="Device"><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
-      <t-field label="Kind" hint=""><input name="kind" autocomplete="off" maxlength="200" .value=${filter.kind} /></t-field>
-      <t-field label="Outcome">
+      <t-field label=${msg("Device")}><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
+      <t-field label=${msg("Kind")} hint=""><input name="kind" autocomplete="off" maxlength="200" .value=${filter.kind} /></t-field>
+      <t-field label=${msg("Outcome")}>
         <select name="good">
-          ${renderOptions([["", "both"], ["true", "done"], ["false", "refused"]], filter.good)}
+          ${renderOptions([["", msg("both")], ["true", msg("done")], ["false", msg("refused")]], filter.good)}
         </select>
       </t-field>
-      <t-field class="time" label=${`From (${clock.zone})`} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}>
+      <t-field class="time" label=${msg(str`From (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}>
         <input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${this.wrongTimes["from"] ?? shown(filter.fromUs)} />
       </t-field>
-      <t-field class="time" label=${`To (${clock.zone})`} .error=${momentProblem(this.wrongTimes["to"] ?? "", Number.NaN)}>
+      <t-field class="time" label=${msg(str`To (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["to"] ?? "", Number.NaN)}>
         <input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${this.wrongTimes["to"] ?? shown(filter.toUs)} />
       </t-field>
       <div class="actions">
-        <t-button type="submit">Show</t-button>
-        <t-button kind="quiet" ?disabled=${writeAuditFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        <t-button type="submit">${msg("Show")}</t-button>
+        <t-button kind="quiet" ?disabled=${writeAuditFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
       </div>
     </form>`;
   }

@@ -1,6 +1,7 @@
 /** The audit log: who did what, and whether the chain of its rows holds. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -9,6 +10,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderTable, tables, type TableColumn } from "../../elements/layout/data-table.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { withQuery } from "../../state/router.js";
 import type { AuditChain, AuditList, AuditRow } from "../../generated/api.js";
@@ -60,13 +62,13 @@ export class PageAudit extends LitElement {
     return html`<t-admin-tabs page="audit"></t-admin-tabs>
       <div class="head">
         <div>
-          <h1>Audit log</h1>
-          <p class="muted">Every row is sealed to the one before: one that is changed or taken out breaks the chain.</p>
+          <h1>${msg("Audit log")}</h1>
+          <p class="muted">${msg("Every row is sealed to the one before: one that is changed or taken out breaks the chain.")}</p>
           <div role="status">${this.renderChain()}</div>
         </div>
         <div class="actions">
-          <a download href=${`/api/audit/export?${writeAuditFilter(filter)}`}>Export as CSV</a>
-          <t-button ?busy=${this.action.busy} @click=${this.verifyChain}>Verify the chain</t-button>
+          <a download href=${`/api/audit/export?${writeAuditFilter(filter)}`}>${msg("Export as CSV")}</a>
+          <t-button ?busy=${this.action.busy} @click=${this.verifyChain}>${msg("Verify the chain")}</t-button>
         </div>
       </div>
       <t-audit-filter
@@ -76,7 +78,7 @@ export class PageAudit extends LitElement {
         zone=${zone}
         @t-filter=${this.onChoose}
       ></t-audit-filter>
-      ${renderLoaded(this.page, "the audit log", (page) => this.renderRows(page, filter))}
+      ${renderLoaded(this.page, msg("the audit log"), (page) => this.renderRows(page, filter))}
       <t-witnessed-hubs class="sheet"></t-witnessed-hubs>`;
   }
 
@@ -85,31 +87,31 @@ export class PageAudit extends LitElement {
     if (problem !== null) return renderAdvice(problem);
     const { check } = this;
     if (check === null) return nothing;
-    const rows = check.rows === 1 ? "1 row" : `${String(check.rows)} rows`;
-    const heads = check.heads === 1 ? "1 signed head" : `${String(check.heads)} signed heads`;
+    const rows = plural(check.rows, msg("1 row"), msg(str`${String(check.rows)} rows`));
+    const heads = plural(check.heads ?? 0, msg("1 signed head"), msg(str`${String(check.heads)} signed heads`));
     if (check.problem !== "" && check.broken === 0) {
       return html`<t-problem
-        what="The signed heads of the log cannot be used."
-        how=${`${check.problem ?? ""} Hold the log against the heads that you keep elsewhere: talaia audit verify --heads FILE.`}
+        what=${msg("The signed heads of the log cannot be used.")}
+        how=${msg(str`${check.problem ?? ""} Hold the log against the heads that you keep elsewhere: talaia audit verify --heads FILE.`)}
       ></t-problem>`;
     }
     return check.ok
-      ? html`<t-status kind="ok" word=${`The chain holds: ${rows}, each follows from the one before; ${heads} fit.`}></t-status>`
+      ? html`<t-status kind="ok" word=${msg(str`The chain holds: ${rows}, each follows from the one before; ${heads} fit.`)}></t-status>`
       : html`<t-problem
-          what=${`The chain is broken at row ${String(check.broken)}.`}
-          how=${`${rows} before it hold. Somebody has changed the database by hand, or it is damaged: keep a copy of it, and compare it with your exports and backups.`}
+          what=${msg(str`The chain is broken at row ${String(check.broken)}.`)}
+          how=${msg(str`${rows} before it hold. Somebody has changed the database by hand, or it is damaged: keep a copy of it, and compare it with your exports and backups.`)}
         ></t-problem>`;
   }
 
   private renderRows(page: AuditList, filter: AuditFilter): TemplateResult {
     if (page.rows.length === 0) {
-      return html`<t-empty heading="No matches" icon="info">
-        <p>${writeAuditFilter(filter) === "" ? "The log is empty." : "No row matches the filter."}</p>
-        ${writeAuditFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>Show everything</t-button>`}
+      return html`<t-empty heading=${msg("No matches")} icon="info">
+        <p>${writeAuditFilter(filter) === "" ? msg("The log is empty.") : msg("No row matches the filter.")}</p>
+        ${writeAuditFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>${msg("Show everything")}</t-button>`}
       </t-empty>`;
     }
     return html`${renderTable({
-        label: "Audit log",
+        label: msg("Audit log"),
         columns: this.columns,
         rows: page.rows,
         key: ({ id }) => id,
@@ -118,17 +120,17 @@ export class PageAudit extends LitElement {
       <div class="actions paging">
         ${this.trail.length === 0
           ? nothing
-          : html`<t-button @click=${this.showNewest}>Newest</t-button><t-button @click=${this.showNewer}>Newer</t-button>`}
-        ${page.more ? html`<t-button @click=${this.showOlder}>Older</t-button>` : html`<span class="muted">This is the oldest.</span>`}
+          : html`<t-button @click=${this.showNewest}>${msg("Newest")}</t-button><t-button @click=${this.showNewer}>${msg("Newer")}</t-button>`}
+        ${page.more ? html`<t-button @click=${this.showOlder}>${msg("Older")}</t-button>` : html`<span class="muted">${msg("This is the oldest.")}</span>`}
       </div>`;
   }
 
   private readonly columns: readonly TableColumn<AuditRow>[] = [
-    { title: "Time", name: "when", cell: ({ time_us, site }) => html`<t-time .us=${time_us} .zone=${this.sites.store?.zoneOf(site) ?? "UTC"}></t-time>` },
-    { title: "Who", name: "who", cell: renderPerson },
-    { title: "What", name: "what", cell: ({ kind, message }) => html`<strong>${kind}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
-    { title: "Where", name: "where", cell: ({ site, device, source }) => [site, device, source === "gateway" ? "said by the gateway" : ""].filter(Boolean).join(" · ") || html`<span class="muted">hub</span>` },
-    { title: "Outcome", cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? "done" : "refused"}></t-status>` },
+    { title: msg("Time"), name: "when", cell: ({ time_us, site }) => html`<t-time .us=${time_us} .zone=${this.sites.store?.zoneOf(site) ?? "UTC"}></t-time>` },
+    { title: msg("Who"), name: "who", cell: renderPerson },
+    { title: msg("What"), name: "what", cell: ({ kind, message }) => html`<strong>${kind}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
+    { title: msg("Where"), name: "where", cell: ({ site, device, source }) => [site, device, source === "gateway" ? msg("said by the gateway") : ""].filter(Boolean).join(" · ") || html`<span class="muted">${msg("hub")}</span>` },
+    { title: msg("Outcome"), cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? msg("done") : msg("refused")}></t-status>` },
   ];
 
   private filter(): AuditFilter {
@@ -160,14 +162,14 @@ export class PageAudit extends LitElement {
 
   private readonly verifyChain = (): void => {
     this.check = null;
-    void this.action.run("verify the chain", async () => {
+    void this.action.run(msg("verify the chain"), async () => {
       this.check = await new AdminApi(this.api).checkAudit();
     });
   };
 }
 
 function renderPerson({ who, address }: AuditRow): TemplateResult {
-  return html`${who === "" ? html`<span class="muted">nobody</span>` : who}
+  return html`${who === "" ? html`<span class="muted">${msg("nobody")}</span>` : who}
   ${address === "" ? nothing : html`<span class="muted small">${address}</span>`}`;
 }
 

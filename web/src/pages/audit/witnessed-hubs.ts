@@ -1,6 +1,7 @@
 /** Other hubs that leave signed heads of their audit logs here, where they cannot write over them. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -40,7 +41,7 @@ export class WitnessedHubs extends LitElement {
   private readonly action = new ActionController(this);
   private readonly form = new OpenSubject<"new">(this);
   private readonly removing = new QuestionController<WitnessedHubShape>(this, (row, action) =>
-    action.run("remove it", () => new AdminApi(this.api).removeWitnessedHub(row.id)).finally(this.rows.invalidate),
+    action.run(msg("remove it"), () => new AdminApi(this.api).removeWitnessedHub(row.id)).finally(this.rows.invalidate),
   );
 
   override willUpdate(): void {
@@ -50,44 +51,43 @@ export class WitnessedHubs extends LitElement {
   override render(): TemplateResult {
     return html`<div class="head">
         <div>
-          <h2>Logs of other hubs</h2>
-          <p class="muted">Another hub leaves the signed heads of its audit log here. Who makes that log anew cannot change them.</p>
+          <h2>${msg("Logs of other hubs")}</h2>
+          <p class="muted">${msg("Another hub leaves the signed heads of its audit log here. Who makes that log anew cannot change them.")}</p>
         </div>
-        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>Add a hub</t-button>
+        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>${msg("Add a hub")}</t-button>
       </div>
       ${renderAdvice(this.action.problem)} ${this.made === "" ? nothing : this.renderShown()}
       ${this.form.isOpen ? this.renderForm() : nothing}
-      ${renderLoaded(this.rows, "the list of other hubs", (rows) => this.renderList(rows))}
+      ${renderLoaded(this.rows, msg("the list of other hubs"), (rows) => this.renderList(rows))}
       ${renderQuestion(this.removing, ({ name, heads }) => ({
-        heading: `Remove ${name}?`,
-        action: "Remove it",
-        keep: "Keep it",
-        text: `Its ${String(heads)} heads are deleted, and nothing here shows any more what its log was. Save them first.`,
+        heading: msg(str`Remove ${name}?`),
+        action: msg("Remove it"),
+        keep: msg("Keep it"),
+        text: msg(str`Its ${String(heads)} heads are deleted, and nothing here shows any more what its log was. Save them first.`),
       }))}`;
   }
 
   private renderForm(): TemplateResult {
     return html`<form class="fields" novalidate @submit=${this.onSubmit}>
-      <t-field label="Name of the other hub" error=${this.wrong}>
+      <t-field label=${msg("Name of the other hub")} error=${this.wrong}>
         <input id="name" autocomplete="off" maxlength="100" />
       </t-field>
-      <t-field label="Keep its heads for" hint="Days: 7 to 3660. The newest stays.">
+      <t-field label=${msg("Keep its heads for")} hint=${msg("Days: 7 to 3660. The newest stays.")}>
         <input id="days" type="number" min="7" max="3660" value="730" />
       </t-field>
-      ${renderFormActions({ submit: "Make a token for it", busy: this.action.busy, cancel: this.closeForm })}
+      ${renderFormActions({ submit: msg("Make a token for it"), busy: this.action.busy, cancel: this.closeForm })}
     </form>`;
   }
 
   private renderShown(): TemplateResult {
     return renderShownOnce(
-      { label: "Token", secret: this.made, done: "I have kept it", onDone: this.closeSecret },
-      html`<strong>The token is not shown again.</strong> Put it into a file on the other hub's machine, and name that file in its
-        <code>--audit-hub</code> settings. It leaves heads here and opens nothing.`,
+      { label: msg("Token"), secret: this.made, done: msg("I have kept it"), onDone: this.closeSecret },
+      html`${msg(html`<strong>The token is not shown again.</strong> Put it into a file on the other hub's machine, and name that file in its <code>--audit-hub</code> settings. It leaves heads here and opens nothing.`)}`,
     );
   }
 
   private renderList(rows: readonly WitnessedHubShape[]): unknown {
-    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">There are none.</p>`;
+    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("There are none.")}</p>`;
     return renderRows(rows, (row) => this.renderRow(row));
   }
 
@@ -99,21 +99,21 @@ export class WitnessedHubs extends LitElement {
         <span class="name">${row.name}</span>
         <t-status kind=${kind} word=${word}></t-status>
         <div class="facts">
-          ${row.row === 0 ? nothing : html`<span>row ${row.row} at <t-time .us=${row.time_us} .zone=${zone}></t-time></span>`}
-          <span>last heard <t-time .us=${row.heard_us} .zone=${zone}></t-time></span>
-          <span>${row.heads} heads, each kept ${row.keep_days} days</span>
-          ${row.key === "" ? nothing : html`<span>key ${row.key}</span>`}
+          ${row.row === 0 ? nothing : html`<span>${msg(html`row ${row.row} at <t-time .us=${row.time_us} .zone=${zone}></t-time>`)}</span>`}
+          <span>${msg(html`last heard <t-time .us=${row.heard_us} .zone=${zone}></t-time>`)}</span>
+          <span>${msg(str`${row.heads} heads, each kept ${row.keep_days} days`)}</span>
+          ${row.key === "" ? nothing : html`<span>${msg(str`key ${row.key}`)}</span>`}
         </div>
         ${row.problem === ""
           ? nothing
           : html`<t-problem
-              what=${`What ${row.name} says of its log does not fit together: ${row.problem}.`}
-              how="Save its heads, and hold its log against them on its machine: talaia audit verify --heads FILE."
+              what=${msg(str`What ${row.name} says of its log does not fit together: ${row.problem}.`)}
+              how=${msg("Save its heads, and hold its log against them on its machine: talaia audit verify --heads FILE.")}
             ></t-problem>`}
       </div>
       <div class="actions">
-        <a download href=${`/api/audit/hubs/${encodeURIComponent(row.id)}/heads`} aria-label=${`Save the heads of ${row.name}`}>Save its heads</a>
-        <t-button label=${`Remove ${row.name}`} @click=${this.removing.opener(row)}>Remove…</t-button>
+        <a download href=${`/api/audit/hubs/${encodeURIComponent(row.id)}/heads`} aria-label=${msg(str`Save the heads of ${row.name}`)}>${msg("Save its heads")}</a>
+        <t-button label=${msg(str`Remove ${row.name}`)} @click=${this.removing.opener(row)}>${msg("Remove…")}</t-button>
       </div>
     </li>`;
   }
@@ -123,10 +123,10 @@ export class WitnessedHubs extends LitElement {
     const name = this.name.value.trim();
     const days = Number(this.days.value);
     const possible = Number.isInteger(days) && days >= 7 && days <= 3660;
-    this.wrong = name === "" ? "It needs a name." : possible ? "" : "Days: a whole number from 7 to 3660.";
+    this.wrong = name === "" ? msg("It needs a name.") : possible ? "" : msg("Days: a whole number from 7 to 3660.");
     if (this.wrong !== "") return;
     void this.action
-      .run("add the hub", async () => {
+      .run(msg("add the hub"), async () => {
         this.made = (await new AdminApi(this.api).addWitnessedHub(name, days)).token;
       })
       .then((done) => {

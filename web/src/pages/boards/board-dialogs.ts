@@ -1,6 +1,7 @@
 /** What is asked of a board besides arranging it: which tile to add, its versions, and who sees it. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -122,26 +123,26 @@ export class BoardVersions extends LitElement {
     const { row } = this;
     if (row === null) return nothing;
     return html`${renderAdvice(this.action.problem)}
-      ${renderLoaded(this.versions, "the versions", ({ versions }) => html`<ul aria-label="Versions">
+      ${renderLoaded(this.versions, msg("the versions"), ({ versions }) => html`<ul aria-label=${msg("Versions")}>
         ${map(
           versions,
           ({ number, time_us: time, who, note }) => html`<li>
-            <div><strong>Version ${number}</strong>${note === "" ? nothing : ` – ${note}`}<div class="facts"><t-time .us=${time} .zone=${this.zone}></t-time> ${who}</div></div>
+            <div><strong>${msg(str`Version ${number}`)}</strong>${note === "" ? nothing : ` – ${note}`}<div class="facts"><t-time .us=${time} .zone=${this.zone}></t-time> ${who}</div></div>
             ${number === row.number
-              ? html`<span class="facts">as it is now</span>`
+              ? html`<span class="facts">${msg("as it is now")}</span>`
               : row.may_change
-                ? html`<t-button ?busy=${this.action.runningKey === String(number)} label=${`Restore version ${String(number)}`} @click=${this.restorer(row, number)}>Restore</t-button>`
+                ? html`<t-button ?busy=${this.action.runningKey === String(number)} label=${msg(str`Restore version ${String(number)}`)} @click=${this.restorer(row, number)}>${msg("Restore")}</t-button>`
                 : nothing}
           </li>`,
         )}
       </ul>`)}
-      <p>A restored version becomes the newest one: nothing is lost.</p>`;
+      <p>${msg("A restored version becomes the newest one: nothing is lost.")}</p>`;
   }
 
   private restorer(row: BoardRow, number: number): () => void {
     return () => {
       const restore = (): Promise<unknown> => new BoardsApi(this.api).restoreVersion(row.key, number, row.number);
-      void this.action.run("restore the version", restore, "", String(number)).then((done) => {
+      void this.action.run(msg("restore the version"), restore, "", String(number)).then((done) => {
         if (done) this.dispatchEvent(new CustomEvent("t-changed"));
       });
     };
@@ -149,10 +150,10 @@ export class BoardVersions extends LitElement {
 }
 
 const SHARES: readonly (readonly [share: BoardRow["share"], title: string, about: string])[] = [
-  ["own", "Only you", "Nobody else sees it; admins of the hub can."],
-  ["role", "Your role", "Everybody who has your role sees it."],
-  ["view", "Who may view", "Everybody with the right view at its site, and that site's displays."],
-  ["public", "Everybody", "Everybody who is signed in, guests and every display. An admin decides that."],
+  ["own", msg("Only you"), msg("Nobody else sees it; admins of the hub can.")],
+  ["role", msg("Your role"), msg("Everybody who has your role sees it.")],
+  ["view", msg("Who may view"), msg("Everybody with the right view at its site, and that site's displays.")],
+  ["public", msg("Everybody"), msg("Everybody who is signed in, guests and every display. An admin decides that.")],
 ];
 
 /** @fires t-changed it is shared with others now */
@@ -199,7 +200,7 @@ export class BoardShareForm extends LitElement {
     if (row === null) return nothing;
     return html`${renderAdvice(this.action.problem)}
       <fieldset>
-        <legend class="visually-hidden">Who sees it</legend>
+        <legend class="visually-hidden">${msg("Who sees it")}</legend>
         ${map(
           SHARES,
           ([share, title, about]) => html`<label>
@@ -208,8 +209,8 @@ export class BoardShareForm extends LitElement {
           </label>`,
         )}
       </fieldset>
-      <p>It opens no data: on each tile everybody sees what their own role may see.${row.may_share ? "" : " To share takes the right use at the board's site."}</p>
-      <t-button kind="primary" ?busy=${this.action.busy} @click=${this.share}>Share it so</t-button>`;
+      <p>${row.may_share ? msg("It opens no data: on each tile everybody sees what their own role may see.") : msg("It opens no data: on each tile everybody sees what their own role may see. To share takes the right use at the board's site.")}</p>
+      <t-button kind="primary" ?busy=${this.action.busy} @click=${this.share}>${msg("Share it so")}</t-button>`;
   }
 
   private mayChoose(row: BoardRow, share: BoardRow["share"]): boolean {
@@ -228,7 +229,7 @@ export class BoardShareForm extends LitElement {
     const api = new BoardsApi(this.api);
     const { chosen } = this;
     const role = row.share === "role" && row.role !== "" ? row.role : this.ownRole;
-    const done = await this.action.run("share the board", () =>
+    const done = await this.action.run(msg("share the board"), () =>
       chosen === "public" ? api.publishBoard(row.key) : api.shareBoard(row.key, { share: chosen, role: chosen === "role" ? role : "" }),
     );
     if (done) this.dispatchEvent(new CustomEvent("t-changed"));

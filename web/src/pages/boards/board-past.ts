@@ -1,5 +1,6 @@
 /** A board's page looks back: it owns the past moment, moves it with the pictures that are drawn, and shows its bar. */
 
+import { msg, str } from "@lit/localize";
 import { html, nothing, type ReactiveController, type ReactiveControllerHost } from "lit";
 import { repeat } from "lit/directives/repeat.js";
 import type { BoardQuery } from "../../boards/board-query.js";
@@ -116,7 +117,7 @@ export class BoardPast implements ReactiveController {
     const { zone } = detail;
     const mayWrite = detail.devices.some(({ rights }) => rights.includes("use"));
     if (wrongAt !== "") {
-      return html`<t-banner kind="bad">The address asks for the moment “${wrongAt}”, which is no time. Expected is one such as at=2026-03-29T21:15:00Z. The board shows now.</t-banner>`;
+      return html`<t-banner kind="bad">${msg(str`The address asks for the moment “${wrongAt}”, which is no time. Expected is one such as at=2026-03-29T21:15:00Z. The board shows now.`)}</t-banner>`;
     }
     if (board === null) return nothing;
     return html`<t-time-bar
@@ -142,7 +143,7 @@ export class BoardPast implements ReactiveController {
       @t-retry=${this.onRetry}
       >${this.renderMarks(board, zone)}
       <t-compare-runs slot="keys" .site=${detail.site} .zone=${zone} .span=${barSpan(board.us, board.endUs, this.lengthUs)} @t-runs=${this.onRuns}></t-compare-runs>
-      ${this.other === null ? nothing : html`<t-button slot="keys" kind="quiet" @click=${this.endComparison}>End the comparison</t-button>`}</t-time-bar
+      ${this.other === null ? nothing : html`<t-button slot="keys" kind="quiet" @click=${this.endComparison}>${msg("End the comparison")}</t-button>`}</t-time-bar
     >${this.writer.renderDialog(detail.site, zone, detail)}`;
   }
 
@@ -171,7 +172,7 @@ export class BoardPast implements ReactiveController {
 
   private renderMark({ marks, kind, good }: MarkCluster, share: number, zone: string): unknown {
     const [first] = marks;
-    const more = marks.length > 1 ? `, and ${String(marks.length - 1)} more` : "";
+    const more = marks.length > 1 ? msg(str`, and ${String(marks.length - 1)} more`) : "";
     const words = first === undefined ? "" : `${formatClock(first.timeUs, zone)} ${first.title}: ${first.message}${more}`;
     const seek = (): void => {
       if (first !== undefined) this.board?.seek(first.timeUs);

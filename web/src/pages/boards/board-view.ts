@@ -1,6 +1,7 @@
 /** A board with its tiles at work: it subscribes to what they show, and lets them be arranged. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { keyed } from "lit/directives/keyed.js";
@@ -96,7 +97,7 @@ export class BoardView extends LitElement {
     const { board, context, grid, past } = this;
     if (board === null || context === null) return nothing;
     if (board.tiles.length === 0) {
-      return html`<t-empty heading="No tile yet" icon="devices"><p>${this.editing ? "Add the first one: it goes where there is room." : "Nothing stands on this board yet."}</p></t-empty>`;
+      return html`<t-empty heading=${msg("No tile yet")} icon="devices"><p>${this.editing ? msg("Add the first one: it goes where there is room.") : msg("Nothing stands on this board yet.")}</p></t-empty>`;
     }
     const tiles = new Map(board.tiles.map((tile) => [tile.id, tile]));
     // In the order in which they are read, so that Tab goes through them like the eye.
@@ -104,7 +105,7 @@ export class BoardView extends LitElement {
     const named = items.map((item): NamedItem => {
       const tile = tiles.get(item.id);
       const entry = boardTileEntry(tile?.type ?? "");
-      const name = tile?.title || (entry?.titleOf?.(tile?.settings ?? {}, context) ?? entry?.title ?? "Tile");
+      const name = tile?.title || (entry?.titleOf?.(tile?.settings ?? {}, context) ?? entry?.title ?? msg("Tile"));
       return { ...item, name, least: entry?.least ?? [1, 1] };
     });
     const tileGrid = html`<t-board-grid .items=${named} .grid=${grid} ?editing=${this.editing} @t-arrange=${this.passOn} @t-settings=${this.passOn} @t-remove=${this.passOn}>

@@ -1,6 +1,7 @@
 /** One board: looked at, arranged, saved with versions, shared, exported, and filling a screen. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { nextInCycle, readBoardQuery, writeBoardQuery } from "../../boards/board-query.js";
@@ -44,10 +45,10 @@ import "./board-view.js";
 import "./tile-form.js";
 
 const GRIDS: readonly ChoiceOption[] = [
-  { id: "desktop", label: "Desktop" },
-  { id: "phone", label: "Phone" },
+  { id: "desktop", label: msg("Desktop") },
+  { id: "phone", label: msg("Phone") },
 ];
-const RUNS: readonly string[] = ["First run", "Second run"];
+const RUNS: readonly string[] = [msg("First run"), msg("Second run")];
 const PHONE = "(max-width: 45rem)";
 
 /** @fires t-site which site it shows: the dashboard around it is then of that site, too */
@@ -121,7 +122,7 @@ export class PageBoard extends LitElement {
     if (trouble !== null) return trouble;
     const { board } = this;
     const detail = this.detail.value;
-    if (board === null || detail === undefined) return html`<t-loading what="Loading the board"></t-loading>`;
+    if (board === null || detail === undefined) return html`<t-loading what=${msg("Loading the board")}></t-loading>`;
     const view = this.renderView(board, detail);
     if (this.kiosk) return html`<h1 class="visually-hidden">${board.name}</h1>${this.renderKioskBar()}${this.past.renderBar(detail, this.query)}${view}`;
     return html`${this.renderHead(board, detail)} ${renderAdvice(this.action.problem)}<p class="said" role="status">${this.action.doneText}</p>
@@ -172,21 +173,21 @@ export class PageBoard extends LitElement {
     const template = readTemplateKey(this.key);
     const failed = template === null && this.kept.result.state === "failed" ? this.kept.result.error : null;
     if (failed !== null) {
-      if (failed instanceof Refused && failed.status === 404) return this.renderMissing("There is no such board, or it is not shared with you.");
-      return renderAdvice(adviceFor(failed, "the board"), this.kept.invalidate);
+      if (failed instanceof Refused && failed.status === 404) return this.renderMissing(msg("There is no such board, or it is not shared with you."));
+      return renderAdvice(adviceFor(failed, msg("the board")), this.kept.invalidate);
     }
     if (this.detail.result.state === "failed") {
       const { error } = this.detail.result;
-      if (error instanceof Refused && error.status === 404) return this.renderMissing("Its site is not known here, or your role may not see it.");
-      return renderAdvice(adviceFor(error, "the board's site"), this.detail.invalidate);
+      if (error instanceof Refused && error.status === 404) return this.renderMissing(msg("Its site is not known here, or your role may not see it."));
+      return renderAdvice(adviceFor(error, msg("the board's site")), this.detail.invalidate);
     }
-    if (template !== null && this.detail.value !== undefined && this.keptBoard === null) return this.renderMissing("The description has nothing that it is made of any more.");
-    if (this.sites.store?.status === "ready" && this.shownSite === "" && this.row !== null) return this.renderMissing("No site is connected yet: a board shows one.");
+    if (template !== null && this.detail.value !== undefined && this.keptBoard === null) return this.renderMissing(msg("The description has nothing that it is made of any more."));
+    if (this.sites.store?.status === "ready" && this.shownSite === "" && this.row !== null) return this.renderMissing(msg("No site is connected yet: a board shows one."));
     return null;
   }
 
   private renderMissing(why: string): TemplateResult {
-    return html`<h1>Board</h1><t-empty heading="This board is not open to you" icon="lock"><p>${why}</p><p><a href="/boards">All boards</a></p></t-empty>`;
+    return html`<h1>${msg("Board")}</h1><t-empty heading=${msg("This board is not open to you")} icon="lock"><p>${why}</p><p><a href="/boards">${msg("All boards")}</a></p></t-empty>`;
   }
 
   private renderView(board: BoardShape, detail: SiteShape): TemplateResult {
@@ -230,7 +231,7 @@ export class PageBoard extends LitElement {
     const display = this.session.store?.person?.role === "display";
     return html`<div class="head">
       <div>
-        <p class="muted"><a href="/boards">Boards</a>${row === null ? " · made of the description" : row.described ? " · of the site's description" : ` · of ${row.owner}, version ${String(row.number)}`}</p>
+        <p class="muted"><a href="/boards">${msg("Boards")}</a>${row === null ? msg(" · made of the description") : row.described ? msg(" · of the site's description") : msg(str` · of ${row.owner}, version ${String(row.number)}`)}</p>
         <h1>${board.name}</h1>
         ${this.renderSubjects(board, detail)}
       </div>
@@ -238,15 +239,15 @@ export class PageBoard extends LitElement {
         ? nothing
         : html`<div class="tools">
             ${row?.may_change === true
-              ? html`<t-button @click=${this.beginArranging}>Arrange</t-button>`
-              : html`<t-button ?busy=${this.action.busy} @click=${this.saveCopy}>Save a copy to arrange</t-button>`}
-            ${this.past.board === null ? html`<t-button @click=${this.past.lookBack}>Look back</t-button>` : nothing}
-            <t-button @click=${this.fillScreen}>Fill the screen</t-button>
-            <t-menu label="More of this board"><span slot="label">More</span>
-              ${row === null || row.described ? nothing : html`<t-button @click=${this.onVersions}>Versions…</t-button>`}
-              ${row?.may_change === true ? html`<t-button @click=${this.onShare}>Share…</t-button>` : nothing}
-              <t-button @click=${this.exportFile}>Export as YAML</t-button>
-              ${row?.may_change === true ? html`<t-button @click=${this.saveCopy}>Save a copy</t-button><t-button kind="danger" @click=${this.removing.opener(row)}>Remove…</t-button>` : nothing}
+              ? html`<t-button @click=${this.beginArranging}>${msg("Arrange")}</t-button>`
+              : html`<t-button ?busy=${this.action.busy} @click=${this.saveCopy}>${msg("Save a copy to arrange")}</t-button>`}
+            ${this.past.board === null ? html`<t-button @click=${this.past.lookBack}>${msg("Look back")}</t-button>` : nothing}
+            <t-button @click=${this.fillScreen}>${msg("Fill the screen")}</t-button>
+            <t-menu label=${msg("More of this board")}><span slot="label">${msg("More")}</span>
+              ${row === null || row.described ? nothing : html`<t-button @click=${this.onVersions}>${msg("Versions…")}</t-button>`}
+              ${row?.may_change === true ? html`<t-button @click=${this.onShare}>${msg("Share…")}</t-button>` : nothing}
+              <t-button @click=${this.exportFile}>${msg("Export as YAML")}</t-button>
+              ${row?.may_change === true ? html`<t-button @click=${this.saveCopy}>${msg("Save a copy")}</t-button><t-button kind="danger" @click=${this.removing.opener(row)}>${msg("Remove…")}</t-button>` : nothing}
             </t-menu>
           </div>`}
     </div>`;
@@ -261,29 +262,29 @@ export class PageBoard extends LitElement {
     const uses = board.kind !== "" || JSON.stringify(board.tiles).includes("$device");
     if (!free && (!uses || fits.length < 2)) return html`<p class="muted">${board.note || detail.name}</p>`;
     return html`<div class="subjects">
-      ${free ? html`<label>Site <select aria-label="Site of the board" @change=${this.onSite}>${renderOptions(list.map(({ site, name }) => [site, name] as const), detail.site)}</select></label>` : nothing}
-      ${uses && fits.length > 1 ? html`<label>Device <select aria-label="Device of the board" @change=${this.onDevice}>${renderOptions(fits.map(({ id, name }) => [id, name] as const), device?.id ?? "")}</select></label>` : nothing}
+      ${free ? html`<label>${msg("Site")} <select aria-label=${msg("Site of the board")} @change=${this.onSite}>${renderOptions(list.map(({ site, name }) => [site, name] as const), detail.site)}</select></label>` : nothing}
+      ${uses && fits.length > 1 ? html`<label>${msg("Device")} <select aria-label=${msg("Device of the board")} @change=${this.onDevice}>${renderOptions(fits.map(({ id, name }) => [id, name] as const), device?.id ?? "")}</select></label>` : nothing}
     </div>`;
   }
 
   private renderKioskBar(): TemplateResult {
     const lost = this.link.state !== "open";
-    return html`${lost ? html`<t-banner kind="bad">No connection to the hub. What you see is old.</t-banner>` : nothing}
-      <div class="leave"><t-button @click=${this.leaveKiosk}>Leave full screen</t-button></div>`;
+    return html`${lost ? html`<t-banner kind="bad">${msg("No connection to the hub. What you see is old.")}</t-banner>` : nothing}
+      <div class="leave"><t-button @click=${this.leaveKiosk}>${msg("Leave full screen")}</t-button></div>`;
   }
 
   // ── arranging ───────────────────────────────────────────────────────────────────────────
 
   private renderArrangeBar(board: BoardShape): TemplateResult {
     const { draft } = this;
-    return html`<section class="arrange" aria-label="Arrange the board" data-turn=${this.draftKey}>
-      <t-field label="Name"><input name="name" type="text" maxlength="100" .value=${board.name} @input=${this.onName} /></t-field>
-      <t-choice label="Layout for" .options=${GRIDS} .chosen=${this.grid} @t-choose=${this.onGrid}></t-choice>
-      <t-button @click=${this.onAddTile}>Add a tile…</t-button>
-      <t-button kind="quiet" ?disabled=${draft?.canUndo !== true} @click=${this.undo}>Undo</t-button>
-      <t-button kind="quiet" ?disabled=${draft?.canRedo !== true} @click=${this.redo}>Redo</t-button>
-      <t-button kind="primary" ?busy=${this.action.busy} @click=${this.save}>Save</t-button>
-      <t-button @click=${this.cancelArranging}>${draft?.isChanged === true ? "Discard" : "Done"}</t-button>
+    return html`<section class="arrange" aria-label=${msg("Arrange the board")} data-turn=${this.draftKey}>
+      <t-field label=${msg("Name")}><input name="name" type="text" maxlength="100" .value=${board.name} @input=${this.onName} /></t-field>
+      <t-choice label=${msg("Layout for")} .options=${GRIDS} .chosen=${this.grid} @t-choose=${this.onGrid}></t-choice>
+      <t-button @click=${this.onAddTile}>${msg("Add a tile…")}</t-button>
+      <t-button kind="quiet" ?disabled=${draft?.canUndo !== true} @click=${this.undo}>${msg("Undo")}</t-button>
+      <t-button kind="quiet" ?disabled=${draft?.canRedo !== true} @click=${this.redo}>${msg("Redo")}</t-button>
+      <t-button kind="primary" ?busy=${this.action.busy} @click=${this.save}>${msg("Save")}</t-button>
+      <t-button @click=${this.cancelArranging}>${draft?.isChanged === true ? msg("Discard") : msg("Done")}</t-button>
     </section>`;
   }
 
@@ -291,23 +292,23 @@ export class PageBoard extends LitElement {
     const tile = board.tiles.find(({ id }) => id === this.settingsOf) ?? null;
     const { row } = this;
     const person = this.session.store?.person;
-    return html`<t-dialog heading="Add a tile" ?open=${this.open === "add"} @t-close=${this.onDialogClose}>
+    return html`<t-dialog heading=${msg("Add a tile")} ?open=${this.open === "add"} @t-close=${this.onDialogClose}>
         ${this.open === "add" ? html`<t-tile-picker @t-choose=${this.onAdd}></t-tile-picker>` : nothing}
-        <t-button slot="actions" @click=${this.onDialogClose}>Cancel</t-button>
+        <t-button slot="actions" @click=${this.onDialogClose}>${msg("Cancel")}</t-button>
       </t-dialog>
-      <t-dialog heading=${`Settings: ${boardTileEntry(tile?.type ?? "")?.title ?? "Tile"}`} ?open=${tile !== null && this.draft !== null} @t-close=${this.onSettingsClose}>
+      <t-dialog heading=${msg(str`Settings: ${boardTileEntry(tile?.type ?? "")?.title ?? msg("Tile")}`)} ?open=${tile !== null && this.draft !== null} @t-close=${this.onSettingsClose}>
         ${tile === null ? nothing : html`<t-tile-form .tile=${tile} .subjects=${{ detail, device: this.device(board, detail) }} .extensions=${this.tiles.value?.tiles ?? []} @t-tile=${this.onTile}></t-tile-form>`}
-        <t-button slot="actions" kind="primary" @click=${this.onSettingsClose}>Done</t-button>
+        <t-button slot="actions" kind="primary" @click=${this.onSettingsClose}>${msg("Done")}</t-button>
       </t-dialog>
-      <t-dialog heading="Versions" ?open=${this.open === "versions"} @t-close=${this.onDialogClose}>
+      <t-dialog heading=${msg("Versions")} ?open=${this.open === "versions"} @t-close=${this.onDialogClose}>
         ${this.open === "versions" ? html`<t-board-versions .row=${row} .zone=${detail.zone} @t-changed=${this.onBoardChanged}></t-board-versions>` : nothing}
-        <t-button slot="actions" @click=${this.onDialogClose}>Close</t-button>
+        <t-button slot="actions" @click=${this.onDialogClose}>${msg("Close")}</t-button>
       </t-dialog>
-      <t-dialog heading="Who sees this board" ?open=${this.open === "share"} @t-close=${this.onDialogClose}>
+      <t-dialog heading=${msg("Who sees this board")} ?open=${this.open === "share"} @t-close=${this.onDialogClose}>
         ${this.open === "share" ? html`<t-board-share .row=${row} .ownRole=${person?.role ?? ""} ?admin=${person?.admin ?? false} @t-changed=${this.onBoardChanged}></t-board-share>` : nothing}
-        <t-button slot="actions" @click=${this.onDialogClose}>Close</t-button>
+        <t-button slot="actions" @click=${this.onDialogClose}>${msg("Close")}</t-button>
       </t-dialog>
-      ${renderQuestion(this.removing, ({ name }) => ({ heading: `Remove ${name}?`, action: "Remove it", text: "It goes with all its versions, for everybody. That cannot be taken back." }))}`;
+      ${renderQuestion(this.removing, ({ name }) => ({ heading: msg(str`Remove ${name}?`), action: msg("Remove it"), text: msg("It goes with all its versions, for everybody. That cannot be taken back.") }))}`;
   }
 
   private redrawDraft(): void {
@@ -403,7 +404,7 @@ export class PageBoard extends LitElement {
     const { draft, row } = this;
     if (draft === null || row === null) return;
     const board = draft.board;
-    const done = await this.action.run("save the board", () => new BoardsApi(this.api).saveBoard(row.key, board, row.number), "Saved.");
+    const done = await this.action.run(msg("save the board"), () => new BoardsApi(this.api).saveBoard(row.key, board, row.number), msg("Saved."));
     if (!done) return;
     this.draft = null;
     this.kept.invalidate();
@@ -413,15 +414,15 @@ export class PageBoard extends LitElement {
     const board = this.keptBoard;
     if (board === null) return;
     let key = "";
-    const name = readTemplateKey(this.key) === null ? `Copy of ${board.name}`.slice(0, 100) : board.name;
-    const done = await this.action.run("save a copy", async () => {
-      ({ key } = await new BoardsApi(this.api).addBoard({ ...board, name }, `copy of ${board.name}`.slice(0, 200)));
+    const name = readTemplateKey(this.key) === null ? msg(str`Copy of ${board.name}`).slice(0, 100) : board.name;
+    const done = await this.action.run(msg("save a copy"), async () => {
+      ({ key } = await new BoardsApi(this.api).addBoard({ ...board, name }, msg(str`copy of ${board.name}`).slice(0, 200)));
     });
     if (done) this.router.store?.navigate(`${boardPath(key)}?arrange=1`);
   };
 
   private async removeBoard(row: BoardRow, action: ActionController): Promise<boolean> {
-    const done = await action.run("remove the board", () => new BoardsApi(this.api).removeBoard(row.key));
+    const done = await action.run(msg("remove the board"), () => new BoardsApi(this.api).removeBoard(row.key));
     if (done) this.router.store?.navigate("/boards");
     return done;
   }
@@ -429,7 +430,7 @@ export class PageBoard extends LitElement {
   private readonly exportFile = async (): Promise<void> => {
     const board = this.keptBoard;
     if (board === null) return;
-    await this.action.run("export the board", async () => {
+    await this.action.run(msg("export the board"), async () => {
       const text = await new BoardsApi(this.api).writeText(board);
       const link = document.createElement("a");
       link.href = URL.createObjectURL(new Blob([text], { type: "text/yaml" }));

@@ -1,6 +1,7 @@
 /** The boards that are open to the person: their own, shared ones, of descriptions, and those made of these. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -12,6 +13,7 @@ import { base, plainList, raisedBox } from "../../elements/base/base-style.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import type { BoardList, BoardReading, BoardRow, BoardShape, SiteShape } from "../../generated/api.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { boardPath } from "../../state/router.js";
@@ -23,7 +25,7 @@ import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
 
 const SHARES: Readonly<Record<BoardRow["share"], string>> = {
-  own: "only you", role: "the role", view: "who may view the site", public: "everybody",
+  own: msg("only you"), role: msg("the role"), view: msg("who may view the site"), public: msg("everybody"),
 };
 
 /** Read as a text before it is sent: nothing larger is a board. */
@@ -89,25 +91,25 @@ export class PageBoards extends LitElement {
   override render(): TemplateResult {
     const own = this.session.store?.person?.role !== "display";
     return html`${renderPageHead(
-        "Boards",
-        "Tiles as you arrange them. Each shows what your role may see, whoever made the board.",
+        msg("Boards"),
+        msg("Tiles as you arrange them. Each shows what your role may see, whoever made the board."),
         own
           ? html`<div class="actions">
-              <t-button ?busy=${this.action.busy} @click=${this.addEmpty}>New board</t-button>
-              <t-button @click=${this.chooseFile}>Import…</t-button>
-              <input type="file" accept=".yaml,.yml,text/yaml" aria-label="A board's file" @change=${this.onFile} />
+              <t-button ?busy=${this.action.busy} @click=${this.addEmpty}>${msg("New board")}</t-button>
+              <t-button @click=${this.chooseFile}>${msg("Import…")}</t-button>
+              <input type="file" accept=".yaml,.yml,text/yaml" aria-label=${msg("A board's file")} @change=${this.onFile} />
             </div>`
           : nothing,
       )}
       ${renderAdvice(this.action.problem)} ${this.renderReading()}
-      ${renderLoaded(this.rows, "the boards", ({ boards }) => this.renderBoards(boards))} ${this.renderTemplates()}`;
+      ${renderLoaded(this.rows, msg("the boards"), ({ boards }) => this.renderBoards(boards))} ${this.renderTemplates()}`;
   }
 
   /** What is wrong with a file, and where. */
   private renderReading(): unknown {
     const { reading } = this;
     if (reading === null || reading.board !== null) return nothing;
-    return html`<t-problem what=${`The file is no board: ${reading.where}: ${reading.problem}.`} how=${reading.remedy || "Mend that place and import it again."}></t-problem>`;
+    return html`<t-problem what=${msg(str`The file is no board: ${reading.where}: ${reading.problem}.`)} how=${reading.remedy || msg("Mend that place and import it again.")}></t-problem>`;
   }
 
   private renderBoards(boards: readonly BoardRow[]): unknown {
@@ -115,7 +117,7 @@ export class PageBoards extends LitElement {
     const mine = boards.filter(({ owner, described }) => !described && owner === name);
     const shared = boards.filter(({ owner, described }) => !described && owner !== name);
     const described = boards.filter((row) => row.described);
-    return html`${this.renderSection("Yours", mine)} ${this.renderSection("Shared with you", shared)} ${this.renderSection("Of sites", described)}`;
+    return html`${this.renderSection(msg("Yours"), mine)} ${this.renderSection(msg("Shared with you"), shared)} ${this.renderSection(msg("Of sites"), described)}`;
   }
 
   private renderSection(title: string, rows: readonly BoardRow[]): unknown {
@@ -129,9 +131,9 @@ export class PageBoards extends LitElement {
             <a href=${boardPath(row.key)}>
               <span class="name">${row.name}</span>
               <span class="facts">
-                <span>${row.tiles === 1 ? "1 tile" : `${String(row.tiles)} tiles`}</span>
-                <span>${row.site === "" ? "any site" : (this.sites.store?.siteRow(row.site)?.name ?? row.site)}</span>
-                ${row.described ? html`<span>in the site's description</span>` : html`<span>of ${row.owner}, seen by ${SHARES[row.share]}${row.share === "role" ? ` ${row.role}` : ""}</span><span>version ${row.number}, <t-time short .us=${row.changed_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span>`}
+                <span>${plural(row.tiles, msg("1 tile"), msg(str`${String(row.tiles)} tiles`))}</span>
+                <span>${row.site === "" ? msg("any site") : (this.sites.store?.siteRow(row.site)?.name ?? row.site)}</span>
+                ${row.described ? html`<span>${msg("in the site's description")}</span>` : html`<span>${msg(str`of ${row.owner}, seen by ${SHARES[row.share]}${row.share === "role" ? ` ${row.role}` : ""}`)}</span><span>${msg(html`version ${row.number}, <t-time short .us=${row.changed_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time>`)}</span>`}
               </span>
             </a>
           </li>`,
@@ -143,12 +145,12 @@ export class PageBoards extends LitElement {
   private renderTemplates(): unknown {
     const details = this.details.value;
     if (this.sites.store?.status === "ready" && this.sites.store.list.length === 0) {
-      return html`<t-empty heading="No site yet" icon="unlinked"><p>Boards are made of a site's description as soon as its gateway has connected.</p></t-empty>`;
+      return html`<t-empty heading=${msg("No site yet")} icon="unlinked"><p>${msg("Boards are made of a site's description as soon as its gateway has connected.")}</p></t-empty>`;
     }
     const templates = (details ?? []).flatMap((detail) => templatesOf(detail).map((template) => ({ detail, template })));
     if (templates.length === 0) return nothing;
-    return html`<section aria-label="Made of the descriptions">
-      <h2>Made of the descriptions</h2>
+    return html`<section aria-label=${msg("Made of the descriptions")}>
+      <h2>${msg("Made of the descriptions")}</h2>
       <ul>${map(templates, ({ detail, template }) => this.renderTemplate(detail, template))}</ul>
     </section>`;
   }
@@ -158,18 +160,18 @@ export class PageBoards extends LitElement {
       <a href=${boardPath(key)}>
         <span class="name">${board.name}</span>
         <span>${board.note}</span>
-        <span class="facts"><span>${board.tiles.length} tiles</span><span>${detail.name}</span></span>
+        <span class="facts"><span>${msg(str`${board.tiles.length} tiles`)}</span><span>${detail.name}</span></span>
       </a>
     </li>`;
   }
 
   private readonly addEmpty = (): void => {
-    void this.addBoard({ name: "New board", note: "", site: "", kind: "", device: "", tiles: [] });
+    void this.addBoard({ name: msg("New board"), note: "", site: "", kind: "", device: "", tiles: [] });
   };
 
   private async addBoard(board: BoardShape, note = ""): Promise<void> {
     let key = "";
-    const done = await this.action.run("make the board", async () => {
+    const done = await this.action.run(msg("make the board"), async () => {
       ({ key } = await new BoardsApi(this.api).addBoard(board, note));
     });
     if (done) this.router.store?.navigate(`${boardPath(key)}?arrange=1`);
@@ -193,15 +195,15 @@ export class PageBoards extends LitElement {
   private async importFile(file: File): Promise<void> {
     this.reading = null;
     if (file.size > MOST_BYTES) {
-      this.reading = { board: null, where: file.name, problem: "it is longer than 256 KiB", remedy: "Choose the file of a board." };
+      this.reading = { board: null, where: file.name, problem: msg("it is longer than 256 KiB"), remedy: msg("Choose the file of a board.") };
       return;
     }
     const text = await file.text();
-    await this.action.run("read the file", async () => {
+    await this.action.run(msg("read the file"), async () => {
       this.reading = await new BoardsApi(this.api).readText(text);
     });
     const board = this.boardRead();
-    if (board !== null) await this.addBoard(board, `imported from ${file.name}`.slice(0, 200));
+    if (board !== null) await this.addBoard(board, msg(str`imported from ${file.name}`).slice(0, 200));
   }
 }
 

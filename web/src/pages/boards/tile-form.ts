@@ -1,6 +1,7 @@
 /** The settings of one tile, as a form that its schema makes. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -77,7 +78,7 @@ export class TileForm extends LitElement {
     const { tile, subjects } = this;
     const entry = boardTileEntry(tile?.type ?? "");
     if (tile === null || subjects === null) return nothing;
-    return html`<t-field label="Title" hint="What it shows gives the title where this is empty">
+    return html`<t-field label=${msg("Title")} hint=${msg("What it shows gives the title where this is empty")}>
         <input name="title" type="text" maxlength="200" .value=${tile.title} @input=${this.onTitle} />
       </t-field>
       ${repeat(
@@ -98,11 +99,11 @@ export class TileForm extends LitElement {
       const choices = this.choicesOf(field, subjects);
       return html`<fieldset tabindex="-1">
         <legend>${label}${hint === "" ? nothing : ` (${hint})`}</legend>
-        ${choices.length === 0 ? html`<p class="muted">There is none of this kind here.</p>` : nothing}
+        ${choices.length === 0 ? html`<p class="muted">${msg("There is none of this kind here.")}</p>` : nothing}
         ${map(choices, ([value, words]) => html`<label><input type="checkbox" .checked=${chosen.includes(value)} @change=${this.setter(key, (input) => (input.checked ? [...chosen, value] : chosen.filter((name) => name !== value)))} /> ${words}</label>`)}
       </fieldset>`;
     }
-    const wrong = field.needed === true && isUnset(tile.settings, key) ? "Without it the tile has nothing to show." : "";
+    const wrong = field.needed === true && isUnset(tile.settings, key) ? msg("Without it the tile has nothing to show.") : "";
     return html`<t-field label=${label} hint=${hint} error=${wrong}>${this.renderControl(field, tile, subjects)}</t-field>`;
   }
 
@@ -155,11 +156,11 @@ export class TileForm extends LitElement {
         return signalChoices(subjects, field.types ?? []).map(({ value, label }) => [value, label] as const);
       case "device": {
         const fits = detail.devices.filter(({ kind }) => field.kinds === undefined || field.kinds.includes(kind));
-        return [...fits.map(({ id, name }) => [id, name] as const), [DEVICE, "The board's device"] as const];
+        return [...fits.map(({ id, name }) => [id, name] as const), [DEVICE, msg("The board's device")] as const];
       }
       case "stream":
       case "streams":
-        return [...detail.devices.flatMap(({ name, streams }) => streams.map((stream) => [stream.address, `${name}: ${stream.name}`] as const)), [DEVICE, "The first camera of the board's device"] as const];
+        return [...detail.devices.flatMap(({ name, streams }) => streams.map((stream) => [stream.address, `${name}: ${stream.name}`] as const)), [DEVICE, msg("The first camera of the board's device")] as const];
       case "command":
         return detail.devices.flatMap(({ id, name, commands }) => commands.map((command) => [`${id}/${command.id}`, `${name}: ${command.name}`] as const));
       case "extension":

@@ -1,5 +1,6 @@
 /** All cameras of a site at once, each as large as there is room for. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -63,10 +64,10 @@ export class PageCameras extends LitElement {
 
   override render(): TemplateResult {
     return html`<div class="head">
-        <h1>Cameras</h1>
-        ${this.hasDetection() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>What they have seen</a></div>` : nothing}
+        <h1>${msg("Cameras")}</h1>
+        ${this.hasDetection() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>${msg("What they have seen")}</a></div>` : nothing}
       </div>
-      ${renderLoaded(this.detail, "the cameras", (detail) => this.renderContent(detail))}`;
+      ${renderLoaded(this.detail, msg("the cameras"), (detail) => this.renderContent(detail))}`;
   }
 
   private mayDraw(): boolean {
@@ -81,8 +82,8 @@ export class PageCameras extends LitElement {
   private renderContent(detail: SiteShape): TemplateResult {
     const cameras = detail.devices.flatMap((device) => device.streams.map((stream) => ({ device, stream })));
     if (cameras.length === 0) {
-      return html`<t-empty heading="No cameras" icon="camera">
-        <p>None of the devices that you may see has a stream in the site's description.</p>
+      return html`<t-empty heading=${msg("No cameras")} icon="camera">
+        <p>${msg("None of the devices that you may see has a stream in the site's description.")}</p>
       </t-empty>`;
     }
     const online = (this.sites.store?.siteRow(this.site)?.online ?? detail.online) && this.link.state === "open";
@@ -106,8 +107,8 @@ export class PageCameras extends LitElement {
           ></t-camera>
           <figcaption>
             ${stream.name} ${device.name === stream.name ? nothing : html`<a href=${devicePath(this.site, device.id)}>${device.name}</a>`}
-            ${device.drive?.ptz === true ? html`<a href=${sitePath(this.site, "drive")}>Pan, tilt, zoom</a>` : nothing}
-            ${this.mayDraw() && !showsExposures(device) ? html`<a class="draw" href=${zonesPath(this.site, stream.address)}>Zones and lines</a>` : nothing}
+            ${device.drive?.ptz === true ? html`<a href=${sitePath(this.site, "drive")}>${msg("Pan, tilt, zoom")}</a>` : nothing}
+            ${this.mayDraw() && !showsExposures(device) ? html`<a class="draw" href=${zonesPath(this.site, stream.address)}>${msg("Zones and lines")}</a>` : nothing}
           </figcaption>
         </figure>`,
       )}

@@ -1,5 +1,6 @@
 /** What the page of a cause says of what it was told. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { CauseShape, EventShape, KnownShape, SimilarShape } from "../../generated/api.js";
 
 export type Verdict = "confirmed" | "forgiven";
@@ -24,9 +25,9 @@ export function sortEvents(events: readonly EventShape[]): { readonly commands: 
 
 /** What people said of the last episode like this one, in words. */
 export function verdictText({ verdict, comment, who }: SimilarShape): string {
-  if (verdict === "") return "Nobody said what it was.";
-  const said = { confirmed: "that it was real", forgiven: "that it was none", known: "that it is known" }[verdict] ?? verdict;
-  return `${who} said ${said}${comment === "" ? "" : `: ${comment}`}.`;
+  if (verdict === "") return msg("Nobody said what it was.");
+  const said = { confirmed: msg("that it was real"), forgiven: msg("that it was none"), known: msg("that it is known") }[verdict] ?? verdict;
+  return msg(str`${who} said ${said}${comment === "" ? "" : `: ${comment}`}.`);
 }
 
 /** What can be said again at one press: of known ones it holds already. */
@@ -36,14 +37,14 @@ export function repeatable(similar: SimilarShape | null): Verdict | null {
 
 /** The word of a person that was said of the last one, for this one. */
 export function repeatedComment({ comment }: SimilarShape, when: string): string {
-  const said = `same as ${when}`;
+  const said = msg(str`same as ${when}`);
   return comment === "" ? said : `${said}: ${comment.replace(/^same as [^:]*(:\d\d)*: /, "")}`.slice(0, 500);
 }
 
 /** While what it holds, and whether it does now. */
 export function knownText({ state_name, holds }: KnownShape): string {
-  if (state_name === "") return "at all times";
-  return `while ${state_name}${holds ? " (now)" : ""}`;
+  if (state_name === "") return msg("at all times");
+  return holds ? msg(str`while ${state_name} (now)`) : msg(str`while ${state_name}`);
 }
 
 /** Names all that were anomalous in that minute in a choice; no address of a signal is so. */

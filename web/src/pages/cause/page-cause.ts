@@ -1,6 +1,7 @@
 /** From an anomaly, alarm or event to its cause: all that was unusual, asked for, seen and said in that minute. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -108,21 +109,21 @@ export class PageCause extends LitElement {
   override render(): TemplateResult {
     const { atUs, zone } = this;
     if (Number.isNaN(atUs)) {
-      return html`${renderPageHead("Cause", "What else was unusual at a moment.")}
-        <t-empty heading="No moment is chosen" icon="live"
-          ><p>Open it from an <a href=${sitePath(this.site, "anomalies")}>anomaly</a>, an <a href="/alarms">alarm</a> or a line of the <a href=${sitePath(this.site, "logbook")}>logbook</a>.</p></t-empty
+      return html`${renderPageHead(msg("Cause"), msg("What else was unusual at a moment."))}
+        <t-empty heading=${msg("No moment is chosen")} icon="live"
+          ><p>${msg(html`Open it from an <a href=${sitePath(this.site, "anomalies")}>anomaly</a>, an <a href="/alarms">alarm</a> or a line of the <a href=${sitePath(this.site, "logbook")}>logbook</a>.`)}</p></t-empty
         >`;
     }
     const site = this.sites.store?.siteRow(this.site)?.name ?? this.site;
     return html`${renderPageHead(
-        "Cause",
-        `What else was unusual at ${site} within a minute of ${formatClock(atUs, zone)}.`,
+        msg("Cause"),
+        msg(str`What else was unusual at ${site} within a minute of ${formatClock(atUs, zone)}.`),
         html`<div class="actions">
-          <a href=${`${sitePath(this.site, "history")}?${momentQuery(atUs)}`}>History</a> <a href=${sitePath(this.site, "logbook")}>Logbook</a>
-          <a href=${sitePath(this.site, "anomalies")}>Anomalies</a>
+          <a href=${`${sitePath(this.site, "history")}?${momentQuery(atUs)}`}>${msg("History")}</a> <a href=${sitePath(this.site, "logbook")}>${msg("Logbook")}</a>
+          <a href=${sitePath(this.site, "anomalies")}>${msg("Anomalies")}</a>
         </div>`,
       )}
-      ${renderLoaded(this.minute, "that minute", (minute) => this.renderMinute(minute))}`;
+      ${renderLoaded(this.minute, msg("that minute"), (minute) => this.renderMinute(minute))}`;
   }
 
   private get atUs(): number {
@@ -150,21 +151,21 @@ export class PageCause extends LitElement {
     return html`${this.action.problem === null ? nothing : renderAdvice(this.action.problem)}
       <p class="quiet" role="status">${this.action.doneText}</p>
       <section class="sheet" aria-labelledby="unusual">
-        <h2 id="unusual">Unusual, the most first</h2>
+        <h2 id="unusual">${msg("Unusual, the most first")}</h2>
         ${cause.unusual.length === 0
-          ? html`<p class="quiet">No detector that you may see said anything unusual in that minute.</p>`
+          ? html`<p class="quiet">${msg("No detector that you may see said anything unusual in that minute.")}</p>`
           : html`<ul class="rows">
               ${map(cause.unusual, (row) => this.renderUnusual(row))}
             </ul>`}
         ${cause.may_use && cause.unusual.length > 0 ? this.renderKnow(cause) : nothing}
       </section>
       <section class="sheet" aria-labelledby="similar">
-        <h2 id="similar">The last time it was like this</h2>
-        ${cause.similar === null ? html`<p class="quiet">There was no episode like it in the last thousand anomalies.</p>` : this.renderSimilar(cause, cause.similar)}
+        <h2 id="similar">${msg("The last time it was like this")}</h2>
+        ${cause.similar === null ? html`<p class="quiet">${msg("There was no episode like it in the last thousand anomalies.")}</p>` : this.renderSimilar(cause, cause.similar)}
       </section>
-      ${this.renderEvents("commanded", "Commanded", commands, "Nothing was commanded in that minute.")}
+      ${this.renderEvents("commanded", msg("Commanded"), commands, msg("Nothing was commanded in that minute."))}
       ${this.renderSightings(sightings)}
-      ${this.renderEvents("said", "Logbook", others, "Nothing else was written down in that minute.")}
+      ${this.renderEvents("said", msg("Logbook"), others, msg("Nothing else was written down in that minute."))}
       ${this.renderLog(log)}
       ${cause.known.length === 0 ? nothing : this.renderKnown(cause)}`;
   }
@@ -176,8 +177,8 @@ export class PageCause extends LitElement {
       <div>
         <a href=${path}>${one.title}</a>
         <div class="score">
-          <t-status kind=${over ? "warn" : "ok"} word=${over ? "anomaly" : "near it"}></t-status>
-          <span>${formatNumber(one.score, 2)}, told from ${formatNumber(one.bar, 2)} (${one.detector})</span>
+          <t-status kind=${over ? "warn" : "ok"} word=${over ? msg("anomaly") : msg("near it")}></t-status>
+          <span>${msg(str`${formatNumber(one.score, 2)}, told from ${formatNumber(one.bar, 2)} (${one.detector})`)}</span>
         </div>
       </div>
       <svg class="excess" viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width=${100 * excessOf(one)} height="6"></rect></svg>
@@ -189,41 +190,40 @@ export class PageCause extends LitElement {
     const when = formatClock(similar.began_us, this.zone);
     const newest = subjectsOf(cause.unusual, ALL).filter((row) => row.newest);
     return html`<p>
-        <a href=${`${sitePath(this.site, "cause")}?${causeQuery(similar.began_us)}`}>${when}</a>: ${similar.names.join(", ")}
-        (${formatNumber(100 * similar.likeness, 0)} % in common)
+        ${msg(html`<a href=${`${sitePath(this.site, "cause")}?${causeQuery(similar.began_us)}`}>${when}</a>: ${similar.names.join(", ")} (${formatNumber(100 * similar.likeness, 0)} % in common)`)}
       </p>
       <p class="quiet">${verdictText(similar)}</p>
       ${verdict === null || newest.length === 0 || !cause.may_use
         ? nothing
         : html`<div class="actions">
-            <t-button kind="primary" ?disabled=${this.action.busy} @click=${this.judger(newest, verdict, repeatedComment(similar, when))}>Same as last time</t-button>
+            <t-button kind="primary" ?disabled=${this.action.busy} @click=${this.judger(newest, verdict, repeatedComment(similar, when))}>${msg("Same as last time")}</t-button>
           </div>`}`;
   }
 
   private renderKnow(cause: CauseShape): TemplateResult | typeof nothing {
     const single = cause.unusual.map(({ address, detector, title }) => [`${address}~${detector}`, `${title} (${detector})`] as const);
     const anomalous = subjectsOf(cause.unusual, ALL).length;
-    const options = anomalous < 2 ? single : [[ALL, `all ${String(anomalous)} that were anomalous`] as const, ...single];
+    const options = anomalous < 2 ? single : [[ALL, msg(str`all ${String(anomalous)} that were anomalous`)] as const, ...single];
     const chosen = this.chosen === "" ? (options[0]?.[0] ?? "") : this.chosen;
     const subjects = subjectsOf(cause.unusual, chosen);
     if (subjects.length === 0) return nothing;
     const newest = subjects.filter((row) => row.newest);
     return html`<div class="known">
-      <t-field label="Say of"><select @change=${this.onSubject}>${renderOptions(options, chosen)}</select></t-field>
+      <t-field label=${msg("Say of")}><select @change=${this.onSubject}>${renderOptions(options, chosen)}</select></t-field>
       ${map(
         cause.states,
-        (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subjects, row)}>Ignore while ${row.title} is ${row.name}</t-button>`,
+        (row) => html`<t-button ?disabled=${this.action.busy} @click=${this.knower(subjects, row)}>${msg(str`Ignore while ${row.title} is ${row.name}`)}</t-button>`,
       )}
       ${newest.length > 0
-        ? html`<t-button ?disabled=${this.action.busy} @click=${this.judger(newest, "confirmed", "")}>It was real</t-button>
-            <t-button ?disabled=${this.action.busy} @click=${this.judger(newest, "forgiven", "")}>Not an anomaly</t-button>`
-        : html`<span class="quiet">Only its newest anomaly can be judged; this is none of it.</span>`}
+        ? html`<t-button ?disabled=${this.action.busy} @click=${this.judger(newest, "confirmed", "")}>${msg("It was real")}</t-button>
+            <t-button ?disabled=${this.action.busy} @click=${this.judger(newest, "forgiven", "")}>${msg("Not an anomaly")}</t-button>`
+        : html`<span class="quiet">${msg("Only its newest anomaly can be judged; this is none of it.")}</span>`}
     </div>`;
   }
 
   private renderKnown(cause: CauseShape): TemplateResult {
     return html`<section class="sheet" aria-labelledby="known">
-      <h2 id="known">Known, and not told</h2>
+      <h2 id="known">${msg("Known, and not told")}</h2>
       <ul class="rows">
         ${map(
           cause.known,
@@ -233,7 +233,7 @@ export class PageCause extends LitElement {
                 <div>${row.title} (${row.detector}) ${knownText(row)}</div>
                 <div class="quiet">${row.who}, ${formatClock(row.since_us, this.zone)}${row.comment === "" ? "" : `: ${row.comment}`}</div>
               </div>
-              ${cause.may_use ? html`<t-button ?disabled=${this.action.busy} label=${`Tell again: ${row.title}`} @click=${this.teller(row)}>Tell again</t-button>` : nothing}
+              ${cause.may_use ? html`<t-button ?disabled=${this.action.busy} label=${msg(str`Tell again: ${row.title}`)} @click=${this.teller(row)}>${msg("Tell again")}</t-button>` : nothing}
             </li>`,
         )}
       </ul>
@@ -252,7 +252,7 @@ export class PageCause extends LitElement {
                 html`<li>
                   <div>
                     <div class="facts"><span>${formatClock(event.time_us, this.zone)}</span>${event.who === "" ? nothing : html`<span>${event.who}</span>`}</div>
-                    <div>${event.good ? nothing : html`<t-status kind="bad" word="look"></t-status> `}${event.kind.replaceAll("_", " ")}</div>
+                    <div>${event.good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}${event.kind.replaceAll("_", " ")}</div>
                     ${event.message === "" ? nothing : html`<div class="quiet">${event.message}</div>`}
                   </div>
                 </li>`,
@@ -265,7 +265,7 @@ export class PageCause extends LitElement {
     // A site without a robot's log has none of this section.
     if (log.length === 0) return nothing;
     return html`<section class="sheet" aria-labelledby="log">
-      <h2 id="log">Robot's log</h2>
+      <h2 id="log">${msg("Robot's log")}</h2>
       <ul class="rows">
         ${map(log.map(shownLine), (line) => {
           const grave = line.level >= 40;
@@ -285,9 +285,9 @@ export class PageCause extends LitElement {
     const streams = (this.detail.value?.devices ?? []).flatMap((device) => device.streams);
     if (streams.length === 0 && sightings.length === 0) return nothing;
     return html`<section class="sheet" aria-labelledby="seen">
-      <h2 id="seen">Seen by cameras</h2>
+      <h2 id="seen">${msg("Seen by cameras")}</h2>
       ${sightings.length === 0
-        ? html`<p class="quiet">No camera told of anything in that minute.</p>`
+        ? html`<p class="quiet">${msg("No camera told of anything in that minute.")}</p>`
         : html`<ul class="rows">
             ${map(
               sightings,
@@ -298,7 +298,7 @@ export class PageCause extends LitElement {
                     .camera=${streams.find(({ address }) => address === row.camera)?.name ?? row.camera}
                     .picture=${row.picture ? sightingPicturePath(this.site, row.id) : ""}
                     .zone=${this.zone}
-                    ><div class="ways"><a href=${`${sitePath(this.site, "review")}?sighting=${row.id}&all=true`}>Clip</a></div></t-sighting
+                    ><div class="ways"><a href=${`${sitePath(this.site, "review")}?sighting=${row.id}&all=true`}>${msg("Clip")}</a></div></t-sighting
                   >
                 </li>`,
             )}
@@ -311,23 +311,23 @@ export class PageCause extends LitElement {
   };
 
   private judger(subjects: readonly Unusual[], verdict: Verdict, comment: string): () => void {
-    const said = verdict === "confirmed" ? "was real" : "was none";
+    const said = verdict === "confirmed" ? msg("was real") : msg("was none");
     return () => {
       const judge = (api: CauseApi): Promise<unknown> => forEach(subjects, ({ address, detector }) => api.judgeNewest(verdict, { address, detector, comment }));
-      this.act("say what it was", judge, `Said: the newest anomaly of ${titlesOf(subjects)} ${said}.`);
+      this.act(msg("say what it was"), judge, msg(str`Said: the newest anomaly of ${titlesOf(subjects)} ${said}.`));
     };
   }
 
   private knower(subjects: readonly Unusual[], { address: stateOf, title: stateTitle, value, name }: CauseShape["states"][number]): () => void {
     return () => {
       const keep = (api: CauseApi): Promise<unknown> => forEach(subjects, ({ address, detector }) => api.addKnown({ address, detector, state: stateOf, value, comment: "" }));
-      this.act("keep that it is known", keep, `Known: nobody is told of ${titlesOf(subjects)} while ${stateTitle} is ${name}.`);
+      this.act(msg("keep that it is known"), keep, msg(str`Known: nobody is told of ${titlesOf(subjects)} while ${stateTitle} is ${name}.`));
     };
   }
 
   private teller({ key, title }: KnownShape): () => void {
     return () => {
-      this.act("tell of it again", (api) => api.endKnown(key), `${title} is told again.`);
+      this.act(msg("tell of it again"), (api) => api.endKnown(key), msg(str`${title} is told again.`));
     };
   }
 

@@ -1,6 +1,7 @@
 /** One client protocol: open or shut, where it is served, the origins that are let in. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -10,6 +11,7 @@ import { base } from "../../elements/base/base-style.js";
 import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText, submittedForm } from "../../format/form-values.js";
+import { plural } from "../../format/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { BrokerShape, ClientProtocolShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -42,12 +44,12 @@ export class ClientProtocol extends LitElement {
           <h2>${row.title}</h2>
           <span class="muted">${row.tools}</span>
         </div>
-        <t-status kind=${row.open ? "online" : "offline"} word=${row.open ? openWords(row) : "shut"}></t-status>
+        <t-status kind=${row.open ? "online" : "offline"} word=${row.open ? openWords(row) : msg("shut")}></t-status>
       </div>
       ${row.open ? this.renderAddresses(row) : nothing}
       <div class="facts">
-        ${row.path === "" ? nothing : html`<span>${row.origins.length === 0 ? "No web page is let in; programs are." : `Web pages of ${row.origins.join(", ")} are let in.`}</span>`}
-        ${row.changed_by === "" ? nothing : html`<span>last set by ${row.changed_by}</span>`}
+        ${row.path === "" ? nothing : html`<span>${row.origins.length === 0 ? msg("No web page is let in; programs are.") : msg(str`Web pages of ${row.origins.join(", ")} are let in.`)}</span>`}
+        ${row.changed_by === "" ? nothing : html`<span>${msg(str`last set by ${row.changed_by}`)}</span>`}
       </div>
       ${this.form.isOpen ? this.renderOrigins(row) : this.renderActions(row)} ${renderAdvice(this.action.problem)}`;
   }
@@ -55,13 +57,13 @@ export class ClientProtocol extends LitElement {
   private renderAddresses(row: ClientProtocolShape): TemplateResult {
     if (row.path === "") {
       return html`<p class="muted">${aboutFile(row)}</p>
-        ${row.brokers.length === 0 ? html`<p class="muted">It was started without such a file.</p>` : map(row.brokers, renderBroker)}`;
+        ${row.brokers.length === 0 ? html`<p class="muted">${msg("It was started without such a file.")}</p>` : map(row.brokers, renderBroker)}`;
     }
     return html`${map(
         this.sites,
-        (site) => html`<t-copy label=${`Address for ${site}`} .text=${clientAddress(row, site, window.location.origin)}></t-copy>`,
+        (site) => html`<t-copy label=${msg(str`Address for ${site}`)} .text=${clientAddress(row, site, window.location.origin)}></t-copy>`,
       )}
-      <p class="muted">Each person makes a token of their own under Account and puts it in the place of TOKEN.</p>`;
+      <p class="muted">${msg("Each person makes a token of their own under Account and puts it in the place of TOKEN.")}</p>`;
   }
 
   private renderActions(row: ClientProtocolShape): TemplateResult {
@@ -69,19 +71,19 @@ export class ClientProtocol extends LitElement {
       void this.save(row, !row.open, row.origins);
     };
     return html`<div class="actions">
-      <t-button kind=${row.open ? "plain" : "primary"} label=${`${row.open ? "Shut it" : "Open it"}: ${row.title}`} ?busy=${this.action.busy} @click=${toggle}
-        >${row.open ? "Shut it" : "Open it"}</t-button
+      <t-button kind=${row.open ? "plain" : "primary"} label=${row.open ? msg(str`Shut it: ${row.title}`) : msg(str`Open it: ${row.title}`)} ?busy=${this.action.busy} @click=${toggle}
+        >${row.open ? msg("Shut it") : msg("Open it")}</t-button
       >
-      ${row.path === "" ? nothing : html`<t-button label=${`Web pages… that may use ${row.title}`} @click=${this.form.opener("origins")}>Web pages…</t-button>`}
+      ${row.path === "" ? nothing : html`<t-button label=${msg(str`Web pages… that may use ${row.title}`)} @click=${this.form.opener("origins")}>${msg("Web pages…")}</t-button>`}
     </div>`;
   }
 
   private renderOrigins(row: ClientProtocolShape): TemplateResult {
     return html`<form class="fields" novalidate @submit=${this.onSubmit}>
-      <t-field label="Origins of web pages that are let in" hint="One a line, like https://app.foxglove.dev; empty: none">
+      <t-field label=${msg("Origins of web pages that are let in")} hint=${msg("One a line, like https://app.foxglove.dev; empty: none")}>
         <textarea name="origins" rows="4" spellcheck="false" maxlength="10000" .value=${row.origins.join("\n")}></textarea>
       </t-field>
-      ${renderFormActions({ submit: "Save", busy: this.action.busy, cancel: this.form.close })}
+      ${renderFormActions({ submit: msg("Save"), busy: this.action.busy, cancel: this.form.close })}
     </form>`;
   }
 
@@ -95,7 +97,7 @@ export class ClientProtocol extends LitElement {
   };
 
   private async save(row: ClientProtocolShape, open: boolean, origins: readonly string[]): Promise<boolean> {
-    const asked = row.open === open ? "save the origins" : open ? "open it" : "shut it";
+    const asked = row.open === open ? msg("save the origins") : open ? msg("open it") : msg("shut it");
     const done = await this.action.run(asked, () => new AdminApi(this.api).setClientProtocol(row.protocol, open, origins));
     this.dispatchEvent(new CustomEvent("t-changed"));
     return done;
@@ -105,22 +107,22 @@ export class ClientProtocol extends LitElement {
 /** What the file says by which the hub was started. */
 function aboutFile(row: ClientProtocolShape): TemplateResult {
   return row.protocol === "alpaca"
-    ? html`The hub answers at the address that the file of <code>talaia hub --alpaca</code> names. Alpaca has no sign-in: whoever reaches that address reads what the file's token may see.`
-    : html`The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.`;
+    ? html`${msg(html`The hub answers at the address that the file of <code>talaia hub --alpaca</code> names. Alpaca has no sign-in: whoever reaches that address reads what the file's token may see.`)}`
+    : html`${msg(html`The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.`)}`;
 }
 
 /** How one broker stands; who has lost it looks here first. */
 function renderBroker(broker: BrokerShape): TemplateResult {
   const lost = broker.why !== "";
-  const word = broker.connected ? "connected" : lost ? "lost" : "not connected";
+  const word = broker.connected ? msg("connected") : lost ? msg("lost") : msg("not connected");
   return html`<div class="facts">
       <t-status kind=${broker.connected ? "online" : lost ? "bad" : "offline"} word=${word}></t-status>
       <span>${broker.address}</span>
-      ${broker.since_us === 0 ? nothing : html`<span>since <t-time .us=${broker.since_us} .zone=${ownZone()}></t-time></span>`}
-      ${broker.connected || lost ? nothing : html`<span>nothing is to be published: its token is not good, or nobody may</span>`}
+      ${broker.since_us === 0 ? nothing : html`<span>${msg(html`since <t-time .us=${broker.since_us} .zone=${ownZone()}></t-time>`)}</span>`}
+      ${broker.connected || lost ? nothing : html`<span>${msg("nothing is to be published: its token is not good, or nobody may")}</span>`}
     </div>
-    ${lost ? html`<p class="muted">${broker.why}. It is tried again by itself.</p>` : nothing}
-    ${map(broker.refused, (what) => html`<p class="muted">The broker refuses: ${what}. Its access list decides that.</p>`)}`;
+    ${lost ? html`<p class="muted">${msg(str`${broker.why}. It is tried again by itself.`)}</p>` : nothing}
+    ${map(broker.refused, (what) => html`<p class="muted">${msg(str`The broker refuses: ${what}. Its access list decides that.`)}</p>`)}`;
 }
 
 /** A broker is of no site, so its times are those of whoever looks. */
@@ -130,9 +132,9 @@ function ownZone(): string {
 
 function openWords({ path, connected }: ClientProtocolShape): string {
   // Where the hub connects, its broker says below how that stands.
-  if (path === "") return "open";
-  if (connected === 0) return "open, nobody is connected";
-  return connected === 1 ? "open, 1 client is connected" : `open, ${String(connected)} clients are connected`;
+  if (path === "") return msg("open");
+  if (connected === 0) return msg("open, nobody is connected");
+  return plural(connected, msg("open, 1 client is connected"), msg(str`open, ${String(connected)} clients are connected`));
 }
 
 declare global {

@@ -1,6 +1,7 @@
 /** Clients: the protocols by which other tools connect, and who may drive by them. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -61,12 +62,12 @@ export class PageClients extends LitElement {
   override render(): TemplateResult {
     return html`<t-admin-tabs page="clients"></t-admin-tabs>
       ${renderPageHead(
-        "Clients",
-        "Other tools connect by these protocols, with a token and by its rights. Each is shut until you open it.",
-        html`<t-button ?hidden=${this.form.isOpen} @click=${this.form.opener("driver")}>Let somebody drive</t-button>`,
+        msg("Clients"),
+        msg("Other tools connect by these protocols, with a token and by its rights. Each is shut until you open it."),
+        html`<t-button ?hidden=${this.form.isOpen} @click=${this.form.opener("driver")}>${msg("Let somebody drive")}</t-button>`,
       )}
       ${this.form.isOpen ? this.renderForm() : renderAdvice(this.action.problem)}
-      ${renderLoaded(this.known, "the client protocols", (value) => this.renderContent(value))}`;
+      ${renderLoaded(this.known, msg("the client protocols"), (value) => this.renderContent(value))}`;
   }
 
   private renderContent({ protocols, drivers }: ClientProtocolList): TemplateResult {
@@ -79,7 +80,7 @@ export class PageClients extends LitElement {
       ${drivers.length === 0
         ? nothing
         : renderRowSheet(
-            "Who may drive by such clients",
+            msg("Who may drive by such clients"),
             drivers.map((driver) => ({ ...driver, id: `${driver.person} ${driver.site} ${driver.device}` })),
             (driver) => this.renderDriver(driver),
           )}`;
@@ -88,34 +89,33 @@ export class PageClients extends LitElement {
   private renderDriver(driver: ClientDriverShape): TemplateResult {
     const key = `${driver.person} ${driver.site} ${driver.device}`;
     const onWithdraw = (): void => {
-      void this.action.run("withdraw it", () => new AdminApi(this.api).setClientDriver(driver, false), "", key).then(this.known.invalidate);
+      void this.action.run(msg("withdraw it"), () => new AdminApi(this.api).setClientDriver(driver, false), "", key).then(this.known.invalidate);
     };
     return html`<li>
       <div>
-        <span class="name">${driver.name} may drive ${driver.device}</span>
-        <div class="facts"><span>${driver.site}</span><span>permitted by ${driver.given_by}</span></div>
+        <span class="name">${msg(str`${driver.name} may drive ${driver.device}`)}</span>
+        <div class="facts"><span>${driver.site}</span><span>${msg(str`permitted by ${driver.given_by}`)}</span></div>
       </div>
-      <t-button label=${`${driver.name} may drive ${driver.device} no more`} ?busy=${this.action.runningKey === key} @click=${onWithdraw}>Withdraw</t-button>
+      <t-button label=${msg(str`${driver.name} may drive ${driver.device} no more`)} ?busy=${this.action.runningKey === key} @click=${onWithdraw}>${msg("Withdraw")}</t-button>
     </li>`;
   }
 
   private renderForm(): TemplateResult {
     return html`<section class="sheet" aria-labelledby="driver">
-      <h2 id="driver">Let somebody drive by other tools</h2>
+      <h2 id="driver">${msg("Let somebody drive by other tools")}</h2>
       <p class="muted">
-        Such a tool cannot tell how old its line makes its messages. Each moves the device for 250 ms, at half of its greatest speed at the most; then it is
-        stopped. STOP needs no permission.
+        ${msg("Such a tool cannot tell how old its line makes its messages. Each moves the device for 250 ms, at half of its greatest speed at the most; then it is stopped. STOP needs no permission.")}
       </p>
       <form class="fields" novalidate @submit=${this.onSubmit}>
-        <t-field label="Person">
+        <t-field label=${msg("Person")}>
           <select name="person">${renderOptions((this.people.value ?? []).map(({ id, name }) => [id, name] as const), "")}</select>
         </t-field>
-        <t-field label="Device">
+        <t-field label=${msg("Device")}>
           <select name="device">
             ${renderOptions((this.devices.value ?? []).map(({ site, device }) => [`${site}/${device}`, `${device} (${site})`] as const), "")}
           </select>
         </t-field>
-        ${renderAdvice(this.action.problem)} ${renderFormActions({ submit: "Permit it", busy: this.action.busy, cancel: this.form.close })}
+        ${renderAdvice(this.action.problem)} ${renderFormActions({ submit: msg("Permit it"), busy: this.action.busy, cancel: this.form.close })}
       </form>
     </section>`;
   }
@@ -126,7 +126,7 @@ export class PageClients extends LitElement {
     const [site = "", device = ""] = formText(data, "device").split("/");
     const driver = { person: formText(data, "person"), site, device };
     void this.action
-      .run("permit it", () => new AdminApi(this.api).setClientDriver(driver, true))
+      .run(msg("permit it"), () => new AdminApi(this.api).setClientDriver(driver, true))
       .then((done) => {
         if (done) this.form.close();
         this.known.invalidate();

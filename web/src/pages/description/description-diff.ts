@@ -1,3 +1,4 @@
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -6,10 +7,10 @@ import { differenceLines, differenceText, type DifferenceLine } from "../../form
 import type { DifferenceShape } from "../../generated/api.js";
 
 const KINDS: Readonly<Record<DifferenceShape["kind"], string>> = {
-  added: "+ added",
-  removed: "− removed",
-  changed: "≠ changed",
-  renamed: "→ renamed",
+  added: msg("+ added"),
+  removed: msg("\u2212 removed"),
+  changed: msg("≠ changed"),
+  renamed: msg("→ renamed"),
 };
 
 /** Two descriptions held against each other: the parts in words, the lines with signs and colours. */
@@ -93,14 +94,14 @@ export class DescriptionDiff extends LitElement {
 
   override render(): TemplateResult {
     const lines = differenceLines(this.lines);
-    if (lines.length === 0) return html`<p class="muted small">They say the same.</p>`;
+    if (lines.length === 0) return html`<p class="muted small">${msg("They say the same.")}</p>`;
     return html`${this.parts.length === 0
         ? nothing
-        : html`<ul aria-label="What differs">
+        : html`<ul aria-label=${msg("What differs")}>
             ${map(this.parts, (part) => this.renderPart(part))}
           </ul>`}
       <p class="muted small">${differenceText(lines)}</p>
-      <div class="lines" role="region" tabindex="0" aria-label="The lines that differ">${map(lines, (line) => this.renderLine(line))}</div>`;
+      <div class="lines" role="region" tabindex="0" aria-label=${msg("The lines that differ")}>${map(lines, (line) => this.renderLine(line))}</div>`;
   }
 
   private renderPart(part: DifferenceShape): TemplateResult {

@@ -1,6 +1,7 @@
 /** Changes a site's description, as a form or as text: checked while one goes, applied when told. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -11,6 +12,7 @@ import { styled } from "../../elements/base/style-directive.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
+import { plural } from "../../format/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import { EditHistory } from "../../state/edit-history.js";
 import { DescriptionsApi, type Schema } from "../../wire/descriptions-api.js";
@@ -33,8 +35,8 @@ import "./description-preview.js";
 /** A text is checked so long after the last key (ms). */
 const REST_MS = 400;
 const VIEWS = [
-  { id: "form", label: "Form" },
-  { id: "text", label: "Text" },
+  { id: "form", label: msg("Form") },
+  { id: "text", label: msg("Text") },
 ];
 
 @customElement("t-description-editor")
@@ -146,31 +148,31 @@ export class DescriptionEditor extends LitElement {
     if (this.failed !== null) {
       return renderAdvice(this.failed, this.reload);
     }
-    if (this.edits === null) return html`<t-loading what="Loading the text"></t-loading>`;
+    if (this.edits === null) return html`<t-loading what=${msg("Loading the text")}></t-loading>`;
     const { edits } = this;
     const moved = this.known !== null && this.known.versions[0]?.number !== this.from.number;
     return html`${moved
         ? html`<t-problem
-            what="The description was changed meanwhile."
-            how="What you have done so far was made from an older one."
-            retry="Begin with the newest"
+            what=${msg("The description was changed meanwhile.")}
+            how=${msg("What you have done so far was made from an older one.")}
+            retry=${msg("Begin with the newest")}
             @t-retry=${this.reload}
           ></t-problem>`
         : nothing}
-      <section class="sheet" aria-label="Editor" @keydown=${this.onKeyDown}>
+      <section class="sheet" aria-label=${msg("Editor")} @keydown=${this.onKeyDown}>
         <div class="tools">
-          <t-choice label="View" .options=${VIEWS} chosen=${this.view} @t-choose=${this.onTabChange}></t-choice>
+          <t-choice label=${msg("View")} .options=${VIEWS} chosen=${this.view} @t-choose=${this.onTabChange}></t-choice>
           <div class="actions">
-            <t-button ?disabled=${!edits.canUndo} @click=${this.undo}>Undo</t-button>
-            <t-button ?disabled=${!edits.canRedo} @click=${this.redo}>Redo</t-button>
-            <t-button kind="primary" ?disabled=${!this.canApply()} @click=${this.openReview}>Review and apply</t-button>
+            <t-button ?disabled=${!edits.canUndo} @click=${this.undo}>${msg("Undo")}</t-button>
+            <t-button ?disabled=${!edits.canRedo} @click=${this.redo}>${msg("Redo")}</t-button>
+            <t-button kind="primary" ?disabled=${!this.canApply()} @click=${this.openReview}>${msg("Review and apply")}</t-button>
           </div>
         </div>
         ${this.renderStatus()} ${this.renderSensor()}
         ${this.view === "text"
           ? html`<div class="pad">
               <textarea
-                aria-label="The description as YAML"
+                aria-label=${msg("The description as YAML")}
                 spellcheck="false"
                 autocapitalize="off"
                 .value=${edits.text}
@@ -187,21 +189,21 @@ export class DescriptionEditor extends LitElement {
   private renderSensor(): unknown {
     const { sensor, described } = this;
     if (sensor === null || described === null || withSensor(described, sensor) !== described) return nothing;
-    return html`<p class="muted">A signal for ${sensor.name} of ${sensor.topic} is in the form. It counts once you have applied it.</p>`;
+    return html`<p class="muted">${msg(str`A signal for ${sensor.name} of ${sensor.topic} is in the form. It counts once you have applied it.`)}</p>`;
   }
 
   private renderStatus(): TemplateResult {
     const { checked } = this;
-    if (checked === null) return html`<t-status kind="busy" word="checking"></t-status>`;
+    if (checked === null) return html`<t-status kind="busy" word=${msg("checking")}></t-status>`;
     const wrong = checked.findings.filter(({ note }) => !note);
     const list = html`<t-findings places .findings=${checked.findings} @t-place=${this.showProblem}></t-findings>`;
     if (wrong.length === 0) {
       const same = this.edits?.text === this.from.text;
-      return html`<t-status kind="ok" word=${same ? "nothing changed yet" : "fits together"}></t-status>
+      return html`<t-status kind="ok" word=${same ? msg("nothing changed yet") : msg("fits together")}></t-status>
         ${checked.findings.length === 0 ? nothing : list}`;
     }
     const count = wrong.length;
-    return html`<t-status kind="bad" word=${count === 1 ? "1 thing does not fit" : `${String(count)} things do not fit`}></t-status>
+    return html`<t-status kind="bad" word=${plural(count, msg("1 thing does not fit"), msg(str`${String(count)} things do not fit`))}></t-status>
       ${list}`;
   }
 
@@ -226,9 +228,9 @@ export class DescriptionEditor extends LitElement {
   };
 
   private renderForm(): TemplateResult {
-    if (this.schema === null) return html`<t-loading what="Making the form"></t-loading>`;
+    if (this.schema === null) return html`<t-loading what=${msg("Making the form")}></t-loading>`;
     if (this.described === null) {
-      return html`<p class="muted">The text cannot be read as a description. Mend it in the text, or take the last step back.</p>`;
+      return html`<p class="muted">${msg("The text cannot be read as a description. Mend it in the text, or take the last step back.")}</p>`;
     }
     return html`<t-form-part
       .root=${this.schema}
@@ -242,14 +244,14 @@ export class DescriptionEditor extends LitElement {
   private renderConfirm(): TemplateResult {
     const { answer, checked } = this;
     return renderQuestion(this.review, () => ({
-      heading: "Apply this change?",
-      action: this.review.action.busy ? "The gateway changes over…" : "Apply",
+      heading: msg("Apply this change?"),
+      action: this.review.action.busy ? msg("The gateway changes over…") : msg("Apply"),
       kind: "primary",
       problem: refusalAdvice(answer),
       text: html`<t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
-        <h3>Preview</h3>
+        <h3>${msg("Preview")}</h3>
         <t-description-preview .described=${this.described ?? {}} .devices=${changedDevices(checked?.parts ?? [])}></t-description-preview>
-        <p>The gateway applies it at once. A device that changes is stopped first, and its driver loses control.</p>
+        <p>${msg("The gateway applies it at once. A device that changes is stopped first, and its driver loses control.")}</p>
         ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}`,
     }));
   }
@@ -274,7 +276,7 @@ export class DescriptionEditor extends LitElement {
       // Into the form only: what it changes is reviewed as any other edit.
       if (this.sensor?.site === site && this.described !== null) this.changeForm(withSensor(this.described, this.sensor));
     } catch (error) {
-      this.failed = adviceFor(error, "the description");
+      this.failed = adviceFor(error, msg("the description"));
     }
   }
 
@@ -291,7 +293,7 @@ export class DescriptionEditor extends LitElement {
       this.checked = checked;
       this.described = isObject(checked.site) ? checked.site : null;
     } catch (error) {
-      if (!abort.signal.aborted) this.failed = adviceFor(error, "a check of the text");
+      if (!abort.signal.aborted) this.failed = adviceFor(error, msg("a check of the text"));
     }
   }
 
@@ -321,7 +323,7 @@ export class DescriptionEditor extends LitElement {
       edits.recordEdit(made.text);
       await this.checkText();
     } catch (error) {
-      this.failed = adviceFor(error, "the text of the change");
+      this.failed = adviceFor(error, msg("the text of the change"));
     }
   }
 
@@ -392,7 +394,7 @@ export class DescriptionEditor extends LitElement {
   private async applyText(edits: EditHistory, action: ActionController): Promise<boolean> {
     this.answer = null;
     const { text } = edits;
-    const answered = await action.run("apply the change", async () => {
+    const answered = await action.run(msg("apply the change"), async () => {
       this.answer = await new DescriptionsApi(this.api).sendDescription(this.site, text, this.from.digest);
     });
     if (!answered || (this.answer as ChangeAnswer | null)?.phase !== "applied") return false;

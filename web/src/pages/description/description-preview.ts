@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -54,25 +55,25 @@ export class DescriptionPreview extends LitElement {
       const device = isObject(all) ? all[name] : undefined;
       return isObject(device) ? [device] : [];
     });
-    if (shown.length === 0) return html`<p class="muted small">No device's page changes.</p>`;
+    if (shown.length === 0) return html`<p class="muted small">${msg("No device's page changes.")}</p>`;
     return html`${map(shown, (device) => this.renderDevice(device))}`;
   }
 
   private renderDevice(device: JsonObject): TemplateResult {
     const commands = objectsOf(device["commands"]).map((command) => textOf(command["name"]));
-    return html`<section aria-label=${`Preview of ${textOf(device["name"])}`}>
+    return html`<section aria-label=${msg(str`Preview of ${textOf(device["name"])}`)}>
       <h3>${textOf(device["name"])}</h3>
       <div class="tiles">
         ${map(
           objectsOf(device["signals"]),
           (signal) => html`<div class="tile">
             <span>${textOf(signal["name"])}</span><b>— <span class="muted small">${textOf(signal["unit"])}</span></b
-            ><span class="muted small">${signal["primary"] === false ? "among the details" : rangeText(signal)}</span>
+            ><span class="muted small">${signal["primary"] === false ? msg("among the details") : rangeText(signal)}</span>
           </div>`,
         )}
-        ${map(objectsOf(device["streams"]), (stream) => html`<div class="tile"><span>${textOf(stream["name"])}</span><span class="muted small">camera</span></div>`)}
+        ${map(objectsOf(device["streams"]), (stream) => html`<div class="tile"><span>${textOf(stream["name"])}</span><span class="muted small">${msg("camera")}</span></div>`)}
       </div>
-      ${commands.length === 0 ? nothing : html`<p class="muted small">Commands: ${commands.join(", ")}</p>`}
+      ${commands.length === 0 ? nothing : html`<p class="muted small">${msg("Commands:")} ${commands.join(", ")}</p>`}
     </section>`;
   }
 }
@@ -89,7 +90,7 @@ function rangeText(signal: JsonObject): string {
   const { minimum, maximum } = signal;
   const low = typeof minimum === "number" ? String(minimum) : "";
   const high = typeof maximum === "number" ? String(maximum) : "";
-  return low === "" && high === "" ? "" : `${low} to ${high}`;
+  return low === "" && high === "" ? "" : msg(str`${low} to ${high}`);
 }
 
 declare global {

@@ -1,3 +1,4 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -56,19 +57,19 @@ export class DescriptionProblems extends LitElement {
   @property({ type: Boolean }) places = false;
 
   override render(): TemplateResult {
-    return html`<ul aria-label="Problems">
+    return html`<ul aria-label=${msg("Problems")}>
       ${map(this.findings, (problem) => this.renderRow(problem))}
     </ul>`;
   }
 
   private renderRow(problem: FindingShape): TemplateResult {
-    const where = problem.where.replace(/^\$\.?/, "") || "the whole";
-    const line = problem.line > 0 ? `${where} (line ${String(problem.line)})` : where;
+    const where = problem.where.replace(/^\$\.?/, "") || msg("the whole");
+    const line = problem.line > 0 ? msg(str`${where} (line ${String(problem.line)})`) : where;
     return html`<li class=${problem.note ? "note" : ""}>
       ${this.places
         ? html`<button type="button" @click=${this.problemOpener(problem)}>${line}</button>`
         : html`<code>${line}</code>`}
-      <div>${problem.note ? "Note: " : ""}${problem.problem}${problem.remedy === "" ? "" : html`<span class="remedy"> — ${problem.remedy}</span>`}</div>
+      <div>${problem.note ? msg("Note: ") : ""}${problem.problem}${problem.remedy === "" ? "" : html`<span class="remedy"> — ${problem.remedy}</span>`}</div>
     </li>`;
   }
 

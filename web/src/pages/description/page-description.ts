@@ -1,6 +1,7 @@
 /** The description of a site: what counts now, what counted before, and the way to change it. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -34,13 +35,13 @@ import "./description-editor.js";
 import "./description-problems.js";
 
 const ACCEPTS: Readonly<Record<string, string>> = {
-  no: "The gateway takes no changes from here. Start it with --accept-changes readings, or change its file there: it follows at once.",
-  readings: "The gateway accepts changes to what is read and shown; everything else is changed in its own file.",
-  all: "The gateway takes changes, but for how the robot is reached and what runs beside it.",
+  no: msg("The gateway takes no changes from here. Start it with --accept-changes readings, or change its file there: it follows at once."),
+  readings: msg("The gateway accepts changes to what is read and shown; everything else is changed in its own file."),
+  all: msg("The gateway takes changes, but for how the robot is reached and what runs beside it."),
 };
 const PAGES = [
-  { id: "versions", label: "Versions" },
-  { id: "edit", label: "Edit" },
+  { id: "versions", label: msg("Versions") },
+  { id: "edit", label: msg("Edit") },
 ];
 
 @customElement("t-page-description")
@@ -128,32 +129,32 @@ export class PageDescription extends LitElement {
     const sites = this.sites.store?.list ?? [];
     return html`<t-admin-tabs page="description"></t-admin-tabs>
       ${renderPageHead(
-        "Description",
-        "Everything that defines a site. The gateway's own copy is the one in use.",
+        msg("Description"),
+        msg("Everything that defines a site. The gateway's own copy is the one in use."),
         sites.length < 2
           ? nothing
-          : html`<select aria-label="Site" @change=${this.onChoose}>${renderOptions(sites.map(({ site, name }) => [site, name]), this.siteId)}</select>`,
+          : html`<select aria-label=${msg("Site")} @change=${this.onChoose}>${renderOptions(sites.map(({ site, name }) => [site, name]), this.siteId)}</select>`,
       )}
       ${this.siteId === "" && this.sites.store !== undefined
-        ? html`<t-empty heading="No site is known yet" icon="info"><p>A site appears here once its gateway has connected.</p></t-empty>`
+        ? html`<t-empty heading=${msg("No site is known yet")} icon="info"><p>${msg("A site appears here once its gateway has connected.")}</p></t-empty>`
         : nothing}
-      ${this.siteId === "" ? nothing : renderLoaded(this.known, "the site's description", (known) => this.renderContent(known))}`;
+      ${this.siteId === "" ? nothing : renderLoaded(this.known, msg("the site's description"), (known) => this.renderContent(known))}`;
   }
 
   private renderContent(known: DescriptionList): TemplateResult {
     const newest = known.versions[0];
-    return html`<section class="sheet" aria-label="Current version">
+    return html`<section class="sheet" aria-label=${msg("Current version")}>
         <div class="now">
-          <t-status kind=${known.online ? "ok" : "offline"} word=${known.online ? "in use" : "gateway offline"}></t-status>
-          ${newest === undefined ? nothing : html`<span>version ${newest.number}, since <t-time us=${newest.time_us} zone=${known.zone}></t-time></span>`}
+          <t-status kind=${known.online ? "ok" : "offline"} word=${known.online ? msg("in use") : msg("gateway offline")}></t-status>
+          ${newest === undefined ? nothing : html`<span>${msg(html`version ${newest.number}, since <t-time us=${newest.time_us} zone=${known.zone}></t-time>`)}</span>`}
         </div>
-        ${known.online ? html`<p class="muted">${ACCEPTS[known.accepts] ?? "This gateway does not say whether it takes changes."}</p>` : nothing}
+        ${known.online ? html`<p class="muted">${ACCEPTS[known.accepts] ?? msg("This gateway does not say whether it takes changes.")}</p>` : nothing}
         ${known.problem === ""
           ? nothing
-          : html`<t-problem what="The file at the gateway was changed and is not valid. The previous version stays in use." how=${known.problem}></t-problem>
+          : html`<t-problem what=${msg("The file at the gateway was changed and is not valid. The previous version stays in use.")} how=${known.problem}></t-problem>
               <t-findings .findings=${known.findings}></t-findings>`}
       </section>
-      <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.onTabChange}></t-choice>
+      <t-choice label=${msg("What to do")} .options=${PAGES} chosen=${this.page} @t-choose=${this.onTabChange}></t-choice>
       ${this.page === "edit"
         ? html`<t-description-editor .site=${this.siteId} .known=${known} .sensor=${this.sensor} @t-applied=${this.known.invalidate}></t-description-editor>`
         : this.renderVersions(known)}`;
@@ -162,11 +163,11 @@ export class PageDescription extends LitElement {
   private renderVersions(known: DescriptionList): TemplateResult {
     const rows = [...known.versions, ...this.older];
     const more = this.older.length === 0 ? known.more : (rows.at(-1)?.number ?? 1) > 1;
-    return html`<section class="sheet" aria-label="Versions">
+    return html`<section class="sheet" aria-label=${msg("Versions")}>
         <ul class="rows">
           ${repeat(rows, ({ number }) => number, (row) => this.renderRow(row, known))}
         </ul>
-        ${more ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "older"} @click=${this.showOlder}>Older versions</t-button></div>` : nothing}
+        ${more ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "older"} @click=${this.showOlder}>${msg("Older versions")}</t-button></div>` : nothing}
       </section>
       ${this.renderConfirm()}`;
   }
@@ -175,24 +176,24 @@ export class PageDescription extends LitElement {
     const open = this.shown?.number === row.number;
     return html`<li>
       <div>
-        <div class="name">Version ${row.number} ${row.current ? html`<span class="chip">now</span>` : nothing}</div>
+        <div class="name">${msg(str`Version ${row.number}`)} ${row.current ? html`<span class="chip">${msg("now")}</span>` : nothing}</div>
         <div class="facts">
           <t-time us=${row.time_us} zone=${known.zone}></t-time>
           <span>${row.who === "" ? row.note : `${row.who} · ${row.note}`}</span>
-          <span>gateway ${row.gateway}</span>
-          <span title=${row.digest}>SHA-256 <code>${row.digest.slice(0, 12)}…</code></span>
+          <span>${msg(str`gateway ${row.gateway}`)}</span>
+          <span title=${row.digest}>${msg(html`SHA-256 <code>${row.digest.slice(0, 12)}…</code>`)}</span>
         </div>
       </div>
       <div class="ways">
         ${this.previousVersion(row) === 0
           ? nothing
-          : html`<t-button label=${`What changed in version ${String(row.number)}`} @click=${this.versionOpener(row)}
-              >${open ? "Hide" : "What changed"}</t-button
+          : html`<t-button label=${msg(str`What changed in version ${String(row.number)}`)} @click=${this.versionOpener(row)}
+              >${open ? msg("Hide") : msg("What changed")}</t-button
             >`}
         ${row.current
           ? nothing
-          : html`<t-button ?disabled=${!known.editable} label=${`Go back to version ${String(row.number)}`} @click=${this.restoreAsker(row)}
-              >Go back to this one</t-button
+          : html`<t-button ?disabled=${!known.editable} label=${msg(str`Go back to version ${String(row.number)}`)} @click=${this.restoreAsker(row)}
+              >${msg("Go back to this one")}</t-button
             >`}
       </div>
       ${open ? html`<div class="whole">${this.renderDifferences()}</div>` : nothing}
@@ -201,24 +202,24 @@ export class PageDescription extends LitElement {
 
   private renderDifferences(): unknown {
     // Those of the version before are of no use here.
-    if (this.difference.result.state === "loading") return html`<t-loading what="Comparing"></t-loading>`;
+    if (this.difference.result.state === "loading") return html`<t-loading what=${msg("Comparing")}></t-loading>`;
     return renderLoaded(
       this.difference,
-      "what changed",
+      msg("what changed"),
       ({ parts, lines, long }) =>
         html`<t-difference .parts=${parts} .lines=${lines}></t-difference>
-          ${long ? html`<p class="muted">There are more lines than are shown.</p>` : nothing}`,
+          ${long ? html`<p class="muted">${msg("There are more lines than are shown.")}</p>` : nothing}`,
     );
   }
 
   private renderConfirm(): TemplateResult {
     const { answer } = this;
     return renderQuestion(this.restoring, ({ number }) => ({
-      heading: `Go back to version ${String(number)}?`,
-      action: this.restoring.action.busy ? "The gateway changes over…" : "Go back to this one",
+      heading: msg(str`Go back to version ${String(number)}?`),
+      action: this.restoring.action.busy ? msg("The gateway changes over…") : msg("Go back to this one"),
       problem: refusalAdvice(answer),
-      text: html`<p>The gateway applies it at once, without a restart. What is the same in both continues without a break.</p>
-        <p>A device that differs is stopped first, and its driver loses control.</p>
+      text: html`<p>${msg("The gateway applies it at once, without a restart. What is the same in both continues without a break.")}</p>
+        <p>${msg("A device that differs is stopped first, and its driver loses control.")}</p>
         ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}`,
     }));
   }
@@ -241,7 +242,7 @@ export class PageDescription extends LitElement {
     const last = [...(this.known.value?.versions ?? []), ...this.older].at(-1);
     if (last === undefined) return;
     void this.action.run(
-      "list older versions",
+      msg("list older versions"),
       async () => {
         const found = await new DescriptionsApi(this.api).listVersions(this.siteId, last.number);
         this.older = [...this.older, ...found.versions];
@@ -268,7 +269,7 @@ export class PageDescription extends LitElement {
   private async restoreVersion(row: VersionShape, action: ActionController): Promise<boolean> {
     const digest = this.known.value?.digest ?? "";
     this.answer = null;
-    const asked = await action.run(`go back to version ${String(row.number)}`, async () => {
+    const asked = await action.run(msg(str`go back to version ${String(row.number)}`), async () => {
       this.answer = await new DescriptionsApi(this.api).restoreVersion(this.siteId, row.number, digest);
     });
     this.known.invalidate();

@@ -1,9 +1,11 @@
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
+import { plural } from "../../format/plural.js";
 import { UNITS } from "../../generated/units.js";
 import type { Schema } from "../../wire/descriptions-api.js";
 import type { FindingShape } from "../../generated/api.js";
@@ -115,7 +117,7 @@ export class SchemaForm extends LitElement {
       ${repeat(inner, (field) => field.key, (field) => (field.kind === "part" ? this.renderPart(field) : this.renderParts(field)))}
       ${other.length === 0
         ? nothing
-        : html`<p class="muted">Changed in the text only: ${other.map((field) => field.label.toLowerCase()).join(", ")}.</p>`}`;
+        : html`<p class="muted">${msg(str`Changed in the text only: ${other.map((field) => field.label.toLowerCase()).join(", ")}.`)}</p>`}`;
   }
 
   private renderLine(field: SchemaField): TemplateResult {
@@ -163,14 +165,14 @@ export class SchemaForm extends LitElement {
   private renderPart(field: SchemaField): TemplateResult {
     const value = this.value[field.key];
     if (!isObject(value)) {
-      return html`<div class="ways"><t-button @click=${this.partAdder([field.key], field)}>Add: ${field.label.toLowerCase()}</t-button></div>`;
+      return html`<div class="ways"><t-button @click=${this.partAdder([field.key], field)}>${msg("Add:")} ${field.label.toLowerCase()}</t-button></div>`;
     }
     return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.openToggler(field.key)}>
       <summary>${field.label} ${this.renderProblemCount([field.key])}</summary>
       ${this.isOpen(field.key)
         ? html`<div class="inside">
             ${this.renderBelow(field.schema, value, [field.key])}
-            ${field.nullable ? html`<div class="ways"><t-button @click=${this.partRemover([field.key])}>Remove</t-button></div>` : nothing}
+            ${field.nullable ? html`<div class="ways"><t-button @click=${this.partRemover([field.key])}>${msg("Remove")}</t-button></div>` : nothing}
           </div>`
         : nothing}
     </details>`;
@@ -186,7 +188,7 @@ export class SchemaForm extends LitElement {
             ${field.help === "" ? nothing : html`<p class="muted">${field.help}</p>`}
             ${repeat(entries, ([key]) => key, ([key, part], at) => this.renderEntry(field, key, part, at, entries.length))}
             <div class="ways">
-              <t-button label=${`Add to ${field.label.toLowerCase()}`} @click=${this.optionAdder(field, value)}>Add</t-button>
+              <t-button label=${msg(str`Add to ${field.label.toLowerCase()}`)} @click=${this.optionAdder(field, value)}>${msg("Add")}</t-button>
             </div>
           </div>`
         : nothing}
@@ -202,12 +204,12 @@ export class SchemaForm extends LitElement {
       ${this.isOpen(mark) && isObject(part)
         ? html`<div class="inside">
             <div class="ways">
-              <t-field label="Short name" error=${this.problemAt(path)}
+              <t-field label=${msg("Short name")} error=${this.problemAt(path)}
                 ><input .value=${key} autocomplete="off" autocapitalize="off" spellcheck="false" @change=${this.partRenamer(path)}
               /></t-field>
-              <t-button label=${`Move ${key} up`} ?disabled=${at === 0} @click=${this.partMover(path, -1)}>Up</t-button>
-              <t-button label=${`Move ${key} down`} ?disabled=${at === count - 1} @click=${this.partMover(path, 1)}>Down</t-button>
-              <t-button label=${`Remove ${key}`} @click=${this.partRemover(path)}>Remove</t-button>
+              <t-button label=${msg(str`Move ${key} up`)} ?disabled=${at === 0} @click=${this.partMover(path, -1)}>${msg("Up")}</t-button>
+              <t-button label=${msg(str`Move ${key} down`)} ?disabled=${at === count - 1} @click=${this.partMover(path, 1)}>${msg("Down")}</t-button>
+              <t-button label=${msg(str`Remove ${key}`)} @click=${this.partRemover(path)}>${msg("Remove")}</t-button>
             </div>
             ${this.renderBelow(field.schema, part, path)}
           </div>`
@@ -230,7 +232,7 @@ export class SchemaForm extends LitElement {
     const at = [...this.path, ...path].join("/");
     const count = this.findings.filter((problem) => !problem.note && `${pathOf(problem.where).join("/")}/`.startsWith(`${at}/`)).length;
     if (count === 0) return nothing;
-    return html`<span class="wrong">${count === 1 ? "1 problem" : `${String(count)} problems`}</span>`;
+    return html`<span class="wrong">${plural(count, msg("1 problem"), msg(str`${String(count)} problems`))}</span>`;
   }
 
   private problemAt(path: JsonPath): string {

@@ -1,6 +1,7 @@
 /** One device: its values live, its cameras, and what the person may do with it. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -12,6 +13,7 @@ import { base } from "../../elements/base/base-style.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
+import { plural } from "../../format/plural.js";
 import { formatClock } from "../../format/time.js";
 import { MINUTE_US } from "../../series/zone-clock.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
@@ -138,7 +140,7 @@ export class PageDevice extends LitElement {
     if (device === undefined) return this.renderForbidden(detail.name);
     return html`<div class="head">
         <div>
-          <p class="muted"><a href="/devices">Devices</a> · ${detail.name}</p>
+          <p class="muted"><a href="/devices">${msg("Devices")}</a> · ${detail.name}</p>
           <h1>${device.name}</h1>
           <div class="where">
             ${this.renderStatus(detail, device)}
@@ -150,13 +152,13 @@ export class PageDevice extends LitElement {
         <nav class="ways" aria-label=${device.name}>
           ${device.drive !== null && device.rights.includes("view")
             ? html`<a href=${sitePath(this.site, "drive")}
-                ><t-icon name="drive"></t-icon>${device.rights.includes("use") ? "Drive it" : "See it drive, or stop it"}</a
+                ><t-icon name="drive"></t-icon>${device.rights.includes("use") ? msg("Drive it") : msg("See it drive, or stop it")}</a
               >`
             : nothing}
           ${device.kind === "camera" && device.rights.includes("view")
-            ? html`<a href=${archivePath(this.site, this.device)}><t-icon name="camera"></t-icon>Archive</a>`
+            ? html`<a href=${archivePath(this.site, this.device)}><t-icon name="camera"></t-icon>${msg("Archive")}</a>`
             : nothing}
-          <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
+          <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>${msg("History")}</a>
         </nav>
       </div>
       ${this.renderProblem()} ${this.renderUnguarded(device)} ${this.renderDrawn(device, detail)} ${this.renderExtensions(device, detail)} ${this.renderCameras(device, detail)} ${this.renderActions(device, detail)}
@@ -169,8 +171,7 @@ export class PageDevice extends LitElement {
     return html`<p class="unguarded" role="note">
       <t-icon name="info"></t-icon>
       <span>
-        This does not close or park by itself. In rain, in wind or without weather data only a person closes or parks it. Whoever
-        keeps the site's description can change that with interlocks and an enclosure (docs: <em>Make a robot safe by itself</em>).
+        ${msg(html`This does not close or park by itself. In rain, in wind or without weather data only a person closes or parks it. Whoever keeps the site's description can change that with interlocks and an enclosure (docs: <em>Make a robot safe by itself</em>).`)}
       </span>
     </p>`;
   }
@@ -180,8 +181,8 @@ export class PageDevice extends LitElement {
     if (away === undefined || !this.isOnline(detail)) {
       return html`<t-status kind=${this.isOnline(detail) ? "online" : "offline"}></t-status>`;
     }
-    return html`<t-status kind="unknown" word="not reached"></t-status>
-      <span class="muted">since ${formatClock(away.since_us, detail.zone)}: ${away.why}</span>`;
+    return html`<t-status kind="unknown" word=${msg("not reached")}></t-status>
+      <span class="muted">${msg(str`since ${formatClock(away.since_us, detail.zone)}:`)} ${away.why}</span>`;
   }
 
   private renderProblem(): unknown {
@@ -191,26 +192,25 @@ export class PageDevice extends LitElement {
       if (error instanceof Error && "status" in error && (error.status === 403 || error.status === 404)) {
         return this.renderForbidden(this.site);
       }
-      return renderAdvice(adviceFor(error, "this device"), this.detail.invalidate);
+      return renderAdvice(adviceFor(error, msg("this device")), this.detail.invalidate);
     }
-    return this.detail.value === undefined ? html`<t-loading what="Loading the device"></t-loading>` : nothing;
+    return this.detail.value === undefined ? html`<t-loading what=${msg("Loading the device")}></t-loading>` : nothing;
   }
 
   /** The hub does not tell what is hidden from what does not exist, and neither can this page. */
   private renderForbidden(site: string): TemplateResult {
-    return html`<t-empty heading="This device is not open to you" icon="lock">
+    return html`<t-empty heading=${msg("This device is not open to you")} icon="lock">
       <p>
-        There is no device ${this.device} at ${site}, or your role may not view it. An admin of this hub can give you the
-        right.
+        ${msg(str`There is no device ${this.device} at ${site}, or your role may not view it. An admin of this hub can give you the right.`)}
       </p>
-      <p><a href="/devices">See the devices that are open to you</a></p>
+      <p><a href="/devices">${msg("See the devices that are open to you")}</a></p>
     </t-empty>`;
   }
 
   private renderDrawn(device: DeviceShape, detail: SiteShape): unknown {
     const tile = deviceTile(device);
     if (tile === null) return nothing;
-    return renderLoaded(this.tileElement, "the device", () =>
+    return renderLoaded(this.tileElement, msg("the device"), () =>
       tile.render({ site: this.site, device, detail, line: this.commands, online: this.isReachable(detail) }),
     );
   }
@@ -220,11 +220,11 @@ export class PageDevice extends LitElement {
     const { tiles = [], broken = [] } = this.tiles.value ?? {};
     const shown = tiles.filter((tile) => signalsFor(tile, device) !== null);
     if (shown.length === 0 && broken.length === 0) return nothing;
-    return html`<section aria-label="Extensions">
+    return html`<section aria-label=${msg("Extensions")}>
       ${repeat(
         broken,
         ({ name }) => name,
-        ({ name, problem }) => html`<p role="alert">The tile “${name}” in the hub's extensions folder cannot be used: ${problem}</p>`,
+        ({ name, problem }) => html`<p role="alert">${msg(str`The tile “${name}” in the hub's extensions folder cannot be used:`)} ${problem}</p>`,
       )}
       <div class="charts">
         ${repeat(
@@ -240,10 +240,10 @@ export class PageDevice extends LitElement {
     if (device.signals.length === 0) {
       return device.streams.length > 0
         ? nothing
-        : html`<t-empty heading="No values to show" icon="live"><p>It has none that you may see.</p></t-empty>`;
+        : html`<t-empty heading=${msg("No values to show")} icon="live"><p>${msg("It has none that you may see.")}</p></t-empty>`;
     }
     return html`<section aria-labelledby="values">
-      <h2 id="values">Values</h2>
+      <h2 id="values">${msg("Values")}</h2>
       <div class="charts">
         ${repeat(
           device.signals,
@@ -259,12 +259,12 @@ export class PageDevice extends LitElement {
     if (device.streams.length === 0 || deviceTile(device)?.showsStreams === true) return nothing;
     return html`<section aria-labelledby="cameras">
       <div class="among">
-        <h2 id="cameras">${device.streams.length === 1 ? "Camera" : "Cameras"}</h2>
+        <h2 id="cameras">${plural(device.streams.length, msg("Camera"), msg("Cameras"))}</h2>
         ${this.others(device, detail)
-          ? html`<a href=${sitePath(this.site, "cameras")}>All cameras of ${detail.name}</a>`
+          ? html`<a href=${sitePath(this.site, "cameras")}>${msg(str`All cameras of ${detail.name}`)}</a>`
           : nothing}
         ${device.streams.some(({ detect }) => detect != null)
-          ? html`<a href=${sitePath(this.site, "sightings")}>What ${device.streams.length === 1 ? "it has" : "they have"} seen</a>`
+          ? html`<a href=${sitePath(this.site, "sightings")}>${plural(device.streams.length, msg("What it has seen"), msg("What they have seen"))}</a>`
           : nothing}
       </div>
       <div class="cameras">
@@ -302,7 +302,7 @@ export class PageDevice extends LitElement {
       .devices=${[device]}
       .line=${this.commands}
       .online=${this.isOnline(detail)}
-      .heading=${shown.size === 0 ? "Commands" : "Other commands"}
+      .heading=${shown.size === 0 ? msg("Commands") : msg("Other commands")}
       .shownElsewhere=${shown}
     ></t-commands>`;
   }
@@ -339,9 +339,9 @@ export class PageDevice extends LitElement {
 }
 
 function deviceRightsText(device: DeviceShape): string {
-  if (device.rights.includes("admin")) return "you may manage it";
-  if (device.rights.includes("use")) return "you may use it";
-  return device.rights.includes("view") ? "you may view it" : "you see what is public";
+  if (device.rights.includes("admin")) return msg("you may manage it");
+  if (device.rights.includes("use")) return msg("you may use it");
+  return device.rights.includes("view") ? msg("you may view it") : msg("you see what is public");
 }
 
 declare global {

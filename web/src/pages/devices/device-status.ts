@@ -1,5 +1,6 @@
 /** How a device stands, and whether a filter shows it. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { DeviceSummary } from "../../generated/api.js";
 
 export type DeviceStatus = "online" | "stale" | "unreached" | "offline";
@@ -16,8 +17,8 @@ export function deviceStatus(row: DeviceSummary, away = false): DeviceStatus {
 
 export const STANDING_WORDS: Readonly<Record<DeviceStatus, (row: DeviceSummary) => string>> = {
   online: () => "online",
-  stale: (row) => `${String(row.stale)} of ${String(row.signals)} stale`,
-  unreached: () => "not reached",
+  stale: (row) => msg(str`${String(row.stale)} of ${String(row.signals)} stale`),
+  unreached: () => msg("not reached"),
   offline: () => "offline",
 };
 

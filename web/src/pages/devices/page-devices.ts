@@ -1,6 +1,7 @@
 /** Every device that is open to the person, with how it stands. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -12,6 +13,7 @@ import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { DeviceSummary, SiteShape } from "../../generated/api.js";
@@ -29,11 +31,11 @@ import "../../tiles/observatory/device-summary.js";
 const AGAIN_S = 5;
 
 const STANDINGS: readonly ChoiceOption[] = [
-  { id: "", label: "All" },
-  { id: "online", label: "Online" },
-  { id: "stale", label: "Stale" },
-  { id: "unreached", label: "Not reached" },
-  { id: "offline", label: "Offline" },
+  { id: "", label: msg("All") },
+  { id: "online", label: msg("Online") },
+  { id: "stale", label: msg("Stale") },
+  { id: "unreached", label: msg("Not reached") },
+  { id: "offline", label: msg("Offline") },
 ];
 
 @customElement("t-page-devices")
@@ -122,27 +124,27 @@ export class PageDevices extends LitElement {
   override render(): TemplateResult {
     const rows = this.rows.value;
     return html`${renderPageHead(
-        "Devices",
+        msg("Devices"),
         rows === undefined ? nothing : devicesSummary(rows),
         html`<div class="tools" role="search">
-          <t-choice label="Status" .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
-          <input type="search" aria-label="Filter devices" placeholder="Filter" .value=${this.words} @input=${this.onInput} />
+          <t-choice label=${msg("Status")} .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
+          <input type="search" aria-label=${msg("Filter devices")} placeholder="Filter" .value=${this.words} @input=${this.onInput} />
         </div>`,
       )}
-      ${renderLoaded(this.rows, "the list of devices", (loaded) => this.renderContent(loaded))}`;
+      ${renderLoaded(this.rows, msg("the list of devices"), (loaded) => this.renderContent(loaded))}`;
   }
 
   private renderContent(rows: readonly DeviceSummary[]): unknown {
     if (rows.length === 0) {
-      return html`<t-empty heading="You have no devices" icon="devices">
-        <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
+      return html`<t-empty heading=${msg("You have no devices")} icon="devices">
+        <p>${msg("A device appears here once its gateway has connected, and it is public or your role may view it.")}</p>
       </t-empty>`;
     }
     const shown = rows.filter((row) => matchesSearch(row, this.words, this.chosen, this.isUnreachable(row)));
     if (shown.length === 0) {
-      return html`<t-empty heading="No device matches" icon="devices">
-        <p>${String(rows.length)} devices are open to you, and none of them is like this.</p>
-        <t-button @click=${this.clearSearch}>Show all</t-button>
+      return html`<t-empty heading=${msg("No device matches")} icon="devices">
+        <p>${msg(str`${String(rows.length)} devices are open to you, and none of them is like this.`)}</p>
+        <t-button @click=${this.clearSearch}>${msg("Show all")}</t-button>
       </t-empty>`;
     }
     const sites = new Map(shown.map((row) => [row.site, row.site_name]));
@@ -167,12 +169,11 @@ export class PageDevices extends LitElement {
     const names = detail?.devices.filter((device) => device.unguarded).map((device) => device.name) ?? [];
     if (names.length === 0) return nothing;
     const many = names.length > 1;
-    const who = many ? `${names.slice(0, -1).join(", ")} and ${names.at(-1) ?? ""} do` : `${names[0] ?? ""} does`;
+    const who = many ? msg(str`${names.slice(0, -1).join(", ")} and ${names.at(-1) ?? ""} do`) : msg(str`${names[0] ?? ""} does`);
     return html`<p class="unguarded" role="note">
       <t-icon name="info"></t-icon>
       <span>
-        ${who} not close or park by ${many ? "themselves" : "itself"}. In rain, in wind or without weather data only a person closes
-        or parks ${many ? "them" : "it"} (docs: <em>Make a robot safe by itself</em>).
+        ${many ? msg(html`${who} not close or park by themselves. In rain, in wind or without weather data only a person closes or parks them (docs: <em>Make a robot safe by itself</em>).`) : msg(html`${who} not close or park by itself. In rain, in wind or without weather data only a person closes or parks it (docs: <em>Make a robot safe by itself</em>).`)}
       </span>
     </p>`;
   }
@@ -191,11 +192,11 @@ export class PageDevices extends LitElement {
       ${this.renderSummary(row)}
       <div class="facts">
         <span>${row.kind}</span>
-        <span>${row.signals === 1 ? "1 signal" : `${String(row.signals)} signals`}</span>
+        <span>${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}</span>
       </div>
       <div class="chips">
-        ${row.rights.length === 0 ? nothing : html`<span class="chip">you: ${row.rights.at(-1)}</span>`}
-        ${row.public ? html`<span class="chip">public</span>` : nothing}
+        ${row.rights.length === 0 ? nothing : html`<span class="chip">${msg("you:")} ${row.rights.at(-1)}</span>`}
+        ${row.public ? html`<span class="chip">${msg("public")}</span>` : nothing}
       </div>
     </a>`;
   }
@@ -224,7 +225,7 @@ export class PageDevices extends LitElement {
 
 function devicesSummary(rows: readonly DeviceSummary[]): string {
   const online = rows.filter((row) => row.online).length;
-  return `${String(online)} of ${String(rows.length)} online`;
+  return msg(str`${String(online)} of ${String(rows.length)} online`);
 }
 
 declare global {

@@ -4,6 +4,7 @@
  */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -49,24 +50,24 @@ export class PageDisplay extends LitElement {
     const { problem } = this.action;
     if (this.token !== "" && this.isSomebody) {
       return html`<div class="sheet">
-        <h1>Make this browser a display?</h1>
-        <p>It shows some sites from then on, and you are not signed in here any more.</p>
+        <h1>${msg("Make this browser a display?")}</h1>
+        <p>${msg("It shows some sites from then on, and you are not signed in here any more.")}</p>
         ${renderAdvice(problem)}
-        <t-button kind="primary" ?busy=${this.action.busy} @click=${this.enter}>Make it a display</t-button>
-        <p><a href="/">Stay signed in</a></p>
+        <t-button kind="primary" ?busy=${this.action.busy} @click=${this.enter}>${msg("Make it a display")}</t-button>
+        <p><a href="/">${msg("Stay signed in")}</a></p>
       </div>`;
     }
-    if (this.token !== "" && problem === null) return html`<t-loading what="Opening the display"></t-loading>`;
+    if (this.token !== "" && problem === null) return html`<t-loading what=${msg("Opening the display")}></t-loading>`;
     return html`<div class="sheet">
-      <h1>A display</h1>
+      <h1>${msg("A display")}</h1>
       ${renderAdvice(problem)}
-      <p>Open the address that was shown when the display was made (Admin, People, Displays), with all that stands behind its “#”.</p>
-      <p><a href="/login">Sign in</a></p>
+      <p>${msg("Open the address that was shown when the display was made (Admin, People, Displays), with all that stands behind its “#”.")}</p>
+      <p><a href="/login">${msg("Sign in")}</a></p>
     </div>`;
   }
 
   private readonly enter = async (): Promise<void> => {
-    const done = await this.action.run("open the display", () =>
+    const done = await this.action.run(msg("open the display"), () =>
       this.api.request("POST", "/api/displays/open", { token: this.token }),
     );
     // Anew, so that whatever was shown for somebody else before is gone.

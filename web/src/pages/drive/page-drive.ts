@@ -1,6 +1,7 @@
 /** Actuate page of one site: see, drive, stop, find and command a device. */
 
 import { ContextConsumer } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -78,7 +79,7 @@ export class PageActuate extends LitElement {
   }
 
   override render(): unknown {
-    return renderLoaded(this.detail, "the site", (detail) => this.renderPage(detail));
+    return renderLoaded(this.detail, msg("the site"), (detail) => this.renderPage(detail));
   }
 
   private renderPage(detail: SiteShape): TemplateResult {
@@ -89,10 +90,10 @@ export class PageActuate extends LitElement {
     return html`
       <div class="page ${this.full ? "full" : ""}">
         <div class="top ${options.length > 1 || !device ? "" : "plain"}">
-          <h1>${device?.name ?? "Actuate"}</h1>
+          <h1>${device?.name ?? msg("Actuate")}</h1>
           ${options.length > 1
             ? html`<t-choice
-                label="Device"
+                label=${msg("Device")}
                 .options=${options}
                 .chosen=${device?.id ?? ""}
                 @t-choose=${this.onChoose}
@@ -112,7 +113,7 @@ export class PageActuate extends LitElement {
     const shown = new Set([...(jog === null ? [] : [jog]), ...poses].map(({ id }) => id));
     return renderLoaded(
       this.armElement,
-      "the arm",
+      msg("the arm"),
       () => html`${device.drive === null ? nothing : this.renderStop(detail, device)}
         <t-arm-cockpit
           .site=${this.site}
@@ -123,7 +124,7 @@ export class PageActuate extends LitElement {
           .seat=${this.cockpit?.seat ?? null}
           .stopped=${this.cockpit?.stop.desk.blocksDriving ?? false}
         ></t-arm-cockpit>
-        <t-commands heading="Other commands" .site=${this.site} .devices=${[device]} .line=${this.commands} .online=${online} .shownElsewhere=${shown}></t-commands>`,
+        <t-commands heading=${msg("Other commands")} .site=${this.site} .devices=${[device]} .line=${this.commands} .online=${online} .shownElsewhere=${shown}></t-commands>`,
     );
   }
 
@@ -132,11 +133,11 @@ export class PageActuate extends LitElement {
     if (commanded.length === 0) {
       // Who administers the hub sees all of the site: nobody could give them more.
       const admin = this.session.store?.person?.admin === true;
-      return html`<t-empty heading="Nothing to drive or command here" icon="drive">
+      return html`<t-empty heading=${msg("Nothing to drive or command here")} icon="drive">
         <p>
           ${admin
-            ? "No device of this site's description can be driven, and none takes commands."
-            : "None of the devices that you may see can be driven or takes commands. An admin can give you the right to see more of this site."}
+            ? msg("No device of this site's description can be driven, and none takes commands.")
+            : msg("None of the devices that you may see can be driven or takes commands. An admin can give you the right to see more of this site.")}
         </p>
       </t-empty>`;
     }
@@ -214,7 +215,7 @@ export class PageActuate extends LitElement {
   private renderPtz(device: DeviceShape, online: boolean): unknown {
     return renderLoaded(
       this.ptzElement,
-      "the pad",
+      msg("the pad"),
       () => html`<t-card class="hands">
         <t-ptz-pad
           .site=${this.site}
@@ -238,10 +239,9 @@ export class PageActuate extends LitElement {
   }
 
   private renderOnlooker(device: DeviceShape): TemplateResult {
-    return html`<t-empty class="hands" heading="You may look, but not drive" icon="lock">
+    return html`<t-empty class="hands" heading=${msg("You may look, but not drive")} icon="lock">
       <p>
-        Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for
-        everyone who sees it.
+        ${msg(html`Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for everyone who sees it.`)}
       </p>
     </t-empty>`;
   }

@@ -1,5 +1,6 @@
 /** Which sites a group is made of: by a tick each, or all that a search or a tag finds. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -94,12 +95,12 @@ export class FleetChooser extends LitElement {
     const tags = tagsOf(rows);
     return html`
       <div class="tools" role="search">
-        <input type="search" placeholder="Search names, tags, states" aria-label="Search sites" .value=${this.words} @input=${this.onWords} />
-        ${tags.length === 0 ? nothing : html`<select aria-label="Tag" @change=${this.onTag}>${renderOptions([["", "All tags"], ...tags.map((tag) => [tag, tag] as const)], this.tag)}</select>`}
-        <t-button ?disabled=${found.length === 0} @click=${this.chooseFound}>Choose all ${found.length}</t-button>
-        <t-button ?disabled=${this.chosen.size === 0} @click=${this.chooseNone}>Choose none</t-button>
+        <input type="search" placeholder=${msg("Search names, tags, states")} aria-label=${msg("Search sites")} .value=${this.words} @input=${this.onWords} />
+        ${tags.length === 0 ? nothing : html`<select aria-label=${msg("Tag")} @change=${this.onTag}>${renderOptions([["", msg("All tags")], ...tags.map((tag) => [tag, tag] as const)], this.tag)}</select>`}
+        <t-button ?disabled=${found.length === 0} @click=${this.chooseFound}>${msg(str`Choose all ${found.length}`)}</t-button>
+        <t-button ?disabled=${this.chosen.size === 0} @click=${this.chooseNone}>${msg("Choose none")}</t-button>
       </div>
-      ${found.length === 0 ? html`<t-empty heading="No site fits" icon="devices"></t-empty>` : groups.map(({ name, rows: members }) => this.renderGroup(name || (groups.length > 1 ? "In no group" : "Sites"), members, names))}
+      ${found.length === 0 ? html`<t-empty heading=${msg("No site fits")} icon="devices"></t-empty>` : groups.map(({ name, rows: members }) => this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), members, names))}
     `;
   }
 

@@ -1,5 +1,6 @@
 /** One command for a group: chosen, shown who would do it, sent to each, and what became of it there. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -67,16 +68,16 @@ export class FleetCommand extends LitElement {
   }
 
   override render(): TemplateResult {
-    if (this.chosen.length === 0) return html`<p class="text">Choose the sites first. ${this.renderResults()}</p>`;
+    if (this.chosen.length === 0) return html`<p class="text">${msg("Choose the sites first.")} ${this.renderResults()}</p>`;
     const offered = commandsOf(this.chosen, this.commands);
-    if (offered.length === 0) return html`<t-empty heading="No command is open to you at these sites" icon="devices"></t-empty>`;
+    if (offered.length === 0) return html`<t-empty heading=${msg("No command is open to you at these sites")} icon="devices"></t-empty>`;
     const command = this.chosenCommand(offered);
     const options = offered.map((shared) => {
       const count = this.chosen.filter(({ site }) => shared.sites.includes(site)).length;
-      return [commandKey(shared), `${shared.device_name}: ${shared.command.name} (${String(count)} of ${String(this.chosen.length)})`] as const;
+      return [commandKey(shared), msg(str`${shared.device_name}: ${shared.command.name} (${String(count)} of ${String(this.chosen.length)})`)] as const;
     });
     return html`
-      <label>Command<select @change=${this.onCommand}>${renderOptions([["", "Choose a command"], ...options], this.key)}</select></label>
+      <label>${msg("Command")}<select @change=${this.onCommand}>${renderOptions([["", msg("Choose a command")], ...options], this.key)}</select></label>
       ${command === undefined ? nothing : this.renderChosen(command)} ${this.renderResults()}
     `;
   }
@@ -92,11 +93,11 @@ export class FleetCommand extends LitElement {
     const shape = {
       ...command.command,
       confirm: true,
-      description: `${command.command.description} To ${String(able.length)} of ${String(members.length)}: ${names || "nobody"}. Each robot decides by its own interlocks.`.trim(),
+      description: msg(str`${command.command.description} To ${String(able.length)} of ${String(members.length)}: ${names || msg("nobody")}. Each robot decides by its own interlocks.`).trim(),
     };
     return html`
-      <div class="head"><h3>Who will do it</h3><span role="status">${able.length} of ${members.length}</span></div>
-      <ul aria-label="Who will do it">
+      <div class="head"><h3>${msg("Who will do it")}</h3><span role="status">${msg(str`${able.length} of ${members.length}`)}</span></div>
+      <ul aria-label=${msg("Who will do it")}>
         ${repeat(members, ({ site }) => site, renderMember)}
       </ul>
       <t-command .command=${shape} .allowed=${able.length > 0} @t-ask=${this.onAsk}></t-command>
@@ -110,11 +111,11 @@ export class FleetCommand extends LitElement {
     const good = rows.filter(({ phase }) => phase === "succeeded").length;
     return html`
       <div class="head">
-        <h3>What became of it</h3>
-        <span role="status">${ended} of ${rows.length} ended, ${good} succeeded</span>
-        ${ended === rows.length ? nothing : html`<t-button @click=${this.onCancel}>Cancel those under way</t-button>`}
+        <h3>${msg("What became of it")}</h3>
+        <span role="status">${msg(str`${ended} of ${rows.length} ended, ${good} succeeded`)}</span>
+        ${ended === rows.length ? nothing : html`<t-button @click=${this.onCancel}>${msg("Cancel those under way")}</t-button>`}
       </div>
-      <ul aria-label="What became of it">
+      <ul aria-label=${msg("What became of it")}>
         ${repeat(
           rows,
           ({ site }) => site,
@@ -125,7 +126,7 @@ export class FleetCommand extends LitElement {
               <span class="name">${name}</span>
               <t-status kind=${kind} .word=${phase === "running" && progress > 0 ? `${word}, ${(progress * 100).toFixed(0)} %` : word}></t-status>
               <span class="text">${message}</span>
-              <a href=${devicePath(site, device)} aria-label=${`Open ${name}`}>Open</a>
+              <a href=${devicePath(site, device)} aria-label=${msg(str`Open ${name}`)}>${msg("Open")}</a>
             </li>`;
           },
         )}
@@ -141,7 +142,7 @@ export class FleetCommand extends LitElement {
       },
       unreachableText: (site, device) => {
         const away = this.reach?.unreachableSince(site, device);
-        return away === undefined ? "" : `Its gateway does not reach the device: ${away.why || "no answer"}.`;
+        return away === undefined ? "" : msg(str`Its gateway does not reach the device: ${away.why || msg("no answer")}.`);
       },
       holderText: (site, device) => this.holders.store?.holdersOf(site, device)[0]?.words ?? "",
     };
@@ -171,7 +172,7 @@ export class FleetCommand extends LitElement {
 function renderMember({ name, why, note }: GroupMember): TemplateResult {
   return html`<li>
     <span class="name">${name}</span>
-    <t-status kind=${why === "" ? (note === "" ? "ok" : "warn") : "unknown"} .word=${why === "" ? "is asked" : "is not asked"}></t-status>
+    <t-status kind=${why === "" ? (note === "" ? "ok" : "warn") : "unknown"} .word=${why === "" ? msg("is asked") : msg("is not asked")}></t-status>
     <span class="text">${why || note}</span>
   </li>`;
 }

@@ -1,11 +1,13 @@
 /** STOP (software) for a group or for all, and how far it got at each robot. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { GroupStopClient, GroupStopRow } from "../../controllers/drive/group-stop-client.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
+import { plural } from "../../format/plural.js";
 import type { SiteSummary } from "../../generated/api.js";
 import { sitePath } from "../../state/router.js";
 import { nameList } from "./group-preview.js";
@@ -50,11 +52,11 @@ export class FleetStop extends LitElement {
     const without = this.rows.filter(({ stops }) => stops.length === 0);
     const pressed = this.line?.rows ?? [];
     const which = this.partial ? "chosen " : "";
-    const label = able.length === 0 ? "None of these has STOP" : able.length === 1 ? `The one ${which}robot that has it: ${able[0]?.name ?? ""}` : `All ${String(able.length)} ${which}robots, at one press`;
+    const label = able.length === 0 ? msg("None of these has STOP") : plural(able.length, msg(str`The one ${which}robot that has it: ${able[0]?.name ?? ""}`), msg(str`All ${String(able.length)} ${which}robots, at one press`));
     return html`
       <t-stop-button .label=${label} @t-stop=${this.pressStop}></t-stop-button>
-      ${without.length === 0 ? nothing : html`<p class="note">Not stopped by it, since nothing of them is driven from here, or you may not view it: ${nameList(without.map(({ name }) => name))}.</p>`}
-      ${pressed.length === 0 ? html`<p class="note">No emergency stop: each robot needs a hardware stop. STOP is released robot by robot, on its own page.</p>` : this.renderPressed(pressed)}
+      ${without.length === 0 ? nothing : html`<p class="note">${msg(str`Not stopped by it, since nothing of them is driven from here, or you may not view it: ${nameList(without.map(({ name }) => name))}.`)}</p>`}
+      ${pressed.length === 0 ? html`<p class="note">${msg("No emergency stop: each robot needs a hardware stop. STOP is released robot by robot, on its own page.")}</p>` : this.renderPressed(pressed)}
     `;
   }
 
@@ -69,9 +71,9 @@ export class FleetStop extends LitElement {
     return html`
       <div class="head">
         <p role="status"><strong>${stopSummary(rows)}</strong></p>
-        <t-button @click=${this.onForget}>Close the list</t-button>
+        <t-button @click=${this.onForget}>${msg("Close the list")}</t-button>
       </div>
-      <ul aria-label="How far STOP got">
+      <ul aria-label=${msg("How far STOP got")}>
         ${repeat(rows, ({ site, device }) => `${site}/${device}`, (row) => this.renderRow(row, rows))}
       </ul>
     `;
@@ -84,8 +86,8 @@ export class FleetStop extends LitElement {
     return html`<li>
       <span class="name">${name}${several ? `: ${row.device}` : ""}</span>
       <t-status kind=${kind} .word=${word}></t-status>
-      <span class="text">${text}${row.who === "" ? "" : ` Pressed by ${row.who}.`}</span>
-      <a href=${sitePath(row.site, "drive")} aria-label=${`Open ${name}`}>Open</a>
+      <span class="text">${text}${row.who === "" ? "" : msg(str` Pressed by ${row.who}.`)}</span>
+      <a href=${sitePath(row.site, "drive")} aria-label=${msg(str`Open ${name}`)}>${msg("Open")}</a>
     </li>`;
   }
 

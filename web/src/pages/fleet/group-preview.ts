@@ -1,5 +1,6 @@
 /** Who of a group would do a command, and why others would not. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { SharedCommandShape, SiteSummary } from "../../generated/api.js";
 
 /** One site of the group: why it is not asked; empty where it is. */
@@ -33,16 +34,16 @@ export function previewGroup(
   const alike = all.filter((other) => other !== command && other.device === device && other.command.id === id);
   return chosen.map(({ site, name, online }) => {
     const why = ((): string => {
-      if (command.barred.includes(site)) return "You may look at it, but not use it.";
+      if (command.barred.includes(site)) return msg("You may look at it, but not use it.");
       if (!command.sites.includes(site)) {
         const other = alike.some(({ sites, barred }) => sites.includes(site) || barred.includes(site));
-        return other ? "Its command of this name takes other arguments." : "It has no such command.";
+        return other ? msg("Its command of this name takes other arguments.") : msg("It has no such command.");
       }
-      if (!online) return "It is offline: nothing is sent, and nothing is kept for later.";
+      if (!online) return msg("It is offline: nothing is sent, and nothing is kept for later.");
       return facts.unreachableText(site, device) || facts.lockText(site, device, id);
     })();
     const holder = why === "" ? facts.holderText(site, device) : "";
-    const note = holder === "" ? "" : `${holder}: it will refuse. Interrupt on the device's own page.`;
+    const note = holder === "" ? "" : msg(str`${holder}: it will refuse. Interrupt on the device's own page.`);
     return { site, name: name === "" ? site : name, why, note };
   });
 }
@@ -62,5 +63,5 @@ export function commandKey({ device, command }: SharedCommandShape): string {
 /** `A, B and 3 more`. */
 export function nameList(names: readonly string[], most = 6): string {
   if (names.length <= most) return names.join(", ");
-  return `${names.slice(0, most).join(", ")} and ${String(names.length - most)} more`;
+  return msg(str`${names.slice(0, most).join(", ")} and ${String(names.length - most)} more`);
 }

@@ -1,6 +1,7 @@
 /** Several sites at once: STOP for them, and one command that they share. Never driving. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -71,27 +72,27 @@ export class PageFleet extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`${renderPageHead("Fleet", "One command or STOP for several robots. Each decides by its own rights and interlocks; nothing is driven from here.")} ${this.renderSites()}`;
+    return html`${renderPageHead(msg("Fleet"), msg("One command or STOP for several robots. Each decides by its own rights and interlocks; nothing is driven from here."))} ${this.renderSites()}`;
   }
 
   private renderSites(): unknown {
     const sites = this.sites.store;
-    if (sites === undefined || sites.status === "idle" || (sites.status === "loading" && sites.list.length === 0)) return html`<t-loading what="Loading your sites"></t-loading>`;
-    if (sites.status === "failed" && sites.list.length === 0) return renderAdvice(adviceFor(sites.renderError, "the list of sites"), () => void sites.load());
-    if (sites.list.length === 0) return html`<t-empty heading="No sites yet" icon="unlinked"><p>A site appears here once its gateway has connected to this hub, and you have the right to view it.</p></t-empty>`;
+    if (sites === undefined || sites.status === "idle" || (sites.status === "loading" && sites.list.length === 0)) return html`<t-loading what=${msg("Loading your sites")}></t-loading>`;
+    if (sites.status === "failed" && sites.list.length === 0) return renderAdvice(adviceFor(sites.renderError, msg("the list of sites")), () => void sites.load());
+    if (sites.list.length === 0) return html`<t-empty heading=${msg("No sites yet")} icon="unlinked"><p>${msg("A site appears here once its gateway has connected to this hub, and you have the right to view it.")}</p></t-empty>`;
     const names = uniqueNames(sites.list);
     const rows = sites.list.map((row): SiteSummary => ({ ...row, name: names.get(row.site) ?? row.name }));
     const chosen = rows.filter(({ site }) => this.chosen.has(site));
     return html`
       <t-fleet-stop .rows=${chosen.length > 0 ? chosen : rows} ?partial=${chosen.length > 0} .line=${this.stopLine}></t-fleet-stop>
-      <section class="sheet" aria-label="Sites">
-        <h2>Sites</h2>
+      <section class="sheet" aria-label=${msg("Sites")}>
+        <h2>${msg("Sites")}</h2>
         <t-fleet-chooser .rows=${rows} .chosen=${this.chosen} @t-choose-sites=${this.onChoose}></t-fleet-chooser>
-        <p role="status" class="muted">${chosen.length === 0 ? "None is chosen: STOP is for all of them." : `${String(chosen.length)} chosen: STOP and the command are for these.`}</p>
+        <p role="status" class="muted">${chosen.length === 0 ? msg("None is chosen: STOP is for all of them.") : msg(str`${String(chosen.length)} chosen: STOP and the command are for these.`)}</p>
       </section>
-      <section class="sheet" aria-label="Command">
-        <h2>Command</h2>
-        ${renderLoaded(this.commands, "the commands", ({ commands }) => html`<t-fleet-command .chosen=${chosen} .commands=${commands} .line=${this.commandLine}></t-fleet-command>`)}
+      <section class="sheet" aria-label=${msg("Command")}>
+        <h2>${msg("Command")}</h2>
+        ${renderLoaded(this.commands, msg("the commands"), ({ commands }) => html`<t-fleet-command .chosen=${chosen} .commands=${commands} .line=${this.commandLine}></t-fleet-command>`)}
       </section>
     `;
   }

@@ -1,6 +1,7 @@
 /** Tonight and the week: the sky of each night, its plan as a line, chances of what waits, why it waits, hours by proposal. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -18,6 +19,7 @@ import { renderRows } from "../../elements/layout/rows.js";
 import { formatChance } from "../../format/chance.js";
 import { formatDuration } from "../../format/duration.js";
 import { PHASE_WORDS } from "../../format/observing-words.js";
+import { plural } from "../../format/plural.js";
 import { formatDate } from "../../format/time.js";
 import type { ForecastShape, ProposalList, RequestList, SiteNightShape, SiteShape, WeekNightShape, WeekShape } from "../../generated/api.js";
 import { nightWindow, proposalMarks, type ProposalMark } from "../../series/plan-layout.js";
@@ -103,15 +105,15 @@ export class PageForecast extends LitElement {
 
   override render(): TemplateResult {
     const links = html`<div class="actions">
-      <a href=${sitePath(this.site, "night")}>Night</a>
-      <a href=${sitePath(this.site, "requests")}>Requests</a>
-      <a href=${sitePath(this.site, "proposals")}>Proposals</a>
+      <a href=${sitePath(this.site, "night")}>${msg("Night")}</a>
+      <a href=${sitePath(this.site, "requests")}>${msg("Requests")}</a>
+      <a href=${sitePath(this.site, "proposals")}>${msg("Proposals")}</a>
     </div>`;
-    return html`${renderPageHead("Forecast", `What the nights of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} would bring, by what waits now.`, links)}
-    ${renderLoaded(this.proposals, "the proposals", ({ observes }) =>
+    return html`${renderPageHead(msg("Forecast"), msg(str`What the nights of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} would bring, by what waits now.`), links)}
+    ${renderLoaded(this.proposals, msg("the proposals"), ({ observes }) =>
       observes
-        ? renderLoaded(this.week, "the week, which takes up to a minute the first time", (week) => this.renderWeek(week))
-        : html`<t-empty heading="This site does not observe by itself" icon="live"><p>Its description has no section night.</p></t-empty>`,
+        ? renderLoaded(this.week, msg("the week, which takes up to a minute the first time"), (week) => this.renderWeek(week))
+        : html`<t-empty heading=${msg("This site does not observe by itself")} icon="live"><p>${msg("Its description has no section night.")}</p></t-empty>`,
     )}`;
   }
 
@@ -130,8 +132,7 @@ export class PageForecast extends LitElement {
   /** How old it is, and what it takes for granted. */
   private ageText({ made_us: made, renewing, open_share: open }: WeekShape): TemplateResult {
     const age = Math.max(0, Date.now() / 1000 - made / 1e6);
-    return html`Worked out ${age < 60 ? "less than a minute" : formatDuration(Math.floor(age / 60) * 60)} ago${renewing ? "; a newer one is under way" : ""}. Plans are for a clear sky;
-      a chance counts with a roof that is open ${(open * 100).toFixed(0)} % of the time, for nobody here knows the weather to come.`;
+    return html`${renewing ? msg(str`Worked out ${age < 60 ? msg("less than a minute") : formatDuration(Math.floor(age / 60) * 60)} ago; a newer one is under way. Plans are for a clear sky; a chance counts with a roof that is open ${(open * 100).toFixed(0)} % of the time, for nobody here knows the weather to come.`) : msg(str`Worked out ${age < 60 ? msg("less than a minute") : formatDuration(Math.floor(age / 60) * 60)} ago. Plans are for a clear sky; a chance counts with a roof that is open ${(open * 100).toFixed(0)} % of the time, for nobody here knows the weather to come.`)}`;
   }
 
   /** How the night stands now: whether it is armed, and what the weather and the roof say. */
@@ -145,11 +146,11 @@ export class PageForecast extends LitElement {
   private renderLaterNights(nights: readonly WeekNightShape[], marks: ReadonlyMap<string, ProposalMark>): TemplateResult | typeof nothing {
     if (nights.length < 2) return nothing;
     return html`<section class="sheet" aria-labelledby="later">
-      <h2 id="later">The nights after it</h2>
+      <h2 id="later">${msg("The nights after it")}</h2>
       ${map(nights.slice(1), (night, i) => {
         const at = i + 1;
         return html`<details ?open=${this.opened.has(at)} @toggle=${this.toggler(at)}>
-          <summary>${this.nightName(night, at)}: ${night.planned === 1 ? "one request" : `${String(night.planned)} requests`}</summary>
+          <summary>${this.nightName(night, at)}: ${plural(night.planned, msg("one request"), msg(str`${String(night.planned)} requests`))}</summary>
           ${this.opened.has(at) ? this.renderNight(night, marks) : nothing}
         </details>`;
       })}
@@ -159,17 +160,16 @@ export class PageForecast extends LitElement {
   private renderNight(night: WeekNightShape, marks: ReadonlyMap<string, ProposalMark>): TemplateResult {
     const place = this.detail.value?.place ?? null;
     const blocks = plannedBlocks(night.plan, null, Date.now());
-    if (night.end_us <= night.start_us) return html`<p>The Sun does not get 6° below the horizon.</p>`;
+    if (night.end_us <= night.start_us) return html`<p>${msg("The Sun does not get 6° below the horizon.")}</p>`;
     const span = nightWindow({ from: night.start_us / 1000, to: night.end_us / 1000 }, blocks);
     const sky = place === null ? null : nightSky(place, span);
     const facts = sky === null ? null : skyFacts(sky);
     return html`${facts === null
         ? nothing
         : html`<p>
-            ${facts.darkMs === 0 ? "No full darkness" : `Dark for ${formatDuration(facts.darkMs / 1000)}, ${facts.moonlessMs === 0 ? "none" : formatDuration(facts.moonlessMs / 1000)} of it without the Moon`}, which is
-            ${(facts.moonLit * 100).toFixed(0)} % lit.
+            ${facts.darkMs === 0 ? msg(str`No full darkness, which is ${(facts.moonLit * 100).toFixed(0)} % lit.`) : msg(str`Dark for ${formatDuration(facts.darkMs / 1000)}, ${facts.moonlessMs === 0 ? msg("none") : formatDuration(facts.moonlessMs / 1000)} of it without the Moon, which is ${(facts.moonLit * 100).toFixed(0)} % lit.`)}
           </p>`}
-      ${blocks.length === 0 ? html`<p class="muted">Nothing is planned in it.</p>` : nothing}
+      ${blocks.length === 0 ? html`<p class="muted">${msg("Nothing is planned in it.")}</p>` : nothing}
       <t-plan-timeline .span=${span} .sky=${sky} .blocks=${blocks} .marks=${marks} .ms=${Date.now()} .zone=${this.zone}></t-plan-timeline>`;
   }
 
@@ -177,23 +177,23 @@ export class PageForecast extends LitElement {
     const rows = chanceRows(nights);
     const columns = `minmax(8rem, 2fr) repeat(${String(nights.length)}, minmax(3.5rem, 1fr)) 5rem`;
     return html`<section class="sheet" aria-labelledby="chances">
-      <h2 id="chances">Chance of each request</h2>
+      <h2 id="chances">${msg("Chance of each request")}</h2>
       ${rows.length === 0
-        ? html`<p class="muted">Nothing that is open to you is planned. <a href=${`${sitePath(this.site, "requests")}?new=1`}>Ask for an observation</a></p>`
+        ? html`<p class="muted">${msg("Nothing that is open to you is planned.")} <a href=${`${sitePath(this.site, "requests")}?new=1`}>${msg("Ask for an observation")}</a></p>`
         : html`<div ${styled({ "--t-columns": columns })}>
             ${renderTable<ChanceRow, string>({
-              label: "Chance of each request",
+              label: msg("Chance of each request"),
               rows,
               key: ({ id }) => id,
               columns: [
-                { title: "Request", heads: true, cell: ({ id, target, proposal }) => html`<a href=${this.requestPath(id)}>${target === "" ? "no target" : target}</a> <span class="muted small">${proposal}</span>` },
+                { title: msg("Request"), heads: true, cell: ({ id, target, proposal }) => html`<a href=${this.requestPath(id)}>${target === "" ? msg("no target") : target}</a> <span class="muted small">${proposal}</span>` },
                 ...nights.map((night, at) => ({
-                  title: at === 0 ? "Tonight" : this.dayName(night),
+                  title: at === 0 ? msg("Tonight") : this.dayName(night),
                   name: "number",
                   titled: true,
                   cell: ({ chances }: ChanceRow) => (chances[at] ? formatChance(chances[at]) : "–"),
                 })),
-                { title: "In all", name: "number", titled: true, cell: ({ all }) => html`<strong>${formatChance(all)}</strong>` },
+                { title: msg("In all"), name: "number", titled: true, cell: ({ all }) => html`<strong>${formatChance(all)}</strong>` },
               ],
             })}
           </div>`}
@@ -204,20 +204,20 @@ export class PageForecast extends LitElement {
     const rows = expectedShares(week, this.proposals.value?.proposals ?? []);
     const percent = (part: number): string => (Number.isNaN(part) ? "–" : `${(part * 100).toFixed(0)} %`);
     return html`<section class="sheet" aria-labelledby="shares">
-      <h2 id="shares">Share by proposal</h2>
+      <h2 id="shares">${msg("Share by proposal")}</h2>
       ${rows.length === 0
-        ? html`<p class="muted">No proposal is open to you.</p>`
+        ? html`<p class="muted">${msg("No proposal is open to you.")}</p>`
         : html`<div class="shares">
             ${renderTable<ExpectedShare, string>({
-              label: "Share by proposal",
+              label: msg("Share by proposal"),
               rows,
               key: ({ id }) => id,
               columns: [
-                { title: "Proposal", heads: true, cell: ({ id, title }) => html`<strong>${marks.get(id)?.letter ?? ""}</strong> ${title === "" ? id : title}` },
-                { title: "Due", name: "number", titled: true, cell: ({ due }) => percent(due) },
-                { title: "Gets", name: "number", titled: true, cell: ({ got }) => percent(got) },
-                { title: "In the mean", name: "number", titled: true, cell: ({ expectedS }) => `${(expectedS / 3600).toFixed(1)} h` },
-                { title: "Has left", name: "number", titled: true, cell: ({ leftS, hours }) => `${(leftS / 3600).toFixed(1)} of ${hours.toFixed(0)} h` },
+                { title: msg("Proposal"), heads: true, cell: ({ id, title }) => html`<strong>${marks.get(id)?.letter ?? ""}</strong> ${title === "" ? id : title}` },
+                { title: msg("Due"), name: "number", titled: true, cell: ({ due }) => percent(due) },
+                { title: msg("Gets"), name: "number", titled: true, cell: ({ got }) => percent(got) },
+                { title: msg("In the mean"), name: "number", titled: true, cell: ({ expectedS }) => `${(expectedS / 3600).toFixed(1)} h` },
+                { title: msg("Has left"), name: "number", titled: true, cell: ({ leftS, hours }) => msg(str`${(leftS / 3600).toFixed(1)} of ${hours.toFixed(0)} h`) },
               ],
             })}
           </div>`}
@@ -226,15 +226,15 @@ export class PageForecast extends LitElement {
 
   private renderDone(): TemplateResult {
     return html`<section class="sheet" aria-labelledby="done">
-      <h2 id="done">Done last</h2>
-      ${renderLoaded(this.done, "what is done", ({ requests }) =>
+      <h2 id="done">${msg("Done last")}</h2>
+      ${renderLoaded(this.done, msg("what is done"), ({ requests }) =>
         requests.length === 0
-          ? html`<p class="muted">Nothing that is open to you is done yet.</p>`
+          ? html`<p class="muted">${msg("Nothing that is open to you is done yet.")}</p>`
           : renderRows(
               requests,
               ({ id, target, group_name: name, proposal, changed_us: changed }) => html`<li>
                 <div>
-                  <a class="name" href=${this.requestPath(id)}>${target === "" ? name || "no target" : target}</a>
+                  <a class="name" href=${this.requestPath(id)}>${target === "" ? name || msg("no target") : target}</a>
                   <div class="facts"><span>${proposal}</span><t-time short .us=${changed} .zone=${this.zone}></t-time></div>
                 </div>
               </li>`,
@@ -245,20 +245,20 @@ export class PageForecast extends LitElement {
 
   private renderReasons(): TemplateResult {
     return html`<section class="sheet" aria-labelledby="waits">
-      <h2 id="waits">What waits longer than tonight, and why</h2>
-      ${renderLoaded(this.tonight, "the reasons", ({ reasons, more }) =>
+      <h2 id="waits">${msg("What waits longer than tonight, and why")}</h2>
+      ${renderLoaded(this.tonight, msg("the reasons"), ({ reasons, more }) =>
         reasons.length === 0
-          ? html`<p class="muted">All that is open to you and waits is planned tonight.</p>`
+          ? html`<p class="muted">${msg("All that is open to you and waits is planned tonight.")}</p>`
           : html`${renderRows(
               reasons.map((reason) => ({ ...reason, id: reason.request })),
               ({ request, target, why_not: why }) => html`<li>
                 <div>
-                  <a class="name" href=${this.requestPath(request)}>${target === "" ? "no target" : target}</a>
+                  <a class="name" href=${this.requestPath(request)}>${target === "" ? msg("no target") : target}</a>
                   <div>${why.message}</div>
                 </div>
               </li>`,
             )}
-            ${more ? html`<p class="muted">And more.</p>` : nothing}`,
+            ${more ? html`<p class="muted">${msg("And more.")}</p>` : nothing}`,
       )}
     </section>`;
   }
@@ -275,7 +275,7 @@ export class PageForecast extends LitElement {
 
   private nightName(night: WeekNightShape, at: number): string {
     const date = formatDate(night.start_us, this.zone);
-    return at === 0 ? (night.start_us > Date.now() * 1000 ? `The next night, ${date}` : `Tonight, ${date}`) : date;
+    return at === 0 ? (night.start_us > Date.now() * 1000 ? msg(str`The next night, ${date}`) : msg(str`Tonight, ${date}`)) : date;
   }
 
   private dayName({ start_us: start }: WeekNightShape): string {

@@ -1,6 +1,7 @@
 /** Enrol a gateway: for which site, then the command with its one-time code, until it is used or too old. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -82,16 +83,16 @@ export class EnrolForm extends LitElement {
 
   private renderForm(): TemplateResult {
     const { problem, busy } = this.action;
-    return html`<h2>Enrol a gateway</h2>
+    return html`<h2>${msg("Enrol a gateway")}</h2>
       <form class="fields" novalidate @submit=${this.onSubmit}>
-        <t-field label="Site" hint="As its site description calls it: small letters, digits and _" error=${this.wrong}>
+        <t-field label=${msg("Site")} hint=${msg("As its site description calls it: small letters, digits and _")} error=${this.wrong}>
           <input id="site" list="sites" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="63" />
         </t-field>
         <datalist id="sites">${map(this.sites, (site) => html`<option value=${site}></option>`)}</datalist>
-        <t-field label="Name" hint="What people call this gateway; may stay empty">
+        <t-field label=${msg("Name")} hint=${msg("What people call this gateway; may stay empty")}>
           <input id="name" autocomplete="off" maxlength="100" />
         </t-field>
-        ${renderAdvice(problem)} ${renderFormActions({ submit: "Make a code", busy, cancel: this.closeForm })}
+        ${renderAdvice(problem)} ${renderFormActions({ submit: msg("Make a code"), busy, cancel: this.closeForm })}
       </form>`;
   }
 
@@ -99,53 +100,53 @@ export class EnrolForm extends LitElement {
     const left = Math.max(0, made.expires_us / 1e6 - Date.now() / 1000);
     const came = this.gateways.find((row) => !this.known.has(row.id) && row.revoked_us === 0);
     if (came !== undefined) {
-      return html`<h2>It is enrolled</h2>
+      return html`<h2>${msg("It is enrolled")}</h2>
         <p>
-          <t-status kind=${came.online ? "online" : "busy"} word=${came.online ? "online" : "has its key, not linked yet"}></t-status>
-          ${came.name === "" ? came.site : came.name} has a key of its own now; the code is used up.
+          <t-status kind=${came.online ? "online" : "busy"} word=${came.online ? msg("online") : msg("has its key, not linked yet")}></t-status>
+          ${msg(str`${came.name === "" ? came.site : came.name} has a key of its own now; the code is used up.`)}
         </p>
-        <div class="actions"><t-button kind="primary" @click=${this.closeForm}>Done</t-button></div>`;
+        <div class="actions"><t-button kind="primary" @click=${this.closeForm}>${msg("Done")}</t-button></div>`;
     }
     if (left === 0) {
-      return html`<h2>The code is too old</h2>
-        <p>It was not used in time and has expired; make another.</p>
+      return html`<h2>${msg("The code is too old")}</h2>
+        <p>${msg("It was not used in time and has expired; make another.")}</p>
         <div class="actions">
-          <t-button kind="primary" @click=${this.resetForm}>Make another</t-button><t-button @click=${this.closeForm}>Close</t-button>
+          <t-button kind="primary" @click=${this.resetForm}>${msg("Make another")}</t-button><t-button @click=${this.closeForm}>${msg("Close")}</t-button>
         </div>`;
     }
     return html`<div class="head">
-        <h2>Run this beside the robot</h2>
-        <span class="left" role="timer">${formatDuration(left)} left</span>
+        <h2>${msg("Run this beside the robot")}</h2>
+        <span class="left" role="timer">${msg(str`${formatDuration(left)} left`)}</span>
       </div>
       <div class="made">
         <div>
-          <t-copy label="Command" .text=${made.command}></t-copy>
-          <t-copy label="Code alone" .text=${made.code}></t-copy>
+          <t-copy label=${msg("Command")} .text=${made.command}></t-copy>
+          <t-copy label=${msg("Code alone")} .text=${made.code}></t-copy>
           ${made.fingerprint === ""
             ? nothing
             : html`<p class="muted">
-                The code carries the fingerprint of this hub's certificate, and the gateway believes no other:
+                ${msg("The code carries the fingerprint of this hub's certificate, and the gateway believes no other:")}
                 <code style="overflow-wrap: anywhere">${made.fingerprint}</code>
               </p>`}
-          <p class="muted">The code works once and is not shown again. This page says when the gateway has used it.</p>
+          <p class="muted">${msg("The code works once and is not shown again. This page says when the gateway has used it.")}</p>
         </div>
-        ${made.qr === "" ? nothing : html`<t-qr .svg=${made.qr} label="QR code of the command"></t-qr>`}
+        ${made.qr === "" ? nothing : html`<t-qr .svg=${made.qr} label=${msg("QR code of the command")}></t-qr>`}
       </div>
       <div class="actions">
-        <t-status kind="busy" word="waiting for the gateway"></t-status>
-        <t-button @click=${this.closeForm}>Close</t-button>
+        <t-status kind="busy" word=${msg("waiting for the gateway")}></t-status>
+        <t-button @click=${this.closeForm}>${msg("Close")}</t-button>
       </div>`;
   }
 
   private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     const site = this.site.value.trim();
-    this.wrong = SITE_ID.test(site) ? "" : "It begins with a small letter; small letters, digits and _ follow.";
+    this.wrong = SITE_ID.test(site) ? "" : msg("It begins with a small letter; small letters, digits and _ follow.");
     if (this.wrong !== "") return;
     const name = this.name.value.trim();
     this.known = new Set(this.gateways.map(({ id }) => id));
     void this.action
-      .run("make a code", async () => {
+      .run(msg("make a code"), async () => {
         this.made = await new AdminApi(this.api).makeCode(site, name);
       })
       .then((done) => {

@@ -1,5 +1,6 @@
 /** What is said of one of several hubs. */
 
+import { msg, str } from "@lit/localize";
 import { formatBytes } from "../../format/bytes.js";
 import { formatAge, formatDuration, formatWholeMs } from "../../format/duration.js";
 import type { HubShape } from "../../generated/api.js";
@@ -7,15 +8,15 @@ import type { HubShape } from "../../generated/api.js";
 /** @param nowUs UTC, by this browser's clock */
 export function hubFacts(hub: HubShape, nowUs: number): readonly string[] {
   // What it said last is of the past, however well it was then.
-  if (hub.role === "gone") return [`last heard ${formatAge(hub.silent_s)}`];
+  if (hub.role === "gone") return [msg(str`last heard ${formatAge(hub.silent_s)}`)];
   const facts = [
-    `version ${hub.version}`,
-    `${countOf(hub.gateways, "gateway", "gateways")} and ${countOf(hub.sockets, "socket", "sockets")} came in here`,
-    `${(hub.cpu * 100).toFixed(0)} % of a core`,
+    msg(str`version ${hub.version}`),
+    msg(str`${countOf(hub.gateways, "gateway", "gateways")} and ${countOf(hub.sockets, "socket", "sockets")} came in here`),
+    msg(str`${(hub.cpu * 100).toFixed(0)} % of a core`),
     formatBytes(hub.memory_bytes),
-    hub.database_ms === 0 ? "no answer from the database" : `database ${formatWholeMs(hub.database_ms)}`,
+    hub.database_ms === 0 ? msg("no answer from the database") : msg(str`database ${formatWholeMs(hub.database_ms)}`),
   ];
-  return [...facts, `up for ${formatDuration((nowUs - hub.since_us) / 1e6)}`];
+  return [...facts, msg(str`up for ${formatDuration((nowUs - hub.since_us) / 1e6)}`)];
 }
 
 function countOf(many: number, one: string, more: string): string {

@@ -1,5 +1,6 @@
 /** The hubs that are one: which leads, how each is, and what is wrong. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -13,10 +14,10 @@ import "../../elements/feedback/banner.js";
 import "../../elements/feedback/status.js";
 
 const ROLES: Readonly<Record<string, readonly [StatusKind, string]>> = {
-  leads: ["online", "leads"],
-  waits: ["ok", "waits"],
-  leaves: ["busy", "leaves"],
-  gone: ["offline", "gone"],
+  leads: ["online", msg("leads")],
+  waits: ["ok", msg("waits")],
+  leaves: ["busy", msg("leaves")],
+  gone: ["offline", msg("gone")],
 };
 
 @customElement("t-hub-list")
@@ -40,8 +41,8 @@ export class HubListView extends LitElement {
     const { list } = this;
     // One that is alone has nothing to say here.
     if (list?.clustered !== true) return nothing;
-    return html`<section class="sheet" aria-label="Hubs">
-      <h2>Hubs</h2>
+    return html`<section class="sheet" aria-label=${msg("Hubs")}>
+      <h2>${msg("Hubs")}</h2>
       ${map(list.problems, (problem) => html`<t-banner kind="warn">${problem}.</t-banner>`)}
       ${renderRows(
         list.hubs.map((hub) => ({ ...hub, id: hub.name })),

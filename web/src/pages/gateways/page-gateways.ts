@@ -1,6 +1,7 @@
 /** Gateways: which are there, how they stand, and how another one comes in. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -14,6 +15,7 @@ import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import type { DeviceSummary, GatewayList, GatewayShape, HubList, OpenCodeShape, ReleaseList } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -64,9 +66,9 @@ export class PageGateways extends LitElement {
     const known = this.known.value;
     return html`<t-admin-tabs page="gateways"></t-admin-tabs>
       ${renderPageHead(
-        "Gateways",
-        "Each runs beside its robots, connects to this hub, and has its own key.",
-        html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.form.opener("new")}>Enrol a gateway</t-button>`,
+        msg("Gateways"),
+        msg("Each runs beside its robots, connects to this hub, and has its own key."),
+        html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.form.opener("new")}>${msg("Enrol a gateway")}</t-button>`,
       )}
       ${this.form.isOpen
         ? html`<t-enrol
@@ -78,7 +80,7 @@ export class PageGateways extends LitElement {
             @t-changed=${this.known.invalidate}
           ></t-enrol>`
         : nothing}
-      ${renderAdvice(this.action.problem)} ${renderLoaded(this.known, "the list of gateways", (value) => this.renderContent(value))}`;
+      ${renderAdvice(this.action.problem)} ${renderLoaded(this.known, msg("the list of gateways"), (value) => this.renderContent(value))}`;
   }
 
   private renderContent(known: LoadedGateways): TemplateResult {
@@ -87,8 +89,8 @@ export class PageGateways extends LitElement {
     return html`<t-hub-list ?hidden=${!known.hubs.clustered} .list=${known.hubs}></t-hub-list>
       ${this.renderCodes(known.codes)}
       ${living.length === 0
-        ? html`<t-empty heading="No gateway yet" icon="unlinked">
-            <p>Enrol one: you get a command to run beside the robot, with a code that works once.</p>
+        ? html`<t-empty heading=${msg("No gateway yet")} icon="unlinked">
+            <p>${msg("Enrol one: you get a command to run beside the robot, with a code that works once.")}</p>
           </t-empty>`
         : nothing}
       ${this.renderList(living, known.devices)}
@@ -102,7 +104,7 @@ export class PageGateways extends LitElement {
       ${gone.length === 0
         ? nothing
         : html`<details>
-            <summary>${gone.length === 1 ? "1 gateway was revoked" : `${String(gone.length)} gateways were revoked`}</summary>
+            <summary>${plural(gone.length, msg("1 gateway was revoked"), msg(str`${String(gone.length)} gateways were revoked`))}</summary>
             ${this.renderList(gone, [])}
           </details>`}`;
   }
@@ -128,16 +130,16 @@ export class PageGateways extends LitElement {
     const now = Date.now() * 1000;
     const good = codes.filter((row) => row.expires_us > now);
     if (good.length === 0) return nothing;
-    return html`<section class="sheet" aria-label="Codes that are not used yet">
-      <h2>Codes that are not used yet</h2>
+    return html`<section class="sheet" aria-label=${msg("Codes that are not used yet")}>
+      <h2>${msg("Codes that are not used yet")}</h2>
       ${renderRows(
         good,
         (row) => html`<li>
           <div>
             <span class="name">${row.site}</span>
-            <div class="facts"><span>good for ${formatDuration((row.expires_us - now) / 1e6)} more</span></div>
+            <div class="facts"><span>${msg(str`good for ${formatDuration((row.expires_us - now) / 1e6)} more`)}</span></div>
           </div>
-          <t-button label=${`Withdraw the code for ${row.site}`} ?busy=${this.action.runningKey === row.id} @click=${this.codeWithdrawer(row)}>Withdraw</t-button>
+          <t-button label=${msg(str`Withdraw the code for ${row.site}`)} ?busy=${this.action.runningKey === row.id} @click=${this.codeWithdrawer(row)}>${msg("Withdraw")}</t-button>
         </li>`,
       )}
     </section>`;
@@ -146,7 +148,7 @@ export class PageGateways extends LitElement {
   private codeWithdrawer(row: OpenCodeShape): () => void {
     return () => {
       const api = new AdminApi(this.api);
-      void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.known.invalidate);
+      void this.action.run(msg("withdraw the code"), () => api.withdrawCode(row.id), "", row.id).then(this.known.invalidate);
     };
   }
 }

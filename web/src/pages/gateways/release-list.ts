@@ -1,6 +1,7 @@
 /** Releases of the gateways' own software: which are there, who runs what, and handing one out. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -12,6 +13,7 @@ import { renderFormActions, renderOptions } from "../../elements/forms/form-part
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatBytes } from "../../format/bytes.js";
+import { plural } from "../../format/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { GatewayReleaseShape, ReleaseList, ReleaseShape, RolloutShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -72,10 +74,10 @@ export class ReleaseListView extends LitElement {
     if (list === null || (list.releases.length === 0 && list.gateways.length === 0)) return nothing;
     const running = list.rollout?.runs === true;
     const ready = !running && [...offeredVersions(list).values()].some((sites) => sites.length > 0);
-    return html`<section class="sheet" aria-label="Software of gateways">
+    return html`<section class="sheet" aria-label=${msg("Software of gateways")}>
       <div class="head">
-        <h2>Software of gateways</h2>
-        <t-button ?hidden=${!ready || this.opened.isOpen} @click=${this.opened.opener("new")}>Hand a release out</t-button>
+        <h2>${msg("Software of gateways")}</h2>
+        <t-button ?hidden=${!ready || this.opened.isOpen} @click=${this.opened.opener("new")}>${msg("Hand a release out")}</t-button>
       </div>
       ${renderAdvice(this.action.problem)} ${list.rollout === null ? nothing : this.renderRollout(list.rollout)}
       ${this.opened.isOpen && ready ? this.renderForm(list) : nothing} ${this.renderGateways(list)} ${this.renderReleases(list.releases)}
@@ -85,18 +87,17 @@ export class ReleaseListView extends LitElement {
   private renderRollout(rollout: RolloutShape): TemplateResult {
     const open = rollout.sites.filter(({ stage }) => stage !== "done" || rollout.sites.length < 6);
     return html`<div class="head">
-        <h3>Release ${rollout.version}</h3>
+        <h3>${msg(str`Release ${rollout.version}`)}</h3>
         <t-button
           ?hidden=${!rollout.runs || rollout.stopped !== ""}
           ?busy=${this.action.runningKey === "stop it"}
           @click=${this.stopRollout}
-          >Stop it</t-button
+          >${msg("Stop it")}</t-button
         >
       </div>
       <p role="status">${rolloutWords(rollout)}</p>
       <p class="muted">
-        ${rollout.who} began it <t-time .us=${rollout.began_us} .zone=${this.zone}></t-time>: first ${rollout.first}, then
-        ${rollout.at_once} at a time, each when all before run it.
+        ${msg(html`${rollout.who} began it <t-time .us=${rollout.began_us} .zone=${this.zone}></t-time>: first ${rollout.first}, then ${rollout.at_once} at a time, each when all before run it.`)}
       </p>
       ${renderRows(
         open.slice(0, 50).map((site) => ({ ...site, id: site.site })),
@@ -111,19 +112,18 @@ export class ReleaseListView extends LitElement {
           </li>`;
         },
       )}
-      ${open.length > 50 ? html`<p class="muted">and ${open.length - 50} more</p>` : nothing}`;
+      ${open.length > 50 ? html`<p class="muted">${msg(str`and ${open.length - 50} more`)}</p>` : nothing}`;
   }
 
   private renderGateways(list: ReleaseList): TemplateResult {
     if (list.gateways.length === 0) {
       return html`<p class="muted">
-        No gateway that is connected takes releases from this hub. One does that is started by <code>talaia update run</code> and was
-        set up with <code>--from-hub</code>.
+        ${msg(html`No gateway that is connected takes releases from this hub. One does that is started by <code>talaia update run</code> and was set up with <code>--from-hub</code>.`)}
       </p>`;
     }
     const sizes = new Map(list.releases.map((release) => [release.version, release.size]));
     return html`<details ?open=${list.gateways.length < 6}>
-      <summary>${list.gateways.length === 1 ? "1 gateway takes" : `${String(list.gateways.length)} gateways take`} releases from this hub</summary>
+      <summary>${plural(list.gateways.length, msg("1 gateway takes releases from this hub"), msg(str`${String(list.gateways.length)} gateways take releases from this hub`))}</summary>
       ${renderRows(
         list.gateways.map((gateway) => ({ ...gateway, id: gateway.site })),
         (gateway) => this.renderGateway(gateway, sizes.get(gateway.candidate) ?? 0),
@@ -137,9 +137,9 @@ export class ReleaseListView extends LitElement {
       <div>
         <span class="name">${this.siteNames(gateway.site)}</span>
         <div class="facts">
-          <span>runs ${gateway.current}</span>
+          <span>${msg(str`runs ${gateway.current}`)}</span>
           <span>${phaseWords(gateway, total)}</span>
-          ${map(left, ([version, why]) => html`<span>left ${version}: ${why}</span>`)}
+          ${map(left, ([version, why]) => html`<span>${msg(str`left ${version}:`)} ${why}</span>`)}
         </div>
       </div>
     </li>`;
@@ -148,18 +148,18 @@ export class ReleaseListView extends LitElement {
   private renderReleases(releases: readonly ReleaseShape[]): TemplateResult {
     if (releases.length === 0) {
       return html`<p class="muted">
-        There is no release here. Put signed releases into the folder <code>releases</code> of the hub's data.
+        ${msg(html`There is no release here. Put signed releases into the folder <code>releases</code> of the hub's data.`)}
       </p>`;
     }
     return html`<details>
-      <summary>${releases.length === 1 ? "1 release is" : `${String(releases.length)} releases are`} on this hub</summary>
+      <summary>${plural(releases.length, msg("1 release is on this hub"), msg(str`${String(releases.length)} releases are on this hub`))}</summary>
       ${renderRows(
         releases.map((release) => ({ ...release, id: release.name })),
         (release) => html`<li>
           <div>
             <span class="name">${release.version === "" ? release.name : release.version}</span>
             <div class="facts">
-              <span>${release.site === "" ? "for all gateways" : `for ${this.siteNames(release.site)}`}</span>
+              <span>${release.site === "" ? msg("for all gateways") : msg(str`for ${this.siteNames(release.site)}`)}</span>
               <span>${formatBytes(release.size)}</span>
               <span><t-time .us=${release.changed_us} .zone=${this.zone}></t-time></span>
             </div>
@@ -175,27 +175,26 @@ export class ReleaseListView extends LitElement {
     const version = versions.has(this.version) ? this.version : ([...versions.keys()][0] ?? "");
     const sites = versions.get(version) ?? [];
     return html`<form class="fields" novalidate @submit=${this.onSubmit}>
-      <t-field label="Release">
+      <t-field label=${msg("Release")}>
         <select name="version" @change=${this.onVersion}>
           ${renderOptions(versions.keys(), version)}
         </select>
       </t-field>
       <fieldset>
-        <legend>To</legend>
-        ${sites.length === 0 ? html`<p class="muted">All gateways run it.</p>` : nothing}
+        <legend>${msg("To")}</legend>
+        ${sites.length === 0 ? html`<p class="muted">${msg("All gateways run it.")}</p>` : nothing}
         ${map(sites, (site) => html`<label><input type="checkbox" name="site" .value=${site} checked /> ${this.siteNames(site)}</label>`)}
       </fieldset>
-      <t-field label="First" hint="So many try it before all others">
+      <t-field label=${msg("First")} hint=${msg("So many try it before all others")}>
         <input name="first" type="number" min="1" max="10000" step="1" value="1" inputmode="numeric" />
       </t-field>
-      <t-field label="Then, at a time" error=${this.wrong}>
+      <t-field label=${msg("Then, at a time")} error=${this.wrong}>
         <input name="at_once" type="number" min="1" max="10000" step="1" value="10" inputmode="numeric" />
       </t-field>
       <p class="muted">
-        Each gateway takes only what somebody whom it trusts has signed, and changes when nothing moves, no night is armed and its
-        roof is closed. One whose link does not return goes back by itself; then nobody else gets it.
+        ${msg("Each gateway takes only what somebody whom it trusts has signed, and changes when nothing moves, no night is armed and its roof is closed. One whose link does not return goes back by itself; then nobody else gets it.")}
       </p>
-      ${renderFormActions({ submit: "Hand it out", busy: this.action.busy, cancel: this.opened.close })}
+      ${renderFormActions({ submit: msg("Hand it out"), busy: this.action.busy, cancel: this.opened.close })}
     </form>`;
   }
 
@@ -210,12 +209,12 @@ export class ReleaseListView extends LitElement {
     const version = data.get("version");
     const [first, atOnce] = [Number(data.get("first")), Number(data.get("at_once"))];
     this.wrong = "";
-    if (sites.length === 0) this.wrong = "Choose at least one gateway.";
-    else if (![first, atOnce].every((count) => Number.isInteger(count) && count >= 1 && count <= 10_000)) this.wrong = "Both are whole numbers from 1 on.";
+    if (sites.length === 0) this.wrong = msg("Choose at least one gateway.");
+    else if (![first, atOnce].every((count) => Number.isInteger(count) && count >= 1 && count <= 10_000)) this.wrong = msg("Both are whole numbers from 1 on.");
     if (this.wrong !== "") return;
     const asked = { version: typeof version === "string" ? version : "", sites, first, at_once: atOnce };
     void this.action
-      .run("hand it out", () => new AdminApi(this.api).beginRollout(asked))
+      .run(msg("hand it out"), () => new AdminApi(this.api).beginRollout(asked))
       .then((done) => {
         if (!done) return;
         this.opened.close();
@@ -225,7 +224,7 @@ export class ReleaseListView extends LitElement {
 
   private readonly stopRollout = (): void => {
     void this.action
-      .run("stop it", () => new AdminApi(this.api).stopRollout(), "", "stop it")
+      .run(msg("stop it"), () => new AdminApi(this.api).stopRollout(), "", msg("stop it"))
       .then(() => {
         this.dispatchEvent(new CustomEvent("t-changed"));
       });

@@ -1,19 +1,21 @@
 /** How releases stand at gateways, in words for people. */
 
+import { msg, str } from "@lit/localize";
+import { plural } from "../../format/plural.js";
 import type { GatewayReleaseShape, ReleaseList, RolloutShape } from "../../generated/api.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 
 const STAGES: Readonly<Record<string, readonly [StatusKind, string]>> = {
-  queued: ["unknown", "has its turn later"],
-  offered: ["busy", "offered"],
-  begun: ["busy", "installed there"],
-  done: ["ok", "runs it"],
-  failed: ["bad", "left it"],
+  queued: ["unknown", msg("has its turn later")],
+  offered: ["busy", msg("offered")],
+  begun: ["busy", msg("installed there")],
+  done: ["ok", msg("runs it")],
+  failed: ["bad", msg("left it")],
 };
 
 /** @param stopped nobody is offered it any more */
 export function stageStatus(stage: string, stopped = false): readonly [StatusKind, string] {
-  if (stage === "queued" && stopped) return ["unknown", "was not offered it"];
+  if (stage === "queued" && stopped) return ["unknown", msg("was not offered it")];
   return STAGES[stage] ?? ["unknown", stage];
 }
 
@@ -22,15 +24,15 @@ export function phaseWords(gateway: GatewayReleaseShape, total = 0): string {
   const { candidate, waits } = gateway;
   switch (gateway.phase) {
     case "fetching":
-      return total > 0 ? `fetches ${candidate}: ${String(Math.floor((100 * gateway.fetched) / total))} %` : `fetches ${candidate}`;
+      return total > 0 ? msg(str`fetches ${candidate}: ${String(Math.floor((100 * gateway.fetched) / total))} %`) : msg(str`fetches ${candidate}`);
     case "installing":
-      return `installs ${candidate} beside it`;
+      return msg(str`installs ${candidate} beside it`);
     case "waiting":
-      return waits === "" ? `${candidate} is installed; it changes when nothing has moved for a while` : `${candidate} is installed and waits: ${waits}`;
+      return waits === "" ? msg(str`${candidate} is installed; it changes when nothing has moved for a while`) : msg(str`${candidate} is installed and waits: ${waits}`);
     case "allowed":
-      return `ends in favour of ${candidate}`;
+      return msg(str`ends in favour of ${candidate}`);
     case "trying":
-      return `tries ${candidate}`;
+      return msg(str`tries ${candidate}`);
     default:
       return "";
   }
@@ -39,9 +41,9 @@ export function phaseWords(gateway: GatewayReleaseShape, total = 0): string {
 export function rolloutWords(rollout: RolloutShape): string {
   const all = rollout.sites.length;
   const done = rollout.sites.filter(({ stage }) => stage === "done").length;
-  const have = all === 1 ? (done === 1 ? "the gateway runs it" : "one gateway, which does not run it yet") : `${String(done)} of ${String(all)} gateways run it`;
-  if (rollout.stopped !== "") return `Stopped: ${rollout.stopped}. ${capitalise(have)}.`;
-  return rollout.runs ? `On its way: ${have}.` : `Done: ${have}.`;
+  const have = all === 1 ? (plural(done, msg("the gateway runs it"), msg("one gateway, which does not run it yet"))) : msg(str`${String(done)} of ${String(all)} gateways run it`);
+  if (rollout.stopped !== "") return msg(str`Stopped: ${rollout.stopped}. ${capitalise(have)}.`);
+  return rollout.runs ? msg(str`On its way: ${have}.`) : msg(str`Done: ${have}.`);
 }
 
 /** Versions that can be handed out, newest file first, and for which of the gateways each is. */

@@ -1,5 +1,6 @@
 /** Samples as files to take away. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -12,17 +13,17 @@ import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 
 const EXTENTS: readonly ChoiceOption[] = [
-  { id: "window", label: "Window" },
-  { id: "drawn", label: "As drawn" },
-  { id: "all", label: "Everything" },
+  { id: "window", label: msg("Window") },
+  { id: "drawn", label: msg("As drawn") },
+  { id: "all", label: msg("Everything") },
 ];
 const SAYS: Readonly<Record<string, string>> = {
-  window: "Every sample of the chosen signals in the window that is shown.",
-  drawn: "Only what the charts show: the least and the greatest of each pixel.",
-  all: "Every sample of the chosen signals that is stored. This may be much.",
+  window: msg("Every sample of the chosen signals in the window that is shown."),
+  drawn: msg("Only what the charts show: the least and the greatest of each pixel."),
+  all: msg("Every sample of the chosen signals that is stored. This may be much."),
 };
 const FORMATS = [
-  { format: "csv", name: "CSV", for: "spreadsheets" },
+  { format: "csv", name: "CSV", for: msg("spreadsheets") },
   { format: "parquet", name: "Parquet", for: "pandas, DuckDB" },
   { format: "arrow", name: "Arrow", for: "Arrow, Polars" },
 ] as const;
@@ -82,16 +83,16 @@ export class ExportMenu extends LitElement {
 
   override render(): TemplateResult {
     return html`<t-menu>
-      <span slot="label">Export</span>
-      ${this.channels.length === 0 ? html`<p>Choose a signal first.</p>` : this.renderFiles()}
-      <div class="files"><a href=${notesExportPath(this.site, this.span)} download>Notes <span>CSV, of the window</span></a></div>
+      <span slot="label">${msg("Export")}</span>
+      ${this.channels.length === 0 ? html`<p>${msg("Choose a signal first.")}</p>` : this.renderFiles()}
+      <div class="files"><a href=${notesExportPath(this.site, this.span)} download>${msg(html`Notes <span>CSV, of the window</span>`)}</a></div>
     </t-menu>`;
   }
 
   private renderFiles(): TemplateResult {
     return html`
-      <t-choice label="How much" .options=${EXTENTS} chosen=${this.extent} @t-choose=${this.onChoose}></t-choice>
-      <p>${SAYS[this.extent]} One row for each time, one column for each signal; times in UTC.</p>
+      <t-choice label=${msg("How much")} .options=${EXTENTS} chosen=${this.extent} @t-choose=${this.onChoose}></t-choice>
+      <p>${msg(html`${SAYS[this.extent]} One row for each time, one column for each signal; times in UTC.`)}</p>
       <div class="files">
         ${map(
           FORMATS,

@@ -1,5 +1,6 @@
 /** Notes on the history page: loaded for the window, and written over a stretch that is dragged on a chart. */
 
+import { msg } from "@lit/localize";
 import { html, nothing, type ReactiveControllerHost } from "lit";
 import type { SpanChange } from "../../elements/chart/chart-model.js";
 import type { NoteShape, SiteShape } from "../../generated/api.js";
@@ -42,7 +43,7 @@ export class HistoryNotes {
 
   /** They could not be loaded; empty while they are. */
   get missingText(): string {
-    return this.loader?.failed === true ? "Notes cannot be loaded now." : "";
+    return this.loader?.failed === true ? msg("Notes cannot be loaded now.") : "";
   }
 
   /** Call it from `willUpdate`. */
@@ -69,8 +70,8 @@ export class HistoryNotes {
 
   renderButtons(detail: SiteShape | undefined): unknown {
     if (detail?.devices.some(({ rights }) => rights.includes("use")) !== true) return nothing;
-    return html`<t-button kind="quiet" pressed=${this.marking ? "true" : "false"} title="The next stretch that you drag on a chart gets a note" @click=${this.onMark}>Note a stretch</t-button>
-      <t-button kind="quiet" title="A note over all that is shown, or at the cursor of a chart" @click=${this.onNote}>Note</t-button>`;
+    return html`<t-button kind="quiet" pressed=${this.marking ? "true" : "false"} title=${msg("The next stretch that you drag on a chart gets a note")} @click=${this.onMark}>${msg("Note a stretch")}</t-button>
+      <t-button kind="quiet" title=${msg("A note over all that is shown, or at the cursor of a chart")} @click=${this.onNote}>${msg("Note")}</t-button>`;
   }
 
   renderDialog(site: string, detail: SiteShape | undefined): unknown {

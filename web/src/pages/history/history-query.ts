@@ -1,5 +1,7 @@
 /** What the history page shows, as it stands in the address bar. */
 
+import { msg, str } from "@lit/localize";
+import { plural } from "../../format/plural.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { KINDS, type MarkKind } from "./chart/event-marks.js";
 import { LEAST_K, MOST_K } from "../../series/outliers.js";
@@ -100,7 +102,7 @@ export function ghostUs(span: TimeSpan, { versus, shiftUs }: Pick<HistoryView, "
 /** How far the other day is away: `1 day before`. */
 export function comparedDaysText(versus: number): string {
   const days = Math.abs(versus);
-  return `${String(days)} ${days === 1 ? "day" : "days"} ${versus > 0 ? "before" : "after"}`;
+  return plural(days, versus > 0 ? msg(str`${String(days)} day before`) : msg(str`${String(days)} day after`), versus > 0 ? msg(str`${String(days)} days before`) : msg(str`${String(days)} days after`));
 }
 
 function readShown(query: URLSearchParams): { last: number } | TimeSpan {
@@ -123,8 +125,8 @@ export const QUICK: readonly QuickRange[] = [
   { id: "21600", label: "6 h" },
   { id: "86400", label: "24 h" },
   { id: "604800", label: "7 d" },
-  { id: "today", label: "Today" },
-  { id: "yesterday", label: "Yesterday" },
+  { id: "today", label: msg("Today") },
+  { id: "yesterday", label: msg("Yesterday") },
 ];
 
 /** What a quick range shows; days are those of the site's zone. */

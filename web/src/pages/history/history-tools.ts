@@ -1,5 +1,6 @@
 /** Which stretch of time the history page shows: quick ranges, from and to, zoom, follow. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { base, quietText } from "../../elements/base/base-style.js";
@@ -146,7 +147,7 @@ export class HistoryTools extends LitElement {
     const follows = "last" in this.shown;
     return html`
       <t-choice
-        label="Time range"
+        label=${msg("Time range")}
         .options=${QUICK}
         chosen=${quickOf(this.shown, Date.now() * 1000, clock)}
         @t-choose=${this.onQuickRange}
@@ -154,17 +155,17 @@ export class HistoryTools extends LitElement {
       <details class="when" ?open=${this.wide.matches}>
         <summary>${this.spanText(clock)}</summary>
         <div class="dates" @change=${this.onInput}>
-          ${this.renderDateField("From", clock.toInput(this.span.fromUs))} ${this.renderDateField("To", clock.toInput(this.span.toUs))}
+          ${this.renderDateField(msg("From"), clock.toInput(this.span.fromUs))} ${this.renderDateField(msg("To"), clock.toInput(this.span.toUs))}
           <span class="zone" title=${clock.zone}>${zoneName(this.span.toUs, clock.zone)}</span>
         </div>
       </details>
       <div class="moves">
-        <t-button label="Earlier" @click=${this.moveEarlier}>←</t-button>
-        <t-button label="Later" @click=${this.moveLater}>→</t-button>
-        <t-button label="Zoom in" @click=${this.zoomIn}>+</t-button>
-        <t-button label="Zoom out" @click=${this.zoomOut}>−</t-button>
+        <t-button label=${msg("Earlier")} @click=${this.moveEarlier}>←</t-button>
+        <t-button label=${msg("Later")} @click=${this.moveLater}>→</t-button>
+        <t-button label=${msg("Zoom in")} @click=${this.zoomIn}>+</t-button>
+        <t-button label=${msg("Zoom out")} @click=${this.zoomOut}>−</t-button>
         <t-button pressed=${follows ? "true" : "false"} kind=${follows ? "primary" : "plain"} @click=${this.toggleFollow}
-          >${follows ? "Following live" : "Follow live"}</t-button
+          >${follows ? msg("Following live") : msg("Follow live")}</t-button
         >
       </div>
       <span class="wrong" role="alert" ?hidden=${this.wrong === ""}>${this.wrong}</span>
@@ -194,10 +195,10 @@ export class HistoryTools extends LitElement {
     const clock = this.clock();
     const [fromUs, toUs] = [...this.inputs].map((input) => clock.fromInput(input.value));
     if (fromUs === undefined || toUs === undefined || Number.isNaN(fromUs) || Number.isNaN(toUs)) {
-      this.wrong = "Give both times, with date and clock.";
+      this.wrong = msg("Give both times, with date and clock.");
       return;
     }
-    this.wrong = fromUs < toUs ? "" : "“From” must be before “to”.";
+    this.wrong = fromUs < toUs ? "" : msg("“From” must be before “to”.");
     if (this.wrong === "") this.fireWindowChange({ fromUs, toUs });
   };
 

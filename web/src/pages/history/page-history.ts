@@ -4,6 +4,7 @@
  */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -180,13 +181,13 @@ export class PageHistory extends LitElement {
     const detail = this.detail.value;
     return html`
       <div class="title">
-        <h1>History</h1>
+        <h1>${msg("History")}</h1>
         <p class="muted">${detail?.name ?? this.site}</p>
         ${detail === undefined ? nothing : this.renderSpan(detail.zone)}
         ${detail === undefined ? nothing : this.renderMenus()}
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
-      ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))} ${this.notes.renderDialog(this.site, detail)}
+      ${renderLoaded(this.detail, msg("the site"), (loaded) => this.renderContent(loaded))} ${this.notes.renderDialog(this.site, detail)}
     `;
   }
 
@@ -208,7 +209,7 @@ export class PageHistory extends LitElement {
     return html`<div class="menus">
       ${this.notes.renderButtons(this.detail.value)}
       <t-compare-runs site=${this.site} .zone=${this.detail.value?.zone ?? "UTC"} .span=${span} @t-runs=${this.onRuns}></t-compare-runs>
-      <a class="way" href=${sitePath(this.site, "recordings")}>Recordings</a>
+      <a class="way" href=${sitePath(this.site, "recordings")}>${msg("Recordings")}</a>
       <t-share-menu fixed=${link(span)} live=${"last" in view.shown ? link(view.shown) : ""}></t-share-menu>
       <t-export-menu site=${this.site} .channels=${channels} .span=${span} width=${this.width} .refusal=${this.exportRefusal}></t-export-menu>
     </div>`;
@@ -221,7 +222,7 @@ export class PageHistory extends LitElement {
       <t-history-tools .shown=${view.shown} .span=${span} zone=${detail.zone} @t-shown=${this.onWindowChoice}></t-history-tools>
       <div class="body ${this.films.reels.length > 0 ? "filmed" : ""}" @t-moment=${this.onMomentRequest}>
         <details class="pick" ?open=${this.wide.matches}>
-          <summary>Signals <span class="count">${chosen.length}</span></summary>
+          <summary>${msg("Signals")} <span class="count">${chosen.length}</span></summary>
           <t-signal-picker .rows=${this.rows} .chosen=${chosen} ?incomplete=${this.former.result.state === "failed"} @t-pick=${this.onChannelChoice}></t-signal-picker>
         </details>
         <div class="charts" aria-busy=${this.data?.now.state === "loading" ? "true" : "false"}>
@@ -309,8 +310,7 @@ export class PageHistory extends LitElement {
         zone=${detail.zone}
       ></t-anomalies>
       <p class="hint">
-        Drag to zoom in, double-click to go back. Click a chart, then turn the wheel. Keys: ← → move, + − zoom, Home its day,
-        End now, Escape back; on a chart shift and ← → move the cursor.
+        ${msg("Drag to zoom in, double-click to go back. Click a chart, then turn the wheel. Keys: ← → move, + \u2212 zoom, Home its day, End now, Escape back; on a chart shift and ← → move the cursor.")}
       </p>`;
   }
 
@@ -333,7 +333,7 @@ export class PageHistory extends LitElement {
 
   private renderProblem(): unknown {
     const load = this.data?.now;
-    return load?.state === "failed" ? renderAdvice(adviceFor(load.renderError, "the history of these signals"), this.retry) : nothing;
+    return load?.state === "failed" ? renderAdvice(adviceFor(load.renderError, msg("the history of these signals")), this.retry) : nothing;
   }
 
   /** What the address asks for and is not here; what to do when nothing is chosen at all. @param empty nothing of it is here */
@@ -342,9 +342,9 @@ export class PageHistory extends LitElement {
     const absent = (this.window.view.channels ?? []).filter((address) => !known.has(address));
     if (absent.length === 0) return empty ? renderNothingChosen(this.rows) : nothing;
     const { state } = this.former.result;
-    if (state === "idle" || state === "loading") return empty ? html`<t-loading what="Loading earlier signals"></t-loading>` : nothing;
-    const said = html`<p class="hint">Not at this site, or not open to you: ${absent.join(", ")}</p>`;
-    return empty ? html`<t-empty heading="No such signal" icon="history">${said}</t-empty>` : said;
+    if (state === "idle" || state === "loading") return empty ? html`<t-loading what=${msg("Loading earlier signals")}></t-loading>` : nothing;
+    const said = html`<p class="hint">${msg("Not at this site, or not open to you:")} ${absent.join(", ")}</p>`;
+    return empty ? html`<t-empty heading=${msg("No such signal")} icon="history">${said}</t-empty>` : said;
   }
 
   private chosenChannels(): string[] {
@@ -446,7 +446,7 @@ export class PageHistory extends LitElement {
     else if (wish.wish === "shown") this.window.updateView({ shown: wish.shown });
     else this.window.applySpanChange({ span: wish.span, settled: false });
     const { fromUs, toUs } = this.window.span;
-    this.said = `${momentText(fromUs, clock.zone, DAY_US)} to ${momentText(toUs, clock.zone, DAY_US)}`;
+    this.said = msg(str`${momentText(fromUs, clock.zone, DAY_US)} to ${momentText(toUs, clock.zone, DAY_US)}`);
   };
 
   private readonly onCursorMove = (event: CustomEvent<number | null>): void => {

@@ -1,5 +1,6 @@
 /** The link to what is shown, to copy. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -10,8 +11,8 @@ import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 
 const KINDS: readonly ChoiceOption[] = [
-  { id: "window", label: "This very window" },
-  { id: "live", label: "Going on with the time" },
+  { id: "window", label: msg("This very window") },
+  { id: "live", label: msg("Going on with the time") },
 ];
 const SAID_MS = 3000;
 
@@ -57,15 +58,13 @@ export class ShareMenu extends LitElement {
 
   override render(): TemplateResult {
     return html`<t-menu>
-      <span slot="label">Share</span>
-      <p>Opens the same signals, window and comparison for whoever may see them.</p>
-      ${
-        this.live === ""
+      <span slot="label">${msg("Share")}</span>
+      <p>${msg("Opens the same signals, window and comparison for whoever may see them.")}</p>
+      ${this.live === ""
           ? nothing
-          : html`<t-choice label="What the link opens" .options=${KINDS} chosen=${this.kind} @t-choose=${this.onChoose}></t-choice>`
-      }
-      <input type="text" readonly aria-label="Link" .value=${this.link()} />
-      <t-button kind="primary" @click=${this.copy}>Copy link</t-button>
+          : html`<t-choice label=${msg("What the link opens")} .options=${KINDS} chosen=${this.kind} @t-choose=${this.onChoose}></t-choice>`}
+      <input type="text" readonly aria-label=${msg("Link")} .value=${this.link()} />
+      <t-button kind="primary" @click=${this.copy}>${msg("Copy link")}</t-button>
       <p role="status">${this.said}</p>
     </t-menu>`;
   }
@@ -81,11 +80,11 @@ export class ShareMenu extends LitElement {
   private readonly copy = async (): Promise<void> => {
     try {
       await navigator.clipboard.writeText(this.link());
-      this.said = "Copied.";
+      this.said = msg("Copied.");
     } catch {
       // Without TLS or against the person's will the clipboard is closed.
       this.field.select();
-      this.said = "This browser does not let it be copied: press Ctrl+C.";
+      this.said = msg("This browser does not let it be copied: press Ctrl+C.");
     }
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {

@@ -1,5 +1,6 @@
 /** Which channels are shown: check boxes by device. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -102,8 +103,8 @@ export class SignalPicker extends LitElement {
     const devices = [...new Set(described.map(({ device }) => device))];
     return html`
       <div class="head">
-        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.onInput} />
-        <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.clearChoice}>Clear</t-button>
+        <input type="search" placeholder="Filter" aria-label=${msg("Filter signals")} @input=${this.onInput} />
+        <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.clearChoice}>${msg("Clear")}</t-button>
       </div>
       ${repeat(
         devices,
@@ -116,11 +117,11 @@ export class SignalPicker extends LitElement {
       ${former.length === 0
         ? nothing
         : html`<fieldset class="former" @change=${this.onToggle}>
-            <legend>No longer in the description</legend>
+            <legend>${msg("No longer in the description")}</legend>
             ${this.renderBoxes(former)}
           </fieldset>`}
-      ${this.incomplete ? html`<p class="muted">Signals that are no longer in the description cannot be listed now.</p>` : nothing}
-      ${fits.length === 0 && this.rows.length > 0 ? html`<p class="muted">No signal is called like this.</p>` : nothing}
+      ${this.incomplete ? html`<p class="muted">${msg("Signals that are no longer in the description cannot be listed now.")}</p>` : nothing}
+      ${fits.length === 0 && this.rows.length > 0 ? html`<p class="muted">${msg("No signal is called like this.")}</p>` : nothing}
     `;
   }
 

@@ -1,5 +1,6 @@
 /** How the history page shows what is chosen: units together, another day behind. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -13,9 +14,9 @@ import "../../elements/forms/button.js";
 import "../../elements/analysis/outlier-tool.js";
 
 const DAYS = [
-  { days: 1, name: "the day before" },
-  { days: 7, name: "a week before" },
-  { days: 28, name: "four weeks before" },
+  { days: 1, name: msg("the day before") },
+  { days: 7, name: msg("a week before") },
+  { days: 28, name: msg("four weeks before") },
 ] as const;
 const OTHER = "other";
 
@@ -56,18 +57,18 @@ export class ViewOptionsMenu extends LitElement {
     const known = versus === 0 || DAYS.some(({ days }) => days === versus);
     const other = this.choosing || !known;
     return html`
-      <t-button pressed=${view.joined ? "true" : "false"} @click=${this.onJoinChange}>Units in one chart</t-button>
+      <t-button pressed=${view.joined ? "true" : "false"} @click=${this.onJoinChange}>${msg("Units in one chart")}</t-button>
       <t-outlier-tool .k=${view.outliers} @t-outliers=${this.onOutliersChange}></t-outlier-tool>
       <label
-        >Compare with
+        >${msg("Compare with")}
         <select @change=${this.onCompareChange}>
-          <option value="0" .selected=${versus === 0 && !other}>nothing</option>
+          <option value="0" .selected=${versus === 0 && !other}>${msg("nothing")}</option>
           ${map(DAYS, ({ days, name }) => html`<option value=${days} .selected=${days === versus && !other}>${name}</option>`)}
-          <option value=${OTHER} .selected=${other}>another day…</option>
+          <option value=${OTHER} .selected=${other}>${msg("another day…")}</option>
         </select>
       </label>
       ${other
-        ? html`<input type="date" aria-label="Day to compare with" .value=${this.clock().toInput(this.comparedDayUs()).slice(0, 10)} @change=${this.onDateChange} />`
+        ? html`<input type="date" aria-label=${msg("Day to compare with")} .value=${this.clock().toInput(this.comparedDayUs()).slice(0, 10)} @change=${this.onDateChange} />`
         : nothing}
     `;
   }

@@ -1,13 +1,14 @@
 /** Many sites in order: found by words and tags, sorted, and under their groups. Pure. */
 
+import { msg } from "@lit/localize";
 import type { SiteSummary } from "../../generated/api.js";
 import { NO_TROUBLE, type SiteTrouble } from "../../tiles/site-trouble.js";
 
 export const FLEET_ORDERS = [
-  ["trouble", "Trouble first"],
-  ["name", "Name"],
-  ["battery", "Battery, emptiest first"],
-  ["heard", "Last heard"],
+  ["trouble", msg("Trouble first")],
+  ["name", msg("Name")],
+  ["battery", msg("Battery, emptiest first")],
+  ["heard", msg("Last heard")],
 ] as const;
 
 export type FleetOrder = (typeof FLEET_ORDERS)[number][0];

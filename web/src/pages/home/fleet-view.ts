@@ -1,5 +1,6 @@
 /** Many sites at once: search, tags, order and groups over cards, of which only those near the view are drawn. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query as queried, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -96,15 +97,15 @@ export class FleetView extends LitElement {
     const found = groups.reduce((sum, group) => sum + group.rows.length, 0);
     return html`
       <div class="tools" role="search">
-        <input type="search" placeholder="Search names, tags, states" aria-label="Search sites" .value=${query.words} @input=${this.onWords} />
+        <input type="search" placeholder=${msg("Search names, tags, states")} aria-label=${msg("Search sites")} .value=${query.words} @input=${this.onWords} />
         ${tagsOf(rows).length === 0
           ? nothing
-          : html`<select aria-label="Tag" @change=${this.onTag}>${renderOptions([["", "All tags"], ...tagsOf(rows).map((tag) => [tag, tag] as const)], query.tag)}</select>`}
-        <select aria-label="Order" @change=${this.onOrder}>${renderOptions(FLEET_ORDERS, query.order)}</select>
+          : html`<select aria-label=${msg("Tag")} @change=${this.onTag}>${renderOptions([["", msg("All tags")], ...tagsOf(rows).map((tag) => [tag, tag] as const)], query.tag)}</select>`}
+        <select aria-label=${msg("Order")} @change=${this.onOrder}>${renderOptions(FLEET_ORDERS, query.order)}</select>
       </div>
-      <p class="muted" role="status">${found === rows.length ? nothing : `${String(found)} of ${String(rows.length)} sites`}</p>
+      <p class="muted" role="status">${found === rows.length ? nothing : msg(str`${String(found)} of ${String(rows.length)} sites`)}</p>
       ${found === 0
-        ? html`<t-empty heading="No site fits" icon="devices"><t-button @click=${this.onClear}>Show all</t-button></t-empty>`
+        ? html`<t-empty heading=${msg("No site fits")} icon="devices"><t-button @click=${this.onClear}>${msg("Show all")}</t-button></t-empty>`
         : this.renderGroups(groups, troubles)}
     `;
   }
@@ -116,9 +117,9 @@ export class FleetView extends LitElement {
       const drawn = rows.slice(0, Math.max(0, left));
       left -= drawn.length;
       if (drawn.length === 0) return nothing;
-      const heading = name !== "" ? name : groups.length > 1 ? "In no group" : "";
+      const heading = name !== "" ? name : groups.length > 1 ? msg("In no group") : "";
       return html`<section>
-        ${heading === "" ? html`<h2 class="visually-hidden">Sites</h2>` : html`<h2>${heading} <span class="muted">${rows.length}</span></h2>`}
+        ${heading === "" ? html`<h2 class="visually-hidden">${msg("Sites")}</h2>` : html`<h2>${heading} <span class="muted">${rows.length}</span></h2>`}
         <ul>
           ${repeat(
             drawn,

@@ -1,5 +1,6 @@
 /** Home: every site this person may see, with its health. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -65,10 +66,10 @@ export class PageHome extends LitElement {
     if (sites === undefined) return null;
     return html`
       <div class="head">
-        <h1>Sites</h1>
+        <h1>${msg("Sites")}</h1>
         ${sites.list.length === 0 ? nothing : html`<p class="muted">${sitesSummary(sites)}</p>`}
-        ${sites.list.some(({ latitude }) => latitude !== null) ? html`<a href="/map">Map of all robots</a>` : nothing}
-        ${sites.list.length > 1 && mayOpenFleet(this.session.store?.person) ? html`<a href="/fleet">Commands and STOP for several</a>` : nothing}
+        ${sites.list.some(({ latitude }) => latitude !== null) ? html`<a href="/map">${msg("Map of all robots")}</a>` : nothing}
+        ${sites.list.length > 1 && mayOpenFleet(this.session.store?.person) ? html`<a href="/fleet">${msg("Commands and STOP for several")}</a>` : nothing}
       </div>
       ${this.renderProblem(sites)} ${this.renderContent(sites)}
     `;
@@ -76,7 +77,7 @@ export class PageHome extends LitElement {
 
   private renderProblem(sites: Sites): unknown {
     if (sites.status !== "failed") return nothing;
-    return renderAdvice(adviceFor(sites.renderError, "the list of sites"), this.retry);
+    return renderAdvice(adviceFor(sites.renderError, msg("the list of sites")), this.retry);
   }
 
   private renderContent(sites: Sites): unknown {
@@ -94,12 +95,12 @@ export class PageHome extends LitElement {
     switch (sites.status) {
       case "idle":
       case "loading":
-        return html`<t-loading what="Loading your sites"></t-loading>`;
+        return html`<t-loading what=${msg("Loading your sites")}></t-loading>`;
       case "failed":
         return nothing;
       case "ready":
-        return html`<t-empty heading="No sites yet" icon="unlinked">
-          <p>A site appears here once its gateway has connected to this hub, and you have the right to view it.</p>
+        return html`<t-empty heading=${msg("No sites yet")} icon="unlinked">
+          <p>${msg("A site appears here once its gateway has connected to this hub, and you have the right to view it.")}</p>
         </t-empty>`;
     }
   }
@@ -115,7 +116,7 @@ function mayOpenFleet(person: Me | null | undefined): boolean {
 
 function sitesSummary(sites: Sites): string {
   const online = sites.list.filter((row) => row.online).length;
-  return `${String(online)} of ${String(sites.list.length)} online`;
+  return msg(str`${String(online)} of ${String(sites.list.length)} online`);
 }
 
 declare global {

@@ -1,6 +1,7 @@
 /** Real-time: a chart for each signal of a site, grouped by device. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -124,41 +125,39 @@ export class PageLive extends LitElement {
     return html`
       <div class="top">
         <div class="title">
-          <h1>Real-time</h1>
+          <h1>${msg("Real-time")}</h1>
           <p class="muted">${detail?.name ?? this.site}</p>
-          <a href=${sitePath(this.site, "topics")}>Topics</a>
+          <a href=${sitePath(this.site, "topics")}>${msg("Topics")}</a>
           ${detail === undefined ? nothing : html`<t-clock zone=${detail.zone}></t-clock>`}
         </div>
         ${detail === undefined ? nothing : this.renderTools(detail)}
       </div>
-      ${this.feed?.backfill === "failed" ? html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>` : nothing}
-      ${this.renderMessage()} ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
+      ${this.feed?.backfill === "failed" ? html`<t-banner>${msg("Earlier samples could not be loaded; the charts fill as new ones come.")}</t-banner>` : nothing}
+      ${this.renderMessage()} ${renderLoaded(this.detail, msg("the site"), (loaded) => this.renderContent(loaded))}
       <t-topic-tiles .site=${this.site} .online=${!this.isLinkLost()}></t-topic-tiles>
     `;
   }
 
   private renderTools(detail: SiteShape): TemplateResult {
     const secondary = detail.devices.flatMap(({ signals }) => signals).filter(({ primary }) => !primary).length;
-    return html`<div class="tools" role="toolbar" aria-label="Charts">
-      <t-choice label="Time shown" .options=${WINDOWS} chosen=${this.seconds} @t-choose=${this.chooseWindow}></t-choice>
+    return html`<div class="tools" role="toolbar" aria-label=${msg("Charts")}>
+      <t-choice label=${msg("Time shown")} .options=${WINDOWS} chosen=${this.seconds} @t-choose=${this.chooseWindow}></t-choice>
       <t-button
         kind=${this.paused ? "primary" : "plain"}
         pressed=${this.paused ? "true" : "false"}
         aria-keyshortcuts="Space"
         @click=${this.togglePause}
-        >${this.paused ? "Resume" : "Pause"} <kbd>space</kbd></t-button
+        >${this.paused ? msg("Resume") : msg("Pause")} <kbd>space</kbd></t-button
       >
-      ${
-        secondary === 0
+      ${secondary === 0
           ? nothing
           : html`<t-button pressed=${this.all ? "true" : "false"} @click=${this.toggleAll}
-              >Show all <span class="count">+${secondary}</span></t-button
-            >`
-      }
+              >${msg(html`Show all <span class="count">+${secondary}</span>`)}</t-button
+            >`}
       <t-outlier-tool .k=${this.outliers} @t-outliers=${this.onOutliersChange}></t-outlier-tool>
       <input
         type="search"
-        aria-label="Filter signals"
+        aria-label=${msg("Filter signals")}
         placeholder="Filter"
         .value=${this.filter}
         @input=${this.onFilterInput}
@@ -173,11 +172,9 @@ export class PageLive extends LitElement {
     const failed = this.watching.state === "failed";
     return html`<p class="said" role="status">${done}</p>
       ${renderAdvice(problem)}
-      ${
-        failed
-          ? html`<t-banner>The anomaly detectors could not be loaded; the charts continue without them. <t-button kind="quiet" @click=${this.resumeFollowing}>Try again</t-button></t-banner>`
-          : nothing
-      }`;
+      ${failed
+          ? html`<t-banner>${msg("The anomaly detectors could not be loaded; the charts continue without them.")} <t-button kind="quiet" @click=${this.resumeFollowing}>${msg("Try again")}</t-button></t-banner>`
+          : nothing}`;
   }
 
   /** Lists that stay the same while nothing new is known: tiles are drawn again for others only. */
@@ -235,13 +232,13 @@ export class PageLive extends LitElement {
 
   private renderEmpty(detail: SiteShape): TemplateResult {
     if (detail.devices.every(({ signals }) => signals.length === 0)) {
-      return html`<t-empty heading="Nothing to show" icon="live"
-        ><p>This site has no signals that you may see. They are named in its site description.</p></t-empty
+      return html`<t-empty heading=${msg("Nothing to show")} icon="live"
+        ><p>${msg("This site has no signals that you may see. They are named in its site description.")}</p></t-empty
       >`;
     }
-    return html`<t-empty heading="No signal matches" icon="live">
-      <p>${this.filter === "" ? "The main signals of this site are none; show all to see the rest." : `Nothing here is called “${this.filter}”.`}</p>
-      <t-button @click=${this.clearFilter}>Show everything</t-button>
+    return html`<t-empty heading=${msg("No signal matches")} icon="live">
+      <p>${this.filter === "" ? msg("The main signals of this site are none; show all to see the rest.") : msg(str`Nothing here is called “${this.filter}”.`)}</p>
+      <t-button @click=${this.clearFilter}>${msg("Show everything")}</t-button>
     </t-empty>`;
   }
 
@@ -291,7 +288,7 @@ export class PageLive extends LitElement {
     const { api, site } = this;
     if (api === undefined) return;
     // How it stands then comes over the socket, to every page.
-    await this.action.run("tell the detector", () => api.dismissAnomaly(site, address, detector), `Noted: ${address} is as usual for “${name}”.`);
+    await this.action.run(msg("tell the detector"), () => api.dismissAnomaly(site, address, detector), msg(str`Noted: ${address} is as usual for “${name}”.`));
   }
 
   private readonly chooseWindow = (event: CustomEvent<string>): void => {

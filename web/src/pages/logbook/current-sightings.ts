@@ -1,6 +1,7 @@
 /** What the cameras of a site have in sight now: it has no line in the logbook before it is over. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -76,7 +77,7 @@ export class CurrentSightings extends LitElement {
   override render(): TemplateResult | typeof nothing {
     if (this.rows.length === 0) return nothing;
     return html`<section class="sheet" aria-labelledby="in-sight">
-      <h2 id="in-sight">In sight now</h2>
+      <h2 id="in-sight">${msg("In sight now")}</h2>
       <ul class="rows">
         ${repeat(
           this.rows,
@@ -90,13 +91,13 @@ export class CurrentSightings extends LitElement {
                 .zone=${this.zone}
               >
                 <div class="ways">
-                  <a href=${`${sitePath(this.site, "history")}?${historyQuery(row, this.detail.value)}`} aria-label=${`Chart at the moment of ${row.label}`}>Chart</a>
+                  <a href=${`${sitePath(this.site, "history")}?${historyQuery(row, this.detail.value)}`} aria-label=${msg(str`Chart at the moment of ${row.label}`)}>${msg("Chart")}</a>
                 </div>
               </t-sighting>
             </li>`,
         )}
       </ul>
-      ${this.more ? html`<p class="ways more"><span>And more: <a href=${`${sitePath(this.site, "sightings")}?open=true`}>all that is in sight</a></span></p>` : nothing}
+      ${this.more ? html`<p class="ways more"><span>${msg("And more:")} <a href=${`${sitePath(this.site, "sightings")}?open=true`}>${msg("all that is in sight")}</a></span></p>` : nothing}
     </section>`;
   }
 

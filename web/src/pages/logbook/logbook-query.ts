@@ -1,5 +1,6 @@
 /** What of the logbook is shown, as the page's address and as the hub's question. Pure. */
 
+import { msg } from "@lit/localize";
 import { pageQuery, queryTexts, textsQuery } from "../../format/filter-query.js";
 
 export interface LogbookFilter {
@@ -18,18 +19,18 @@ export const NO_FILTER: LogbookFilter = { text: "", kind: "", device: "", who: "
 
 /** Kinds that people filter by: the first words of what the hub calls them. */
 export const KINDS: readonly { readonly kind: string; readonly name: string }[] = [
-  { kind: "", name: "Everything" },
-  { kind: "alarm", name: "Alarms" },
-  { kind: "command", name: "Commands" },
+  { kind: "", name: msg("Everything") },
+  { kind: "alarm", name: msg("Alarms") },
+  { kind: "command", name: msg("Commands") },
   { kind: "stop", name: "STOP" },
-  { kind: "lease", name: "Driving" },
-  { kind: "interlock,enclosure", name: "Interlocks and roofs" },
-  { kind: "sighting", name: "Sightings" },
-  { kind: "anomaly", name: "Anomalies" },
-  { kind: "gateway,connection,device", name: "Connections" },
-  { kind: "recording", name: "Recordings" },
-  { kind: "note", name: "Notes" },
-  { kind: "description", name: "Description" },
+  { kind: "lease", name: msg("Driving") },
+  { kind: "interlock,enclosure", name: msg("Interlocks and roofs") },
+  { kind: "sighting", name: msg("Sightings") },
+  { kind: "anomaly", name: msg("Anomalies") },
+  { kind: "gateway,connection,device", name: msg("Connections") },
+  { kind: "recording", name: msg("Recordings") },
+  { kind: "note", name: msg("Notes") },
+  { kind: "description", name: msg("Description") },
 ];
 
 /** Before an event in the history and behind it, so much is shown (µs). */

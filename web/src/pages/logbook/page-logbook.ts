@@ -1,6 +1,7 @@
 /** The logbook of a site: commands, alarms, sightings, interlocks, connections; who and why. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { boardAtPath } from "../../boards/board-query.js";
@@ -91,7 +92,7 @@ export class PageLogbook extends LitElement {
     this.requestUpdate();
   });
   private readonly removing = new QuestionController<NoteShape>(this, (note, action) =>
-    action.run("remove the note", () => new NotesApi(this.api, this.site).removeNote(note.id)),
+    action.run(msg("remove the note"), () => new NotesApi(this.api, this.site).removeNote(note.id)),
   );
   private readonly list: InfiniteList<LogbookRow> = new InfiniteList<LogbookRow>(this, async (before) => {
     const last = this.list.rows.find(({ id }) => id === before);
@@ -129,36 +130,36 @@ export class PageLogbook extends LitElement {
   override render(): TemplateResult {
     const filter = this.filter();
     return html`${renderPageHead(
-        "Logbook",
-        `What happened at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, who did it and why; newest first.`,
+        msg("Logbook"),
+        msg(str`What happened at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, who did it and why; newest first.`),
         html`<div class="actions">
-          ${this.mayWrite ? html`<t-button @click=${this.writeNote}>Write a note</t-button>` : nothing}
-          <a href=${sitePath(this.site, "notes")}>Notes</a>
-          <a href="/alarms">Alarms</a>
-          <a href=${sitePath(this.site, "sightings")}>Sightings</a>
-          <a href=${sitePath(this.site, "history")}>History</a>
+          ${this.mayWrite ? html`<t-button @click=${this.writeNote}>${msg("Write a note")}</t-button>` : nothing}
+          <a href=${sitePath(this.site, "notes")}>${msg("Notes")}</a>
+          <a href="/alarms">${msg("Alarms")}</a>
+          <a href=${sitePath(this.site, "sightings")}>${msg("Sightings")}</a>
+          <a href=${sitePath(this.site, "history")}>${msg("History")}</a>
         </div>`,
       )}
-      <section class="sheet" aria-label="Filter">
+      <section class="sheet" aria-label=${msg("Filter")}>
         <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
-          <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
-          <t-field label="What">
+          <t-field label=${msg("Search")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
+          <t-field label=${msg("What")}>
             <select name="kind">${renderOptions(KINDS.map(({ kind, name }) => [kind, name]), filter.kind)}</select>
           </t-field>
-          <t-field label="Who"><input name="who" maxlength="200" autocomplete="off" .value=${settled(filter.who)} /></t-field>
-          <t-field label="Device">
+          <t-field label=${msg("Who")}><input name="who" maxlength="200" autocomplete="off" .value=${settled(filter.who)} /></t-field>
+          <t-field label=${msg("Device")}>
             <select name="device">
-              ${renderOptions([["", "All"], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
+              ${renderOptions([["", msg("All")], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
             </select>
           </t-field>
-          <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> Only what went wrong</label>
-          <t-button kind="quiet" ?disabled=${writeLogbookFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+          <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> ${msg("Only what went wrong")}</label>
+          <t-button kind="quiet" ?disabled=${writeLogbookFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
         </form>
       </section>
       ${showsCurrentSightings(filter) ? html`<t-in-sight .site=${this.site} .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}></t-in-sight>` : nothing}
       ${renderInfiniteList(this.list, {
-        label: "Events",
-        what: "the logbook",
+        label: msg("Events"),
+        what: msg("the logbook"),
         row: (row) => ("note" in row ? this.renderNote(row.note) : this.renderRow(row)),
         nothing: () => this.renderEmpty(filter),
       })}
@@ -167,9 +168,9 @@ export class PageLogbook extends LitElement {
 
   private renderEmpty(filter: LogbookFilter): TemplateResult {
     const all = writeLogbookFilter(filter) === "";
-    return html`<t-empty heading="No matches" icon="logbook">
-      <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
-      ${all ? nothing : html`<t-button @click=${this.form.clearFilter}>Show everything</t-button>`}
+    return html`<t-empty heading=${msg("No matches")} icon="logbook">
+      <p>${all ? msg("Nothing has happened yet.") : msg("Nothing in the logbook is like this.")}</p>
+      ${all ? nothing : html`<t-button @click=${this.form.clearFilter}>${msg("Show everything")}</t-button>`}
     </t-empty>`;
   }
 
@@ -197,22 +198,22 @@ export class PageLogbook extends LitElement {
           ${row.who === "" ? nothing : html`<span>${row.who}</span>`}
           ${row.device === "" ? nothing : html`<span>${device?.name ?? row.device}</span>`}
         </div>
-        <div class="name">${row.good ? nothing : html`<t-status kind="bad" word="look"></t-status> `}${row.kind.replaceAll("_", " ")}</div>
+        <div class="name">${row.good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}${row.kind.replaceAll("_", " ")}</div>
         ${row.message === "" ? nothing : html`<div class="message">${row.message}</div>`}
         ${seen?.picture === true
-          ? html`<img class="seen" src=${sightingPicturePath(this.site, seen.id)} alt=${`${seen.label} on the picture of ${seen.camera}`} loading="lazy" decoding="async" />`
+          ? html`<img class="seen" src=${sightingPicturePath(this.site, seen.id)} alt=${msg(str`${seen.label} on the picture of ${seen.camera}`)} loading="lazy" decoding="async" />`
           : nothing}
       </div>
       <div class="ways">
-        <a href=${`${sitePath(this.site, "history")}?${seen === null ? momentQuery(row.time_us, channels) : historyQuery(seen, undefined)}`}>Chart</a>
-        <a href=${boardAtPath(this.site, row.time_us)} title="See the board at that moment">Board then</a>
-        ${recording === undefined ? nothing : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.time_us)}`}>Recording</a>`}
-        ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>Sightings</a>` : nothing}
-        ${added === null || this.session.store?.person?.admin !== true ? nothing : html`<a href=${newSensorPath(added)}>Add it</a>`}
-        ${row.kind.startsWith("anomaly") || row.kind.startsWith("alarm") ? html`<a href=${`${sitePath(this.site, "cause")}?${causeQuery(row.time_us)}`}>Cause</a>` : nothing}
-        ${row.kind.startsWith("alarm") ? html`<a href="/alarms">Alarms</a>` : nothing}
+        <a href=${`${sitePath(this.site, "history")}?${seen === null ? momentQuery(row.time_us, channels) : historyQuery(seen, undefined)}`}>${msg("Chart")}</a>
+        <a href=${boardAtPath(this.site, row.time_us)} title=${msg("See the board at that moment")}>${msg("Board then")}</a>
+        ${recording === undefined ? nothing : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.time_us)}`}>${msg("Recording")}</a>`}
+        ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>${msg("Sightings")}</a>` : nothing}
+        ${added === null || this.session.store?.person?.admin !== true ? nothing : html`<a href=${newSensorPath(added)}>${msg("Add it")}</a>`}
+        ${row.kind.startsWith("anomaly") || row.kind.startsWith("alarm") ? html`<a href=${`${sitePath(this.site, "cause")}?${causeQuery(row.time_us)}`}>${msg("Cause")}</a>` : nothing}
+        ${row.kind.startsWith("alarm") ? html`<a href="/alarms">${msg("Alarms")}</a>` : nothing}
         ${device?.rights.includes("use") === true || (row.device === "" && this.mayWrite)
-          ? html`<t-button kind="quiet" label=${`Note on ${row.kind.replaceAll("_", " ")}`} @click=${this.writer.draft.opener(draftAt(row.time_us, undefined, row.device))}>Note</t-button>`
+          ? html`<t-button kind="quiet" label=${msg(str`Note on ${row.kind.replaceAll("_", " ")}`)} @click=${this.writer.draft.opener(draftAt(row.time_us, undefined, row.device))}>${msg("Note")}</t-button>`
           : nothing}
       </div>
     </li>`;

@@ -1,5 +1,6 @@
 /** Log out: asks who came by a link, and says when it is done. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -19,25 +20,25 @@ export class PageLogout extends LitElement {
 
   override render(): TemplateResult {
     const session = this.session.store;
-    if (session?.isSigningOut === true) return html`<t-loading what="Logging out"></t-loading>`;
+    if (session?.isSigningOut === true) return html`<t-loading what=${msg("Logging out")}></t-loading>`;
     const person = session?.person ?? null;
     // An address that somebody else wrote must not end a session: it is asked for.
     return person === null
       ? html`<div class="sheet">
-          <h1>You are logged out</h1>
-          <p class="muted">Nothing of what you saw is left on this page.</p>
-          <p><a href="/login">Sign in again</a></p>
+          <h1>${msg("You are logged out")}</h1>
+          <p class="muted">${msg("Nothing of what you saw is left on this page.")}</p>
+          <p><a href="/login">${msg("Sign in again")}</a></p>
         </div>`
       : html`<div class="sheet">
-          <h1>Log out?</h1>
-          <p>You are signed in as ${person.name}. A device that you hold is let go.</p>
-          <t-button kind="primary" @click=${this.endSession}>Log out</t-button>
-          <p><a href="/">Stay signed in</a></p>
+          <h1>${msg("Log out?")}</h1>
+          <p>${msg(str`You are signed in as ${person.name}. A device that you hold is let go.`)}</p>
+          <t-button kind="primary" @click=${this.endSession}>${msg("Log out")}</t-button>
+          <p><a href="/">${msg("Stay signed in")}</a></p>
         </div>`;
   }
 
   private readonly endSession = (): void => {
-    void this.action.run("log you out", () => this.session.store?.logout() ?? Promise.resolve());
+    void this.action.run(msg("log you out"), () => this.session.store?.logout() ?? Promise.resolve());
   };
 }
 

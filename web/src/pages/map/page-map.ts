@@ -1,6 +1,7 @@
 /** All robots of the fleet on one map, and for an admin: which maps may be shown. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, queryAll } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -82,16 +83,16 @@ export class PageMap extends LitElement {
     const robots = fleetRobots(rows, names, troublesOf(this.alarms.store));
     const zones = (this.details.value ?? []).flatMap(({ site, map: drawn }) => drawnZones(site, drawn?.zones ?? [], this.alarms.store, this.interlocks.store));
     return html`
-      <h1>Map</h1>
+      <h1>${msg("Map")}</h1>
       <t-geo-map
         fleet
         .robots=${robots}
         .zones=${zones}
-        note=${sites.status === "ready" ? "No site says where it is" : "Waiting for the sites"}
+        note=${sites.status === "ready" ? msg("No site says where it is") : msg("Waiting for the sites")}
         @robot-chosen=${this.onRobot}
       ></t-geo-map>
-      ${only === "" ? nothing : html`<p><a href="/map">Show all robots</a></p>`}
-      <section aria-label="Robots on the map">
+      ${only === "" ? nothing : html`<p><a href="/map">${msg("Show all robots")}</a></p>`}
+      <section aria-label=${msg("Robots on the map")}>
         <ul>
           ${map(
             rows,
@@ -99,8 +100,8 @@ export class PageMap extends LitElement {
               <a href=${sitePath(row.site, "live")}>${names.get(row.site) ?? row.name}</a>
               <span class="muted"
                 >${row.latitude === null || row.longitude === null
-                  ? "place not known"
-                  : `${placeText(row.latitude, row.longitude)}${row.moving ? "" : row.online ? ", place of the site" : ", offline"}`}</span
+                  ? msg("place not known")
+                  : row.moving ? placeText(row.latitude, row.longitude) : row.online ? msg(str`${placeText(row.latitude, row.longitude)}, place of the site`) : msg(str`${placeText(row.latitude, row.longitude)}, offline`)}</span
               >
             </li>`,
           )}

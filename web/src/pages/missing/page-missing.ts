@@ -1,5 +1,6 @@
 /** An address that leads nowhere. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -18,8 +19,8 @@ export class PageMissing extends LitElement {
   ];
 
   override render(): TemplateResult {
-    return html`<t-empty heading="There is no page here" icon="unlinked" page>
-      <p>The address may be mistyped, or the page has moved. <a href="/home">Go to the home page</a>.</p>
+    return html`<t-empty heading=${msg("There is no page here")} icon="unlinked" page>
+      <p>${msg(html`The address may be mistyped, or the page has moved. <a href="/home">Go to the home page</a>.`)}</p>
     </t-empty>`;
   }
 }

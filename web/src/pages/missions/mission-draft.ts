@@ -1,10 +1,11 @@
 /** A mission while it is written in a form: what was typed, and the mission that it makes. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { checkArgument, initialText, type ArgumentValue } from "../../elements/command/argument-check.js";
 import type { CommandShape, MissionScheduleShape, MissionShape, MissionStepShape, SiteShape, StepKind } from "../../generated/api.js";
 
-export const DAYS = [["mon", "Mon"], ["tue", "Tue"], ["wed", "Wed"], ["thu", "Thu"], ["fri", "Fri"], ["sat", "Sat"], ["sun", "Sun"]] as const;
-export const KINDS = [["command", "Command"], ["until", "Wait until"], ["pause", "Wait for a time"]] as const;
+export const DAYS = [["mon", msg("Mon")], ["tue", msg("Tue")], ["wed", msg("Wed")], ["thu", msg("Thu")], ["fri", msg("Fri")], ["sat", msg("Sat")], ["sun", msg("Sun")]] as const;
+export const KINDS = [["command", msg("Command")], ["until", msg("Wait until")], ["pause", msg("Wait for a time")]] as const;
 /** never: it begins when somebody presses start. */
 export type ScheduleKind = "never" | "weekly" | "once";
 
@@ -88,10 +89,10 @@ export function commandAt(site: SiteShape | null, address: string): CommandShape
 /** The mission that a draft makes, or what is wrong with it. */
 export function readDraft(draft: MissionDraft, site: SiteShape): { readonly mission: MissionShape | null; readonly errors: DraftErrors } {
   const errors: Record<string, string> = {};
-  if (draft.name.trim() === "") errors["name"] = "Give it a name.";
+  if (draft.name.trim() === "") errors["name"] = msg("Give it a name.");
   const steps = draft.steps.map((step) => readStep(step, site, errors));
-  if (draft.schedule !== "never" && draft.at === "") errors["at"] = "Give a time of day.";
-  if (draft.schedule === "once" && draft.date === "") errors["date"] = "Give a day.";
+  if (draft.schedule !== "never" && draft.at === "") errors["at"] = msg("Give a time of day.");
+  if (draft.schedule === "once" && draft.date === "") errors["date"] = msg("Give a day.");
   const schedule: MissionScheduleShape | null =
     draft.schedule === "never" ? null : { at: draft.at, days: draft.schedule === "weekly" ? [...draft.days] : [], date: draft.schedule === "once" ? draft.date : "" };
   const mission = { name: draft.name.trim(), note: draft.note.trim(), steps, schedule };
@@ -103,12 +104,12 @@ function readStep(step: StepDraft, site: SiteShape, errors: Record<string, strin
   const made = { kind: step.kind, name: step.name.trim(), device: "", command: "", args: {}, units: {}, condition: "", seconds: readSeconds(step, errors), goes_on: step.goesOn };
   if (step.kind === "pause") return made;
   if (step.kind === "until") {
-    if (step.condition.trim() === "") errors[at("condition")] = "Say what is waited for.";
+    if (step.condition.trim() === "") errors[at("condition")] = msg("Say what is waited for.");
     return { ...made, condition: step.condition.trim() };
   }
   const command = commandAt(site, step.command);
   if (command === null) {
-    errors[at("command")] = "Choose a command.";
+    errors[at("command")] = msg("Choose a command.");
     return made;
   }
   const args: Record<string, ArgumentValue> = {};
@@ -126,14 +127,14 @@ function readStep(step: StepDraft, site: SiteShape, errors: Record<string, strin
 function readSeconds(step: StepDraft, errors: Record<string, string>): number {
   const seconds = step.seconds.trim() === "" ? 0 : Number(step.seconds.replace(",", "."));
   const good = Number.isFinite(seconds) && seconds >= 0 && seconds <= 86_400 && (step.kind !== "pause" || seconds > 0);
-  if (!good) errors[`${String(step.key)}/seconds`] = step.kind === "pause" ? "More than 0 s, at most 86400 s." : "0 to 86400 s.";
+  if (!good) errors[`${String(step.key)}/seconds`] = step.kind === "pause" ? msg("More than 0 s, at most 86400 s.") : msg("0 to 86400 s.");
   return good ? seconds : 0;
 }
 
 /** When it begins by itself, in words. */
 export function scheduleText(schedule: MissionScheduleShape | null): string {
-  if (schedule === null) return "begins when somebody presses start";
-  if (schedule.date !== "") return `once, on ${schedule.date} at ${schedule.at}`;
+  if (schedule === null) return msg("begins when somebody presses start");
+  if (schedule.date !== "") return msg(str`once, on ${schedule.date} at ${schedule.at}`);
   const names = DAYS.filter(([day]) => schedule.days.includes(day)).map(([, name]) => name);
-  return `${names.length === 0 || names.length === 7 ? "every day" : names.join(", ")} at ${schedule.at}`;
+  return msg(str`${names.length === 0 || names.length === 7 ? msg("every day") : names.join(", ")} at ${schedule.at}`);
 }

@@ -1,5 +1,6 @@
 /** A mission as a form: its steps one below the other, each moved by its own buttons, and when it begins. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -14,7 +15,7 @@ import { commandAt, DAYS, emptyDraft, emptyStep, KINDS, movedStep, readDraft, ty
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
-const SCHEDULES = [["never", "Only when somebody presses start"], ["weekly", "On days of the week"], ["once", "Once, on a day"]] as const;
+const SCHEDULES = [["never", msg("Only when somebody presses start")], ["weekly", msg("On days of the week")], ["once", msg("Once, on a day")]] as const;
 
 /**
  * @fires t-save-mission detail is the mission
@@ -80,44 +81,44 @@ export class MissionForm extends LitElement {
   override render(): TemplateResult {
     const { draft } = this;
     return html`<form novalidate @submit=${this.onSubmit} @input=${this.onInput}>
-      <t-field label="Name" .error=${this.errors["name"] ?? ""}><input data-field="name" .value=${settled(draft.name)} maxlength="200" /></t-field>
-      <t-field label="What it is for"><input data-field="note" .value=${settled(draft.note)} maxlength="1000" /></t-field>
-      <h3>Steps</h3>
+      <t-field label=${msg("Name")} .error=${this.errors["name"] ?? ""}><input data-field="name" .value=${settled(draft.name)} maxlength="200" /></t-field>
+      <t-field label=${msg("What it is for")}><input data-field="note" .value=${settled(draft.note)} maxlength="1000" /></t-field>
+      <h3>${msg("Steps")}</h3>
       <ol>
         ${repeat(draft.steps, ({ key }) => key, (step, at) => html`<li>${this.renderStep(step, at)}</li>`)}
       </ol>
-      <div class="moves"><t-button @click=${this.addStep}>Add a step</t-button></div>
-      <h3>When it begins</h3>
-      ${this.renderSchedule()} ${renderFormActions({ submit: "Save", busy: this.busy, cancel: this.onLeave })}
+      <div class="moves"><t-button @click=${this.addStep}>${msg("Add a step")}</t-button></div>
+      <h3>${msg("When it begins")}</h3>
+      ${this.renderSchedule()} ${renderFormActions({ submit: msg("Save"), busy: this.busy, cancel: this.onLeave })}
     </form>`;
   }
 
   private renderStep(step: StepDraft, at: number): TemplateResult {
     const last = this.draft.steps.length - 1;
     const error = (field: string): string => this.errors[`${String(step.key)}/${field}`] ?? "";
-    const limit = step.kind === "pause" ? "Seconds" : "At most (s)";
+    const limit = step.kind === "pause" ? msg("Seconds") : msg("At most (s)");
     return html`<fieldset data-step=${step.key}>
-      <legend>Step ${at + 1}</legend>
-      <t-field label="What"><select data-field="kind">${renderOptions(KINDS, step.kind)}</select></t-field>
+      <legend>${msg(str`Step ${at + 1}`)}</legend>
+      <t-field label=${msg("What")}><select data-field="kind">${renderOptions(KINDS, step.kind)}</select></t-field>
       ${step.kind === "command" ? this.renderCommand(step, error) : nothing}
       ${step.kind === "until"
-        ? html`<t-field label="Until" hint="As an alarm's expression: {base/battery} &gt; 80" .error=${error("condition")}><input data-field="condition" .value=${settled(step.condition)} spellcheck="false" autocomplete="off" /></t-field>`
+        ? html`<t-field label=${msg("Until")} hint=${msg("As an alarm's expression: {base/battery} > 80")} .error=${error("condition")}><input data-field="condition" .value=${settled(step.condition)} spellcheck="false" autocomplete="off" /></t-field>`
         : nothing}
-      <t-field label=${limit} hint=${step.kind === "pause" ? "" : "Empty: an hour"} .error=${error("seconds")}><input data-field="seconds" inputmode="decimal" .value=${settled(step.seconds)} /></t-field>
-      <t-field label="Name" hint="Empty: what it does"><input data-field="name" .value=${settled(step.name)} maxlength="200" /></t-field>
+      <t-field label=${limit} hint=${step.kind === "pause" ? "" : msg("Empty: an hour")} .error=${error("seconds")}><input data-field="seconds" inputmode="decimal" .value=${settled(step.seconds)} /></t-field>
+      <t-field label=${msg("Name")} hint=${msg("Empty: what it does")}><input data-field="name" .value=${settled(step.name)} maxlength="200" /></t-field>
       <div class="moves">
-        <t-button ?disabled=${at === 0} label=${`Move step ${String(at + 1)} up`} @click=${this.moveUp}>Up</t-button>
-        <t-button ?disabled=${at === last} label=${`Move step ${String(at + 1)} down`} @click=${this.moveDown}>Down</t-button>
-        <t-button ?disabled=${last === 0} label=${`Remove step ${String(at + 1)}`} @click=${this.removeStep}>Remove</t-button>
-        ${step.kind === "pause" ? nothing : html`<label class="tick"><input data-field="goesOn" type="checkbox" .checked=${step.goesOn} />Go on when it fails</label>`}
+        <t-button ?disabled=${at === 0} label=${msg(str`Move step ${String(at + 1)} up`)} @click=${this.moveUp}>${msg("Up")}</t-button>
+        <t-button ?disabled=${at === last} label=${msg(str`Move step ${String(at + 1)} down`)} @click=${this.moveDown}>${msg("Down")}</t-button>
+        <t-button ?disabled=${last === 0} label=${msg(str`Remove step ${String(at + 1)}`)} @click=${this.removeStep}>${msg("Remove")}</t-button>
+        ${step.kind === "pause" ? nothing : html`<label class="tick"><input data-field="goesOn" type="checkbox" .checked=${step.goesOn} />${msg("Go on when it fails")}</label>`}
       </div>
     </fieldset>`;
   }
 
   private renderCommand(step: StepDraft, error: (field: string) => string): TemplateResult {
     const options = (this.site?.devices ?? []).flatMap((device) => device.commands.map((command) => [`${device.id}/${command.id}`, `${device.name}: ${command.name}`] as const));
-    return html`<t-field class="named" label="Command" .error=${error("command")}
-        ><select data-field="command">${renderOptions([["", "Choose a command"], ...options], step.command)}</select></t-field
+    return html`<t-field class="named" label=${msg("Command")} .error=${error("command")}
+        ><select data-field="command">${renderOptions([["", msg("Choose a command")], ...options], step.command)}</select></t-field
       >
       ${map(commandAt(this.site, step.command)?.arguments, (argument) => renderArgument(argument, step, error(argument.id)))}`;
   }
@@ -125,18 +126,18 @@ export class MissionForm extends LitElement {
   private renderSchedule(): TemplateResult {
     const { draft } = this;
     return html`<fieldset>
-      <legend class="visually-hidden">When it begins</legend>
-      <t-field class="named" label="Begins"><select data-field="schedule">${renderOptions(SCHEDULES, draft.schedule)}</select></t-field>
+      <legend class="visually-hidden">${msg("When it begins")}</legend>
+      <t-field class="named" label=${msg("Begins")}><select data-field="schedule">${renderOptions(SCHEDULES, draft.schedule)}</select></t-field>
       ${draft.schedule === "never"
         ? nothing
-        : html`<t-field label="At" hint=${`Time in ${this.site?.zone ?? "the site's zone"}`} .error=${this.errors["at"] ?? ""}><input data-field="at" type="time" .value=${settled(draft.at)} /></t-field>`}
-      ${draft.schedule === "once" ? html`<t-field label="Day" .error=${this.errors["date"] ?? ""}><input data-field="date" type="date" .value=${settled(draft.date)} /></t-field>` : nothing}
+        : html`<t-field label=${msg("At")} hint=${msg(str`Time in ${this.site?.zone ?? msg("the site's zone")}`)} .error=${this.errors["at"] ?? ""}><input data-field="at" type="time" .value=${settled(draft.at)} /></t-field>`}
+      ${draft.schedule === "once" ? html`<t-field label=${msg("Day")} .error=${this.errors["date"] ?? ""}><input data-field="date" type="date" .value=${settled(draft.date)} /></t-field>` : nothing}
       ${draft.schedule === "weekly"
-        ? html`<div class="days" role="group" aria-label="Days; none for every day">
+        ? html`<div class="days" role="group" aria-label=${msg("Days; none for every day")}>
             ${map(DAYS, ([day, name]) => html`<label class="tick"><input data-field="days" type="checkbox" .value=${day} .checked=${draft.days.includes(day)} />${name}</label>`)}
           </div>`
         : nothing}
-      ${draft.schedule === "never" ? nothing : html`<p class="days">It has your rights then, as they are at that time. What is missed is told, and not done late.</p>`}
+      ${draft.schedule === "never" ? nothing : html`<p class="days">${msg("It has your rights then, as they are at that time. What is missed is told, and not done late.")}</p>`}
     </fieldset>`;
   }
 

@@ -1,5 +1,6 @@
 /** One run of a mission: each step with what became of it, and what may be done while it goes on. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -11,18 +12,18 @@ import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
 
 const STATES: Readonly<Record<string, readonly [StatusKind, string]>> = {
-  waiting: ["unknown", "not begun"],
-  skipped: ["unknown", "left out"],
-  running: ["busy", "running"],
-  paused: ["warn", "paused"],
-  succeeded: ["ok", "succeeded"],
-  failed: ["bad", "failed"],
-  refused: ["warn", "refused"],
-  cancelled: ["warn", "cancelled"],
-  stopped: ["bad", "ended by STOP"],
-  interrupted: ["bad", "interrupted"],
-  missed: ["bad", "missed, not done"],
-  unknown: ["warn", "outcome unknown"],
+  waiting: ["unknown", msg("not begun")],
+  skipped: ["unknown", msg("left out")],
+  running: ["busy", msg("running")],
+  paused: ["warn", msg("paused")],
+  succeeded: ["ok", msg("succeeded")],
+  failed: ["bad", msg("failed")],
+  refused: ["warn", msg("refused")],
+  cancelled: ["warn", msg("cancelled")],
+  stopped: ["bad", msg("ended by STOP")],
+  interrupted: ["bad", msg("interrupted")],
+  missed: ["bad", msg("missed, not done")],
+  unknown: ["warn", msg("outcome unknown")],
 };
 
 /** How a run or a step stands: its shape and word. */
@@ -91,16 +92,16 @@ export class MissionRunView extends LitElement {
     return html`
       <div class="head">
         ${this.listed ? nothing : html`<strong>${run.name}</strong> ${runStatus(run.state)}`}
-        <span class="facts">with the rights of ${run.who}, begun by ${run.begun_by === "schedule" ? "its schedule" : run.begun_by} <t-time short .us=${run.began_us} .zone=${this.zone}></t-time></span>
+        <span class="facts">${msg(html`with the rights of ${run.who}, begun by ${run.begun_by === "schedule" ? msg("its schedule") : run.begun_by} <t-time short .us=${run.began_us} .zone=${this.zone}></t-time>`)}</span>
       </div>
       ${run.why === "" || this.listed ? nothing : html`<p>${run.why}</p>`}
       ${goesOn && this.allowed
         ? html`<div class="actions">
-            ${run.state === "running" ? html`<t-button @click=${this.pause}>Pause after this step</t-button>` : html`<t-button kind="primary" @click=${this.resume}>Go on</t-button>`}
-            <t-button @click=${this.cancel}>Cancel the mission</t-button>
+            ${run.state === "running" ? html`<t-button @click=${this.pause}>${msg("Pause after this step")}</t-button>` : html`<t-button kind="primary" @click=${this.resume}>${msg("Go on")}</t-button>`}
+            <t-button @click=${this.cancel}>${msg("Cancel the mission")}</t-button>
           </div>`
         : nothing}
-      <ol aria-label="Steps">
+      <ol aria-label=${msg("Steps")}>
         ${map(run.steps, (step, at) => html`<li><span class="facts">${at + 1}</span><span>${step.name}</span>${runStatus(step.state)}<span class="text">${step.message}${spanText(step.began_us, step.ended_us)}</span></li>`)}
       </ol>
     `;

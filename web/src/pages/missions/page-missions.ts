@@ -1,6 +1,7 @@
 /** Missions of a site: which there are, the one that goes on, what became of the last ones, and a form to write one. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -12,6 +13,7 @@ import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import type { MissionList, MissionReading, MissionRow, MissionRunList, MissionRunShape, MissionShape, RunActAsk, SiteShape } from "../../generated/api.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
@@ -93,18 +95,18 @@ export class PageMissions extends LitElement {
   override render(): TemplateResult {
     const may = this.mayUse;
     return html`${renderPageHead(
-        "Missions",
-        "Steps in order, by hand or at a time. Each step is asked for as a person's command: by the same rights and interlocks. STOP ends a mission.",
+        msg("Missions"),
+        msg("Steps in order, by hand or at a time. Each step is asked for as a person's command: by the same rights and interlocks. STOP ends a mission."),
         may
           ? html`<div class="actions">
-              <t-button kind="primary" ?disabled=${this.draft !== null} @click=${this.openNew}>New mission</t-button>
-              <t-button @click=${this.chooseFile}>Import…</t-button>
-              <input type="file" accept=".yaml,.yml,text/yaml" aria-label="A mission's file" @change=${this.onFile} />
+              <t-button kind="primary" ?disabled=${this.draft !== null} @click=${this.openNew}>${msg("New mission")}</t-button>
+              <t-button @click=${this.chooseFile}>${msg("Import…")}</t-button>
+              <input type="file" accept=".yaml,.yml,text/yaml" aria-label=${msg("A mission's file")} @change=${this.onFile} />
             </div>`
           : nothing,
       )}
       ${renderAdvice(this.action.problem)} ${this.renderReading()} ${this.renderForm()}
-      ${renderLoaded(this.missions, "the missions", (list) => this.renderList(list, may))} ${renderLoaded(this.runs, "the runs", ({ runs }) => this.renderRuns(runs))} ${this.renderRemoval()}`;
+      ${renderLoaded(this.missions, msg("the missions"), (list) => this.renderList(list, may))} ${renderLoaded(this.runs, msg("the runs"), ({ runs }) => this.renderRuns(runs))} ${this.renderRemoval()}`;
   }
 
   private get mayUse(): boolean {
@@ -121,9 +123,9 @@ export class PageMissions extends LitElement {
 
   private renderForm(): unknown {
     if (this.draft === null) return nothing;
-    return html`<section class="sheet" aria-label="Mission">
-      <h2>${this.draft.id === "" ? "New mission" : "Change the mission"}</h2>
-      ${renderLoaded(this.detail, "the site", (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-draft=${this.onDraft} @t-save-mission=${this.onSave} @t-leave=${this.closeForm}></t-mission-form>`)}
+    return html`<section class="sheet" aria-label=${msg("Mission")}>
+      <h2>${this.draft.id === "" ? msg("New mission") : msg("Change the mission")}</h2>
+      ${renderLoaded(this.detail, msg("the site"), (detail) => html`<t-mission-form .site=${detail} .draft=${this.draft ?? emptyDraft()} ?busy=${this.action.busy} @t-draft=${this.onDraft} @t-save-mission=${this.onSave} @t-leave=${this.closeForm}></t-mission-form>`)}
     </section>`;
   }
 
@@ -131,14 +133,14 @@ export class PageMissions extends LitElement {
     return html`
       ${run === null
         ? nothing
-        : html`<section class="sheet" aria-label="Under way">
-            <h2>Under way</h2>
+        : html`<section class="sheet" aria-label=${msg("Under way")}>
+            <h2>${msg("Under way")}</h2>
             <t-mission-run .run=${run} .zone=${this.zone} ?allowed=${may} @t-act=${this.onAct}></t-mission-run>
           </section>`}
-      <section class="sheet" aria-label="Missions">
-        <h2>Missions</h2>
+      <section class="sheet" aria-label=${msg("Missions")}>
+        <h2>${msg("Missions")}</h2>
         ${missions.length === 0
-          ? html`<t-empty heading="No mission yet" icon="devices"><p>${may ? "Write one: goals, parameters and waits, one after the other." : "Nobody has written one for this site."}</p></t-empty>`
+          ? html`<t-empty heading=${msg("No mission yet")} icon="devices"><p>${may ? msg("Write one: goals, parameters and waits, one after the other.") : msg("Nobody has written one for this site.")}</p></t-empty>`
           : html`<ul>
               ${repeat(missions, ({ id }) => id, (row) => this.renderMission(row, run, may))}
             </ul>`}
@@ -152,16 +154,16 @@ export class PageMissions extends LitElement {
       <div>
         <h3>${mission.name}</h3>
         ${mission.note === "" ? nothing : html`<p>${mission.note}</p>`}
-        <p class="quiet">${mission.steps.length === 1 ? "1 step" : `${String(mission.steps.length)} steps`}, ${scheduleText(mission.schedule)}${mission.schedule === null ? "" : `, with the rights of ${row.owner}`}${row.due_us > 0 ? html`; next <t-time short .us=${row.due_us} .zone=${this.zone}></t-time>` : nothing}</p>
-        ${row.problem === "" ? nothing : html`<p class="hindrance">Cannot begin now: ${row.problem}.</p>`}
+        <p class="quiet">${plural(mission.steps.length, msg("1 step"), msg(str`${String(mission.steps.length)} steps`))}, ${scheduleText(mission.schedule)}${mission.schedule === null ? "" : msg(str`, with the rights of ${row.owner}`)}${row.due_us > 0 ? html`${msg(html`; next <t-time short .us=${row.due_us} .zone=${this.zone}></t-time>`)}` : nothing}</p>
+        ${row.problem === "" ? nothing : html`<p class="hindrance">${msg(str`Cannot begin now: ${row.problem}.`)}</p>`}
       </div>
       <div class="actions">
         ${may
-          ? html`<t-button kind="primary" label=${`Start ${mission.name}`} ?disabled=${run !== null || row.problem !== ""} @click=${this.onStart}>Start</t-button>
-              <t-button label=${`Change ${mission.name}`} @click=${this.onChange}>Change</t-button>`
+          ? html`<t-button kind="primary" label=${msg(str`Start ${mission.name}`)} ?disabled=${run !== null || row.problem !== ""} @click=${this.onStart}>${msg("Start")}</t-button>
+              <t-button label=${msg(str`Change ${mission.name}`)} @click=${this.onChange}>${msg("Change")}</t-button>`
           : nothing}
-        <t-button label=${`Export ${mission.name}`} @click=${this.onExport}>Export</t-button>
-        ${may ? html`<t-button label=${`Remove ${mission.name}`} @click=${this.onRemove}>Remove…</t-button>` : nothing}
+        <t-button label=${msg(str`Export ${mission.name}`)} @click=${this.onExport}>${msg("Export")}</t-button>
+        ${may ? html`<t-button label=${msg(str`Remove ${mission.name}`)} @click=${this.onRemove}>${msg("Remove…")}</t-button>` : nothing}
       </div>
     </li>`;
   }
@@ -169,8 +171,8 @@ export class PageMissions extends LitElement {
   private renderRuns(runs: readonly MissionRunShape[]): unknown {
     const over = runs.filter(({ state: how }) => how !== "running" && how !== "paused");
     if (over.length === 0) return nothing;
-    return html`<section class="sheet" aria-label="Runs">
-      <h2>What became of the last ones</h2>
+    return html`<section class="sheet" aria-label=${msg("Runs")}>
+      <h2>${msg("What became of the last ones")}</h2>
       <ul>
         ${repeat(
           over.slice(0, 20),
@@ -184,12 +186,12 @@ export class PageMissions extends LitElement {
   private renderReading(): unknown {
     const { reading } = this;
     if (reading === null || reading.mission !== null) return nothing;
-    return html`<t-problem what=${`The file is no mission for this site: ${reading.where}: ${reading.problem}.`} how=${reading.remedy || "Mend that place and import it again."}></t-problem>`;
+    return html`<t-problem what=${msg(str`The file is no mission for this site: ${reading.where}: ${reading.problem}.`)} how=${reading.remedy || msg("Mend that place and import it again.")}></t-problem>`;
   }
 
   private renderRemoval(): TemplateResult {
     const row = this.removing;
-    return html`<t-confirm heading=${`Remove ${row?.mission.name ?? ""}?`} action="Remove" keep="Keep it" ?open=${row !== null} @t-close=${this.keepMission} @t-confirm=${this.removeMission}><p>Its runs stay listed. One that goes on is not ended by it.</p></t-confirm>`;
+    return html`<t-confirm heading=${msg(str`Remove ${row?.mission.name ?? ""}?`)} action=${msg("Remove")} keep=${msg("Keep it")} ?open=${row !== null} @t-close=${this.keepMission} @t-confirm=${this.removeMission}><p>${msg("Its runs stay listed. One that goes on is not ended by it.")}</p></t-confirm>`;
   }
 
   private reload(): void {
@@ -220,7 +222,7 @@ export class PageMissions extends LitElement {
 
   private readonly onStart = (event: Event): void => {
     const row = this.rowOf(event);
-    if (row !== undefined) void this.act("start the mission", () => this.missionsApi.startMission(row.id));
+    if (row !== undefined) void this.act(msg("start the mission"), () => this.missionsApi.startMission(row.id));
   };
 
   private readonly onChange = (event: Event): void => {
@@ -243,12 +245,12 @@ export class PageMissions extends LitElement {
 
   private readonly removeMission = (): void => {
     const { removing } = this;
-    if (removing !== null) void this.act("remove the mission", () => this.missionsApi.removeMission(removing.id));
+    if (removing !== null) void this.act(msg("remove the mission"), () => this.missionsApi.removeMission(removing.id));
     this.removing = null;
   };
 
   private readonly onAct = (event: CustomEvent<RunActAsk["act"]>): void => {
-    void this.act(`${event.detail} the mission`, () => this.missionsApi.actOnRun(event.detail));
+    void this.act(msg(str`${event.detail} the mission`), () => this.missionsApi.actOnRun(event.detail));
   };
 
   private readonly onDraft = (event: CustomEvent<MissionDraft>): void => {
@@ -261,11 +263,11 @@ export class PageMissions extends LitElement {
 
   private async save(mission: MissionShape): Promise<void> {
     const id = this.draft?.id ?? "";
-    if (await this.act("save the mission", () => this.missionsApi.saveMission(id, mission))) this.draft = null;
+    if (await this.act(msg("save the mission"), () => this.missionsApi.saveMission(id, mission))) this.draft = null;
   }
 
   private async exportMission(row: MissionRow): Promise<void> {
-    await this.action.run("export the mission", async () => {
+    await this.action.run(msg("export the mission"), async () => {
       const { text } = await this.missionsApi.writeText(row.id);
       const link = document.createElement("a");
       link.href = URL.createObjectURL(new Blob([text], { type: "text/yaml" }));
@@ -288,11 +290,11 @@ export class PageMissions extends LitElement {
   private async importFile(file: File): Promise<void> {
     this.reading = null;
     if (file.size > MOST_BYTES) {
-      this.reading = { mission: null, where: file.name, problem: "it is longer than 128 KiB", remedy: "Choose the file of a mission." };
+      this.reading = { mission: null, where: file.name, problem: msg("it is longer than 128 KiB"), remedy: msg("Choose the file of a mission.") };
       return;
     }
     const text = await file.text();
-    await this.action.run("read the file", async () => {
+    await this.action.run(msg("read the file"), async () => {
       const reading = await this.missionsApi.readText(text);
       this.reading = reading;
       // Into the form: it is kept once the person has looked at it.

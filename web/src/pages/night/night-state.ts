@@ -1,6 +1,7 @@
 /** How the night stands, and for whoever may: arming it and disarming it, each after a question. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { QuestionController } from "../../controllers/question.js";
@@ -78,90 +79,89 @@ export class NightStatePanel extends LitElement {
     const { night } = this;
     const words = night === null ? null : PHASE_WORDS[night.phase];
     const armed = night !== null && night.phase !== "disarmed";
-    return html`<section class="sheet" aria-label="State of the night">
+    return html`<section class="sheet" aria-label=${msg("State of the night")}>
       <div class="head">
         <div>
           <div class="phase" role="status">
             ${words === null
-              ? html`<t-status kind="unknown" word="The gateway has not said how the night stands"></t-status>`
+              ? html`<t-status kind="unknown" word=${msg("The gateway has not said how the night stands")}></t-status>`
               : html`<t-status kind=${this.online ? words.kind : "stale"} word=${words.word}></t-status>`}
-            ${night === null || night.since_us === 0 ? nothing : html`<span class="muted">since <t-time .us=${night.since_us} .zone=${this.zone}></t-time></span>`}
+            ${night === null || night.since_us === 0 ? nothing : html`<span class="muted">${msg(html`since <t-time .us=${night.since_us} .zone=${this.zone}></t-time>`)}</span>`}
           </div>
           ${words === null ? nothing : html`<p>${night?.why === "" ? words.meaning : night?.why}</p>`}
           ${night === null ? nothing : this.renderArmed(night)}
         </div>
         ${this.mayArm
           ? html`<div class="actions">
-              ${this.simulated ? html`<t-button ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("short")}>${this.lapses ? "A whole night at high speed…" : "A night in minutes…"}</t-button>` : nothing}
-              ${this.lapses ? nothing : html`<t-button kind="primary" ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("arm")}>Arm…</t-button>`}
-              <t-button kind="danger" ?hidden=${!armed} ?disabled=${!this.online} @click=${this.question.opener("disarm")}>Disarm…</t-button>
+              ${this.simulated ? html`<t-button ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("short")}>${this.lapses ? msg("A whole night at high speed…") : msg("A night in minutes…")}</t-button>` : nothing}
+              ${this.lapses ? nothing : html`<t-button kind="primary" ?hidden=${armed} ?disabled=${!this.online} @click=${this.question.opener("arm")}>${msg("Arm…")}</t-button>`}
+              <t-button kind="danger" ?hidden=${!armed} ?disabled=${!this.online} @click=${this.question.opener("disarm")}>${msg("Disarm…")}</t-button>
             </div>`
           : nothing}
       </div>
       ${this.lapses || this.timeLapse === ""
         ? nothing
         : html`<p class="muted">
-            <a href=${sitePath(this.timeLapse, "night")}>A whole night at high speed</a>: the same observatory once more, in a time lapse.
+            ${msg(html`<a href=${sitePath(this.timeLapse, "night")}>A whole night at high speed</a>: the same observatory once more, in a time lapse.`)}
           </p>`}
       ${night === null || night.step === "" ? nothing : this.renderBlock(night)} ${this.renderQuestions()}
     </section>`;
   }
 
   private renderArmed(night: NightStateShape): unknown {
-    if (night.phase === "disarmed") return this.mayArm ? nothing : html`<p class="muted">Your role may not arm it.</p>`;
-    const until = night.armed_until_us === 0 ? "until somebody disarms it" : html`until <t-time .us=${night.armed_until_us} .zone=${this.zone}></t-time>`;
-    return html`<p class="muted">Armed ${night.armed_by === "" ? nothing : html`by <strong>${night.armed_by}</strong>`}, ${until}.</p>`;
+    if (night.phase === "disarmed") return this.mayArm ? nothing : html`<p class="muted">${msg("Your role may not arm it.")}</p>`;
+    const until = night.armed_until_us === 0 ? msg("until somebody disarms it") : html`${msg(html`until <t-time .us=${night.armed_until_us} .zone=${this.zone}></t-time>`)}`;
+    return html`<p class="muted">${msg(html`Armed ${night.armed_by === "" ? nothing : html`${msg(html`by <strong>${night.armed_by}</strong>`)}`}, ${until}.`)}</p>`;
   }
 
   private renderBlock({ step, request, frames_done: done, frames }: NightStateShape): TemplateResult {
-    const name = this.target === "" ? (request === "" ? "" : "a request that is not open to you") : this.target;
+    const name = this.target === "" ? (request === "" ? "" : msg("a request that is not open to you")) : this.target;
     return html`<div class="facts">
       <span><strong>${name}</strong></span>
       <span>${step}</span>
       ${frames === 0
         ? nothing
-        : html`<span>${done} of ${frames} frames</span>
-            <progress aria-label="Frames" max=${frames} .value=${Math.min(done, frames)}></progress>`}
+        : html`<span>${msg(str`${done} of ${frames} frames`)}</span>
+            <progress aria-label=${msg("Frames")} max=${frames} .value=${Math.min(done, frames)}></progress>`}
     </div>`;
   }
 
   private renderQuestions(): TemplateResult {
     const morning = `${formatClock(this.morningUs, this.zone).slice(0, 5)} ${zoneName(this.morningUs, this.zone)} (${formatClock(this.morningUs, "UTC").slice(0, 5)} UTC)`;
     const options = [
-      ...(this.morningUs > 0 ? [{ id: "night", label: `For this night, to ${morning}` }] : []),
-      { id: "longer", label: "Until disarmed" },
+      ...(this.morningUs > 0 ? [{ id: "night", label: msg(str`For this night, to ${morning}`) }] : []),
+      { id: "longer", label: msg("Until disarmed") },
     ];
     if (this.question.subject === "short" && this.lapses) {
       return renderQuestion(this.question, () => ({
-        heading: "Run a whole night at high speed?",
-        action: "Run",
-        text: `This observatory is simulated, and so is its time: its next night passes ${this.speed.toFixed(0)} times as fast as one does. A dozen targets are asked for, and the night is armed to the morning: the roof opens when the sky is dark, the telescope focuses, centres and observes, closes when the weather wants it, and parks at dawn. Plan, sky, pictures and log follow below.`,
+        heading: msg("Run a whole night at high speed?"),
+        action: msg("Run"),
+        text: msg(str`This observatory is simulated, and so is its time: its next night passes ${this.speed.toFixed(0)} times as fast as one does. A dozen targets are asked for, and the night is armed to the morning: the roof opens when the sky is dark, the telescope focuses, centres and observes, closes when the weather wants it, and parks at dawn. Plan, sky, pictures and log follow below.`),
         kind: "primary",
       }));
     }
     if (this.question.subject === "short") {
       return renderQuestion(this.question, () => ({
-        heading: "Run a night in minutes?",
-        action: "Run",
-        text: "This observatory is simulated. Three targets that stand high just now are asked for, with two frames of 5 s each, and the night is armed for half an hour: the roof opens, the telescope observes, and when all is done or it rains it parks and closes. Plan, sky, pictures and log follow below.",
+        heading: msg("Run a night in minutes?"),
+        action: msg("Run"),
+        text: msg("This observatory is simulated. Three targets that stand high just now are asked for, with two frames of 5 s each, and the night is armed for half an hour: the roof opens, the telescope observes, and when all is done or it rains it parks and closes. Plan, sky, pictures and log follow below."),
         kind: "primary",
       }));
     }
     return renderQuestion(this.question, (asked) =>
       asked === "arm"
         ? {
-            heading: "Arm the night?",
-            action: "Arm",
+            heading: msg("Arm the night?"),
+            action: msg("Arm"),
             kind: "primary",
             text: html`<div class="texts">
               <p>
-                The roof opens by itself and the telescope moves without anybody at it, as soon as the Sun, the weather and every interlock allow it. Make
-                sure that nobody is in the dome.
+                ${msg("The roof opens by itself and the telescope moves without anybody at it, as soon as the Sun, the weather and every interlock allow it. Make sure that nobody is in the dome.")}
               </p>
-              <t-choice label="For how long" .options=${options} .chosen=${this.chosenFor} @t-choose=${this.onChoose}></t-choice>
+              <t-choice label=${msg("For how long")} .options=${options} .chosen=${this.chosenFor} @t-choose=${this.onChoose}></t-choice>
             </div>`,
           }
-        : { heading: "Disarm the night?", action: "Disarm", text: "The exposure is aborted; telescope and roof park and close. Frames that were read out are kept." },
+        : { heading: msg("Disarm the night?"), action: msg("Disarm"), text: msg("The exposure is aborted; telescope and roof park and close. Frames that were read out are kept.") },
     );
   }
 
@@ -181,7 +181,7 @@ export class NightStatePanel extends LitElement {
     const api = new ObservingApi(this.api, this.site);
     const perform = asked === "short" ? (): Promise<NightAnswer> => api.beginShortNight() : asked === "arm" ? (): Promise<NightAnswer> => api.armNight(this.chosenFor === "night" ? this.morningUs : 0) : (): Promise<NightAnswer> => api.disarmNight("");
     return this.question.action
-      .run(asked === "short" ? "run a night in minutes" : `${asked} the night`, async () => {
+      .run(asked === "short" ? msg("run a night in minutes") : msg(str`${asked} the night`), async () => {
         const { refused } = await perform();
         if (refused !== "") throw new Refused(409, "refused", refused);
       })

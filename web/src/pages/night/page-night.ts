@@ -1,6 +1,7 @@
 /** The night of a site by itself: how it stands, the plan as a line and as a table, the sky, shares, what waits, pictures, log. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -167,18 +168,18 @@ export class PageNight extends LitElement {
 
   override render(): TemplateResult {
     const links = html`<div class="actions">
-      <a href=${sitePath(this.site, "forecast")}>Forecast</a>
-      <a href=${sitePath(this.site, "requests")}>Requests</a>
-      <a href=${sitePath(this.site, "proposals")}>Proposals</a>
-      <a href=${sitePath(this.site, "archive")}>Archive</a>
-      <t-button kind="quiet" @click=${this.switchRed}>${this.theme.store?.theme === "night" ? "Leave red" : "Red screen"}</t-button>
+      <a href=${sitePath(this.site, "forecast")}>${msg("Forecast")}</a>
+      <a href=${sitePath(this.site, "requests")}>${msg("Requests")}</a>
+      <a href=${sitePath(this.site, "proposals")}>${msg("Proposals")}</a>
+      <a href=${sitePath(this.site, "archive")}>${msg("Archive")}</a>
+      <t-button kind="quiet" @click=${this.switchRed}>${this.theme.store?.theme === "night" ? msg("Leave red") : msg("Red screen")}</t-button>
     </div>`;
-    return html`${renderPageHead("Night", html`What ${this.sites.store?.siteRow(this.site)?.name ?? this.site} observes by itself. ${(this.overview.value?.state?.site_time_us ?? 0) > 0 ? nothing : html`<t-clock zone=${this.zone}></t-clock>`}`, links)}
+    return html`${renderPageHead(msg("Night"), html`${msg(str`What ${this.sites.store?.siteRow(this.site)?.name ?? this.site} observes by itself.`)} ${(this.overview.value?.state?.site_time_us ?? 0) > 0 ? nothing : html`<t-clock zone=${this.zone}></t-clock>`}`, links)}
     ${this.proposals.value?.observes === false
-      ? html`<t-empty heading="This site does not observe by itself" icon="live">
-          <p>Its description has no section night: with a telescope and a camera. How to write one is in the docs: <em>Observe by itself</em>.</p>
+      ? html`<t-empty heading=${msg("This site does not observe by itself")} icon="live">
+          <p>${msg(html`Its description has no section night: with a telescope and a camera. How to write one is in the docs: <em>Observe by itself</em>.`)}</p>
         </t-empty>`
-      : renderLoaded(this.overview, "the night", (overview) => this.renderNight(overview))}`;
+      : renderLoaded(this.overview, msg("the night"), (overview) => this.renderNight(overview))}`;
   }
 
   private renderNight(overview: SiteNightShape): TemplateResult {
@@ -220,8 +221,7 @@ export class PageNight extends LitElement {
     if (this.isOnline(overview)) return nothing;
     const since = overview.state?.heard_us ?? this.sites.store?.siteRow(this.site)?.last_seen_us ?? 0;
     return html`<t-banner kind="warn"
-      >The site's gateway cannot be reached: what is shown is old, as it was said <t-time .us=${since} .zone=${this.zone}></t-time>. An armed night goes on
-      without the hub.</t-banner
+      >${msg(html`The site's gateway cannot be reached: what is shown is old, as it was said <t-time .us=${since} .zone=${this.zone}></t-time>. An armed night goes on without the hub.`)}</t-banner
     >`;
   }
 
@@ -229,8 +229,7 @@ export class PageNight extends LitElement {
   private renderSimulatedTime({ state }: SiteNightShape): unknown {
     if (state === null || state.site_time_us === 0) return nothing;
     return html`<t-banner
-      >Time lapse: the time of this simulated observatory is not that of the clock on your wall. It is <t-time .us=${state.site_time_us} .zone=${this.zone}></t-time>
-      there; while its night is armed, time passes ${state.speed.toFixed(0)} times as fast. All times below are its own, but for those of the log.</t-banner
+      >${msg(html`Time lapse: the time of this simulated observatory is not that of the clock on your wall. It is <t-time .us=${state.site_time_us} .zone=${this.zone}></t-time> there; while its night is armed, time passes ${state.speed.toFixed(0)} times as fast. All times below are its own, but for those of the log.`)}</t-banner
     >`;
   }
 
@@ -246,11 +245,11 @@ export class PageNight extends LitElement {
     return html`<section class="sheet" aria-labelledby="plan">
       <div class="head">
         <div>
-          <h2 id="plan">Tonight</h2>
+          <h2 id="plan">${msg("Tonight")}</h2>
           <p class="muted">
             ${plan === null
-              ? "No plan yet: the gateway makes one once it has requests."
-              : html`Planned at <t-time .us=${plan.made_us} .zone=${this.zone}></t-time>${boundText(plan.value, plan.bound)}`}
+              ? msg("No plan yet: the gateway makes one once it has requests.")
+              : html`${msg(html`Planned at <t-time .us=${plan.made_us} .zone=${this.zone}></t-time>${boundText(plan.value, plan.bound)}`)}`}
           </p>
         </div>
       </div>
@@ -258,7 +257,7 @@ export class PageNight extends LitElement {
       ${blocks.length === 0
         ? nothing
         : html`<details>
-            <summary>As a table</summary>
+            <summary>${msg("As a table")}</summary>
             <div class="plan">${this.renderPlanTable(blocks, marks)}</div>
           </details>`}
     </section>`;
@@ -266,16 +265,16 @@ export class PageNight extends LitElement {
 
   private renderPlanTable(blocks: readonly NightBlock[], marks: ReadonlyMap<string, ProposalMark>): TemplateResult {
     return renderTable({
-      label: "Blocks of the night",
+      label: msg("Blocks of the night"),
       rows: blocks,
       key: ({ id }) => id,
       columns: [
-        { title: "Begins", cell: ({ startMs }) => html`<t-time .us=${startMs * 1000} .zone=${this.zone}></t-time>` },
-        { title: "Target", heads: true, cell: ({ name, request }) => (request === "" ? name : html`<a href=${this.requestPath(request)}>${name}</a>`) },
-        { title: "Proposal", cell: ({ proposal }) => `${marks.get(proposal)?.letter ?? ""} ${proposal}` },
-        { title: "Lasts", cell: ({ startMs, endMs }) => formatDuration((endMs - startMs) / 1000) },
-        { title: "State", cell: ({ state }) => BLOCK_WORDS[state] },
-        { title: "Why", cell: ({ reason, pauses }) => html`${reason}${map(pauses ?? [], (pause) => html`<div class="muted">${pauseText(pause, this.zone)}</div>`)}` },
+        { title: msg("Begins"), cell: ({ startMs }) => html`<t-time .us=${startMs * 1000} .zone=${this.zone}></t-time>` },
+        { title: msg("Target"), heads: true, cell: ({ name, request }) => (request === "" ? name : html`<a href=${this.requestPath(request)}>${name}</a>`) },
+        { title: msg("Proposal"), cell: ({ proposal }) => `${marks.get(proposal)?.letter ?? ""} ${proposal}` },
+        { title: msg("Lasts"), cell: ({ startMs, endMs }) => formatDuration((endMs - startMs) / 1000) },
+        { title: msg("State"), cell: ({ state }) => BLOCK_WORDS[state] },
+        { title: msg("Why"), cell: ({ reason, pauses }) => html`${reason}${map(pauses ?? [], (pause) => html`<div class="muted">${pauseText(pause, this.zone)}</div>`)}` },
       ],
     });
   }
@@ -283,20 +282,20 @@ export class PageNight extends LitElement {
   private renderShares(marks: ReadonlyMap<string, ProposalMark>): TemplateResult {
     const percent = (part: number): string => (Number.isNaN(part) ? "–" : `${(part * 100).toFixed(0)} %`);
     return html`<section class="sheet" aria-labelledby="shares">
-      <h2 id="shares">Share by proposal</h2>
-      ${renderLoaded(this.proposals, "the proposals", ({ proposals }) =>
+      <h2 id="shares">${msg("Share by proposal")}</h2>
+      ${renderLoaded(this.proposals, msg("the proposals"), ({ proposals }) =>
         proposals.length === 0
-          ? html`<p class="muted">No proposal is open to you.</p>`
+          ? html`<p class="muted">${msg("No proposal is open to you.")}</p>`
           : html`<div class="shares">
               ${renderTable<ShareRow, string>({
-                label: "Share by proposal",
+                label: msg("Share by proposal"),
                 rows: shareRows(proposals),
                 key: ({ id }) => id,
                 columns: [
-                  { title: "Proposal", heads: true, cell: ({ id, title }) => html`<strong>${marks.get(id)?.letter ?? ""}</strong> ${title === "" ? id : title}` },
-                  { title: "Due", name: "number", titled: true, cell: ({ due }) => percent(due) },
-                  { title: "Got", name: "number", titled: true, cell: ({ got }) => percent(got) },
-                  { title: "Used", name: "number", titled: true, cell: ({ usedS, hours }) => `${(usedS / 3600).toFixed(1)} of ${hours.toFixed(0)} h` },
+                  { title: msg("Proposal"), heads: true, cell: ({ id, title }) => html`<strong>${marks.get(id)?.letter ?? ""}</strong> ${title === "" ? id : title}` },
+                  { title: msg("Due"), name: "number", titled: true, cell: ({ due }) => percent(due) },
+                  { title: msg("Got"), name: "number", titled: true, cell: ({ got }) => percent(got) },
+                  { title: msg("Used"), name: "number", titled: true, cell: ({ usedS, hours }) => msg(str`${(usedS / 3600).toFixed(1)} of ${hours.toFixed(0)} h`) },
                 ],
               })}
             </div>`,
@@ -307,21 +306,21 @@ export class PageNight extends LitElement {
   private renderWaiting(blocks: readonly NightBlock[], observed: string): TemplateResult {
     const planned = new Set(blocks.filter(({ state }) => state !== "done").map(({ request }) => request));
     return html`<section class="sheet" aria-labelledby="waits">
-      <h2 id="waits">What waits, and why not now</h2>
-      ${renderLoaded(this.waiting, "the requests", ({ requests }) => {
+      <h2 id="waits">${msg("What waits, and why not now")}</h2>
+      ${renderLoaded(this.waiting, msg("the requests"), ({ requests }) => {
         const rows = requests.filter(({ id, why_not: why }) => id !== observed && (why !== null || !planned.has(id)));
         return rows.length === 0
-          ? html`<p class="muted">Nothing waits. <a href=${`${sitePath(this.site, "requests")}?new=1`}>Ask for an observation</a></p>`
+          ? html`<p class="muted">${msg("Nothing waits.")} <a href=${`${sitePath(this.site, "requests")}?new=1`}>${msg("Ask for an observation")}</a></p>`
           : renderRows(
               rows,
               ({ id, target, group_name: name, proposal, why_not: why }) => html`<li>
                 <div>
-                  <a class="name" href=${this.requestPath(id)}>${target === "" ? name || "no target" : target}</a>
-                  <div>${why === null ? "It is not in the newest plan yet." : why.message}</div>
+                  <a class="name" href=${this.requestPath(id)}>${target === "" ? name || msg("no target") : target}</a>
+                  <div>${why === null ? msg("It is not in the newest plan yet.") : why.message}</div>
                   <div class="facts">
                     <span>${proposal}</span>
-                    ${why?.planned_us == null ? nothing : html`<span>planned <t-time .us=${why.planned_us} .zone=${this.zone}></t-time></span>`}
-                    ${why?.until_us == null ? nothing : html`<span>until <t-time .us=${why.until_us} .zone=${this.zone}></t-time></span>`}
+                    ${why?.planned_us == null ? nothing : html`<span>${msg(html`planned <t-time .us=${why.planned_us} .zone=${this.zone}></t-time>`)}</span>`}
+                    ${why?.until_us == null ? nothing : html`<span>${msg(html`until <t-time .us=${why.until_us} .zone=${this.zone}></t-time>`)}</span>`}
                   </div>
                 </div>
               </li>`,
@@ -332,19 +331,19 @@ export class PageNight extends LitElement {
 
   private renderPictures(ms: number): TemplateResult {
     return html`<section class="sheet" aria-labelledby="pictures">
-      <h2 id="pictures">Newest pictures of the night</h2>
-      ${renderLoaded(this.frames, "the pictures", () => {
+      <h2 id="pictures">${msg("Newest pictures of the night")}</h2>
+      ${renderLoaded(this.frames, msg("the pictures"), () => {
         const frames = this.framesTonight(ms).slice(0, PICTURES);
         return frames.length === 0
-          ? html`<p class="muted">No picture yet in this night. <a href=${sitePath(this.site, "archive")}>Pictures of other nights</a></p>`
-          : html`<ul class="pictures" aria-label="Pictures">
+          ? html`<p class="muted">${msg("No picture yet in this night.")} <a href=${sitePath(this.site, "archive")}>${msg("Pictures of other nights")}</a></p>`
+          : html`<ul class="pictures" aria-label=${msg("Pictures")}>
               ${repeat(
                 frames,
                 ({ id }) => id,
                 (frame) => html`<li>
                   <a href=${`${sitePath(this.site, "archive")}?frame=${encodeURIComponent(frame.id)}`}>
                     <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", 320)} />
-                    <span class="name">${frame.target === "" ? frame.kind || "No target named" : frame.target}</span>
+                    <span class="name">${frame.target === "" ? frame.kind || msg("No target named") : frame.target}</span>
                     <span class="small">${[frame.filter, frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(3)))} s`].filter(Boolean).join(" · ")}</span>
                     <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone}></t-time></span>
                   </a>
@@ -358,18 +357,18 @@ export class PageNight extends LitElement {
   private renderLog(): TemplateResult {
     return html`<section class="sheet log" aria-labelledby="log" tabindex="0">
       <div class="head">
-        <h2 id="log">Log</h2>
-        <div class="actions"><a href=${sitePath(this.site, "logbook")}>All of the logbook</a></div>
+        <h2 id="log">${msg("Log")}</h2>
+        <div class="actions"><a href=${sitePath(this.site, "logbook")}>${msg("All of the logbook")}</a></div>
       </div>
-      ${renderLoaded(this.events, "the log", ({ events }) =>
+      ${renderLoaded(this.events, msg("the log"), ({ events }) =>
         events.length === 0
-          ? html`<p class="muted">Nothing has happened yet.</p>`
+          ? html`<p class="muted">${msg("Nothing has happened yet.")}</p>`
           : renderRows(
               events,
               ({ time_us: time, kind, who, message, good }) => html`<li>
                 <div>
                   <div class="facts"><t-time .us=${time} .zone=${this.zone}></t-time>${who === "" ? nothing : html`<span>${who}</span>`}</div>
-                  <div>${good ? nothing : html`<t-status kind="bad" word="look"></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
+                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
                 </div>
               </li>`,
             ),
@@ -458,7 +457,7 @@ function siteMs({ state }: SiteNightShape): number {
 
 /** How near the plan is to the best there can be. */
 function boundText(value: number, bound: number | null): string {
-  return bound === null || bound <= 0 ? "." : `: ${((100 * value) / bound).toFixed(0)} % of what is possible at the most.`;
+  return bound === null || bound <= 0 ? "." : msg(str`: ${((100 * value) / bound).toFixed(0)} % of what is possible at the most.`);
 }
 
 declare global {

@@ -1,6 +1,7 @@
 /** Write a note, or change one: its words, what it is about, and from when to when. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -91,17 +92,17 @@ export class NoteDialog extends LitElement {
     const { zone } = this.clock();
     const signals = this.detail?.devices.find(({ id }) => id === device)?.signals ?? [];
     const chosen = draft?.device === device ? draft.signal : "";
-    return html`<t-dialog heading=${(draft?.id ?? "") === "" ? "Write a note" : "Change the note"} ?open=${draft !== null} @t-close=${this.onClosed}>
+    return html`<t-dialog heading=${(draft?.id ?? "") === "" ? msg("Write a note") : msg("Change the note")} ?open=${draft !== null} @t-close=${this.onClosed}>
       <form class="entry" novalidate @submit=${this.onSubmit}>
-        <t-field class="wide" label="Text" .error=${mistakes.text ?? ""}><textarea name="text" rows="4" maxlength=${LONGEST}></textarea></t-field>
-        <t-field label=${`From (${zone})`} .error=${mistakes.from ?? ""}><input name="from" type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>
-        <t-field label=${`To (${zone})`} hint="Empty: a note at a moment." .error=${mistakes.to ?? ""}><input name="to" type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>
-        <t-field label="About"><select name="device" @change=${this.onDevice}>${renderOptions(draft === null ? [] : this.places(draft), device)}</select></t-field>
-        <t-field label="Signal"><select name="signal" ?disabled=${device === ""}>${renderOptions([["", "none of its own"], ...signals.map(({ id, name }) => [id, name] as const)], chosen)}</select></t-field>
+        <t-field class="wide" label=${msg("Text")} .error=${mistakes.text ?? ""}><textarea name="text" rows="4" maxlength=${LONGEST}></textarea></t-field>
+        <t-field label=${msg(str`From (${zone})`)} .error=${mistakes.from ?? ""}><input name="from" type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>
+        <t-field label=${msg(str`To (${zone})`)} hint=${msg("Empty: a note at a moment.")} .error=${mistakes.to ?? ""}><input name="to" type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>
+        <t-field label=${msg("About")}><select name="device" @change=${this.onDevice}>${renderOptions(draft === null ? [] : this.places(draft), device)}</select></t-field>
+        <t-field label=${msg("Signal")}><select name="signal" ?disabled=${device === ""}>${renderOptions([["", msg("none of its own")], ...signals.map(({ id, name }) => [id, name] as const)], chosen)}</select></t-field>
         ${renderAdvice(this.action.problem)}
       </form>
-      <t-button slot="actions" @click=${this.closeDialog}>Cancel</t-button>
-      <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.save}>Save</t-button>
+      <t-button slot="actions" @click=${this.closeDialog}>${msg("Cancel")}</t-button>
+      <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.save}>${msg("Save")}</t-button>
     </t-dialog>`;
   }
 
@@ -111,7 +112,7 @@ export class NoteDialog extends LitElement {
     const { site } = this;
     const devices = (this.detail?.devices ?? []).filter(({ id, rights }) => rights.includes("use") || id === device).map(({ id, name }) => [id, name] as const);
     const former = device !== "" && !devices.some(([id]) => id === device) ? [[device, device] as const] : [];
-    return [...(mayUse(person, site, "") ? [["", "The whole site"] as const] : []), ...devices, ...former];
+    return [...(mayUse(person, site, "") ? [["", msg("The whole site")] as const] : []), ...devices, ...former];
   }
 
   private clock(): ZoneClock {
@@ -136,9 +137,9 @@ export class NoteDialog extends LitElement {
     const [text, from, to] = [formText(said, "text"), formText(said, "from"), formText(said, "to")];
     const fromUs = this.momentOf(from, draft.fromUs);
     const toUs = to === "" ? fromUs : this.momentOf(to, draft.toUs);
-    const wrongTo = momentProblem(to, toUs) || (toUs < fromUs ? "It ends before it begins." : "");
+    const wrongTo = momentProblem(to, toUs) || (toUs < fromUs ? msg("It ends before it begins.") : "");
     this.mistakes = {
-      ...(text === "" ? { text: "Write some words." } : {}),
+      ...(text === "" ? { text: msg("Write some words.") } : {}),
       ...(Number.isNaN(fromUs) ? { from: momentProblem(from || "?", fromUs) } : {}),
       ...(wrongTo === "" ? {} : { to: wrongTo }),
     };
@@ -146,7 +147,7 @@ export class NoteDialog extends LitElement {
     const note = { text, device: this.device, signal: formText(said, "signal"), from_us: fromUs, to_us: toUs };
     const api = new NotesApi(this.api, this.site);
     const keep = draft.id === "" ? () => api.addNote(note) : () => api.changeNote(draft.id, { ...note, base: draft.version });
-    void this.action.run("save the note", keep).then((done) => {
+    void this.action.run(msg("save the note"), keep).then((done) => {
       if (done) this.dispatchEvent(new CustomEvent("t-saved"));
     });
   };

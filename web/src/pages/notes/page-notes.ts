@@ -1,6 +1,7 @@
 /** The notes that people wrote about a site: found by words, author, device and time; written, changed and removed. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import type { ActionController } from "../../controllers/action.js";
@@ -84,19 +85,19 @@ export class PageNotes extends LitElement {
     const search = this.search();
     const span = { fromUs: search.fromUs ?? 0, toUs: search.toUs ?? 2 ** 53 };
     return html`${renderPageHead(
-        "Notes",
-        `What people wrote about moments and spans of ${this.sites.store?.siteRow(this.site)?.name ?? this.site}; the last to begin first.`,
+        msg("Notes"),
+        msg(str`What people wrote about moments and spans of ${this.sites.store?.siteRow(this.site)?.name ?? this.site}; the last to begin first.`),
         html`<div class="actions">
-          ${this.mayWrite ? html`<t-button kind="primary" @click=${this.writeNote}>Write a note</t-button>` : nothing}
-          <a href=${notesExportPath(this.site, span)} download>Export CSV</a>
-          <a href=${sitePath(this.site, "logbook")}>Logbook</a>
-          <a href=${sitePath(this.site, "history")}>History</a>
+          ${this.mayWrite ? html`<t-button kind="primary" @click=${this.writeNote}>${msg("Write a note")}</t-button>` : nothing}
+          <a href=${notesExportPath(this.site, span)} download>${msg("Export CSV")}</a>
+          <a href=${sitePath(this.site, "logbook")}>${msg("Logbook")}</a>
+          <a href=${sitePath(this.site, "history")}>${msg("History")}</a>
         </div>`,
       )}
       ${this.renderSearch(search)}
       ${renderInfiniteList(this.list, {
-        label: "Notes",
-        what: "the notes",
+        label: msg("Notes"),
+        what: msg("the notes"),
         row: (note) => renderNoteRow(note, { site: this.site, zone, detail: this.detail.value, onChange: this.writer.draft.opener(draftOf(note)), onRemove: this.removing.opener(note) }),
         nothing: () => this.renderEmpty(search),
       })}
@@ -109,25 +110,25 @@ export class PageNotes extends LitElement {
     const shown = (us: number | null): string => (us === null ? "" : clock.toInput(us));
     const time = (name: "from" | "to", label: string, us: number | null): TemplateResult =>
       html`<t-field class="time" label=${`${label} (${clock.zone})`} .error=${momentProblem(this.wrongTimes[name] ?? "", Number.NaN)}><input name=${name} type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes[name] ?? shown(us))} /></t-field>`;
-    return html`<section class="sheet" aria-label="Search">
+    return html`<section class="sheet" aria-label=${msg("Search")}>
       <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
-        <t-field label="Words"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(search.text)} /></t-field>
-        <t-field label="Author"><input name="who" maxlength="200" autocomplete="off" .value=${settled(search.who)} /></t-field>
-        <t-field label="Device">
-          <select name="device">${renderOptions([["", "All"], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], search.device)}</select>
+        <t-field label=${msg("Words")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(search.text)} /></t-field>
+        <t-field label=${msg("Author")}><input name="who" maxlength="200" autocomplete="off" .value=${settled(search.who)} /></t-field>
+        <t-field label=${msg("Device")}>
+          <select name="device">${renderOptions([["", msg("All")], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], search.device)}</select>
         </t-field>
-        ${time("from", "From", search.fromUs)}${time("to", "To", search.toUs)}
-        <t-button kind="quiet" ?disabled=${writeNoteSearch(search) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        ${time("from", msg("From"), search.fromUs)}${time("to", msg("To"), search.toUs)}
+        <t-button kind="quiet" ?disabled=${writeNoteSearch(search) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
       </form>
     </section>`;
   }
 
   private renderEmpty(search: NoteSearch): TemplateResult {
     if (writeNoteSearch(search) !== "") {
-      return html`<t-empty heading="No matches" icon="logbook"><p>No note is like this.</p><t-button @click=${this.form.clearFilter}>Show everything</t-button></t-empty>`;
+      return html`<t-empty heading=${msg("No matches")} icon="logbook"><p>${msg("No note is like this.")}</p><t-button @click=${this.form.clearFilter}>${msg("Show everything")}</t-button></t-empty>`;
     }
-    return html`<t-empty heading="No notes yet" icon="logbook">
-      <p>${this.mayWrite ? "Write one here, on a past board’s bar, or over a span of a chart." : "Who may use a device of the site can write some."}</p>
+    return html`<t-empty heading=${msg("No notes yet")} icon="logbook">
+      <p>${this.mayWrite ? msg("Write one here, on a past board’s bar, or over a span of a chart.") : msg("Who may use a device of the site can write some.")}</p>
     </t-empty>`;
   }
 
@@ -141,7 +142,7 @@ export class PageNotes extends LitElement {
   }
 
   private removeNote(note: NoteShape, action: ActionController): Promise<boolean> {
-    return action.run("remove the note", async () => {
+    return action.run(msg("remove the note"), async () => {
       await new NotesApi(this.api, this.site).removeNote(note.id);
       this.list.updateRows((rows) => rows.filter(({ id }) => id !== note.id));
     });

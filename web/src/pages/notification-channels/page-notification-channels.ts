@@ -1,6 +1,7 @@
 /** The ways by which people can be told of alarms: mail, webhook, chat, push. Only admins set servers. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { keyed } from "lit/directives/keyed.js";
@@ -35,11 +36,11 @@ import "../admin-tabs.js";
 type ChannelKind = WayAsk["kind"];
 
 const KINDS: readonly { readonly kind: ChannelKind; readonly name: string }[] = [
-  { kind: "mail", name: "E-mail (SMTP)" },
-  { kind: "webhook", name: "Webhook" },
+  { kind: "mail", name: msg("E-mail (SMTP)") },
+  { kind: "webhook", name: msg("Webhook") },
   { kind: "chat", name: "ntfy, Matrix or Telegram" },
-  { kind: "push", name: "Push to browsers" },
-  { kind: "extension", name: "An installed extension" },
+  { kind: "push", name: msg("Push to browsers") },
+  { kind: "extension", name: msg("An installed extension") },
 ];
 
 @customElement("t-page-ways")
@@ -56,7 +57,7 @@ export class PageNotificationChannels extends LitElement {
   /** The id of the channel that is being changed; empty for a new one. */
   private readonly form = new OpenSubject<string>(this);
   private readonly removing = new QuestionController<WayShape>(this, (way, action) =>
-    action.run("remove the way", () => new NotifyApi(this.api).removeChannel(way.id)).finally(this.known.invalidate),
+    action.run(msg("remove the way"), () => new NotifyApi(this.api).removeChannel(way.id)).finally(this.known.invalidate),
   );
   private readonly tester = new TestMessageController(this, this.action, (id) => new NotifyApi(this.api).testChannel(id));
 
@@ -69,28 +70,28 @@ export class PageNotificationChannels extends LitElement {
     const editing = this.form.subject;
     return html`<t-admin-tabs page="ways"></t-admin-tabs>
       ${renderPageHead(
-        "Notification",
-        "The servers that send notifications of alarms. Each person then chooses among them on the account page.",
-        html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.addChannel}>Add a channel</t-button>`,
+        msg("Notification"),
+        msg("The servers that send notifications of alarms. Each person then chooses among them on the account page."),
+        html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.addChannel}>${msg("Add a channel")}</t-button>`,
       )}
       ${editing === null
         ? renderAdvice(this.action.problem)
         : // Another form for each: what is typed for one way, a password too, is for no other.
           keyed(editing, this.renderForm(this.known.value?.find(({ id }) => id === editing)))}
-      ${renderLoaded(this.known, "the notification channels", (ways) => this.renderList(ways))}
-      ${map(this.installed.value?.broken ?? [], ({ group, name, problem }) => html`<t-problem what=${`The extension ${name} (${group}) is broken`} how=${problem}></t-problem>`)}
+      ${renderLoaded(this.known, msg("the notification channels"), (ways) => this.renderList(ways))}
+      ${map(this.installed.value?.broken ?? [], ({ group, name, problem }) => html`<t-problem what=${msg(str`The extension ${name} (${group}) is broken`)} how=${problem}></t-problem>`)}
       ${renderQuestion(this.removing, ({ name }) => ({
-        heading: `Remove ${name}?`,
-        action: "Remove",
-        text: "It sends no more notifications; the rules that use it are removed, too.",
+        heading: msg(str`Remove ${name}?`),
+        action: msg("Remove"),
+        text: msg("It sends no more notifications; the rules that use it are removed, too."),
       }))}`;
   }
 
   private renderList(ways: readonly WayShape[]): TemplateResult {
     if (ways.length === 0) {
-      return html`<t-empty heading="No notification channels yet" icon="bell"><p>They are on every page all the same.</p></t-empty>`;
+      return html`<t-empty heading=${msg("No notification channels yet")} icon="bell"><p>${msg("They are on every page all the same.")}</p></t-empty>`;
     }
-    return renderRowSheet("Notification channels", ways, (way) => this.renderChannel(way));
+    return renderRowSheet(msg("Notification channels"), ways, (way) => this.renderChannel(way));
   }
 
   private renderChannel(way: WayShape): TemplateResult {
@@ -101,58 +102,58 @@ export class PageNotificationChannels extends LitElement {
         <div class="facts">
           <span>${kind}</span>${way.host === "" ? nothing : html`<span>${way.host}:${way.port}, ${way.security}</span>`}
           ${way.sender === "" ? nothing : html`<span>${way.sender}</span>`}
-          ${way.secrets.length === 0 || way.kind === "push" ? nothing : html`<span>${way.secrets.join(", ")} kept, never shown</span>`}
+          ${way.secrets.length === 0 || way.kind === "push" ? nothing : html`<span>${msg(str`${way.secrets.join(", ")} kept, never shown`)}</span>`}
         </div>
         <t-went .went=${this.tester.lastResult(way.id)}></t-went>
       </div>
       <div class="actions">
-        <t-button label=${`Send a test: ${way.name}`} ?busy=${this.tester.isRunning(way.id)} @click=${this.tester.testAction(way.id)}>Send a test</t-button>
-        <t-button label=${`Change ${way.name}`} @click=${this.editOpener(way)}>Change…</t-button>
-        <t-button label=${`Remove ${way.name}`} @click=${this.removing.opener(way)}>Remove…</t-button>
+        <t-button label=${msg(str`Send a test: ${way.name}`)} ?busy=${this.tester.isRunning(way.id)} @click=${this.tester.testAction(way.id)}>${msg("Send a test")}</t-button>
+        <t-button label=${msg(str`Change ${way.name}`)} @click=${this.editOpener(way)}>${msg("Change…")}</t-button>
+        <t-button label=${msg(str`Remove ${way.name}`)} @click=${this.removing.opener(way)}>${msg("Remove…")}</t-button>
       </div>
     </li>`;
   }
 
   private renderForm(way: WayShape | undefined): TemplateResult {
     return html`<section class="sheet" aria-labelledby="wish">
-      <h2 id="wish">${way === undefined ? "New notification channel" : `Change ${way.name}`}</h2>
+      <h2 id="wish">${way === undefined ? msg("New notification channel") : msg(str`Change ${way.name}`)}</h2>
       <form class="entry" novalidate autocomplete="off" @submit=${this.onSubmit}>
-        <t-field label="Name"><input name="name" maxlength="200" .value=${way?.name ?? ""} /></t-field>
+        <t-field label=${msg("Name")}><input name="name" maxlength="200" .value=${way?.name ?? ""} /></t-field>
         ${way === undefined
-          ? html`<t-field label="Kind">
+          ? html`<t-field label=${msg("Kind")}>
               <select name="kind" @change=${this.onKindChange}>
                 ${renderOptions(KINDS.map(({ kind, name }) => [kind, name]), this.kind)}
               </select>
             </t-field>`
           : nothing}
         ${this.renderFields(way)}
-        ${renderFormActions({ submit: way === undefined ? "Add it" : "Save", busy: this.action.busy, cancel: this.closeForm })}
+        ${renderFormActions({ submit: way === undefined ? msg("Add it") : msg("Save"), busy: this.action.busy, cancel: this.closeForm })}
         ${renderAdvice(this.action.problem)}
       </form>
     </section>`;
   }
 
   private renderFields(way: WayShape | undefined): TemplateResult {
-    const secretHint = (name: string): string => (way?.secrets.includes(name) === true ? "Kept; write only to change it" : "");
+    const secretHint = (name: string): string => (way?.secrets.includes(name) === true ? msg("Kept; write only to change it") : "");
     const renderSecret = (name: string, label: string, hint: string): TemplateResult =>
       html`<t-field label=${label} hint=${secretHint(name) || hint}><input name=${name} type="password" autocomplete="new-password" maxlength="2000" /></t-field>`;
     switch (this.kind) {
       case "mail":
-        return html`<t-field label="Server"><input name="host" maxlength="200" .value=${way?.host ?? ""} /></t-field>
-          <t-field label="Port"><input name="port" inputmode="numeric" .value=${String(way?.port ?? 587)} /></t-field>
-          <t-field label="Security" hint="A password goes only over TLS">
+        return html`<t-field label=${msg("Server")}><input name="host" maxlength="200" .value=${way?.host ?? ""} /></t-field>
+          <t-field label=${msg("Port")}><input name="port" inputmode="numeric" .value=${String(way?.port ?? 587)} /></t-field>
+          <t-field label=${msg("Security")} hint=${msg("A password goes only over TLS")}>
             <select name="security">${renderOptions(["starttls", "tls", "none"], way?.security ?? "starttls")}</select>
           </t-field>
-          <t-field label="Sender"><input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} /></t-field>
-          <t-field label="User"><input name="user" maxlength="200" .value=${way?.user ?? ""} /></t-field>
-          ${renderSecret("password", "Password", "Kept sealed, and never shown again")}`;
+          <t-field label=${msg("Sender")}><input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} /></t-field>
+          <t-field label=${msg("User")}><input name="user" maxlength="200" .value=${way?.user ?? ""} /></t-field>
+          ${renderSecret("password", msg("Password"), msg("Kept sealed, and never shown again"))}`;
       case "webhook":
-        return html`${renderSecret("url", "Address", "https://…; kept sealed, and never shown again")}
-        ${renderSecret("token", "Bearer token", "If the other side wants one")}`;
+        return html`${renderSecret("url", msg("Address"), msg("https://…; kept sealed, and never shown again"))}
+        ${renderSecret("token", msg("Bearer token"), msg("If the other side wants one"))}`;
       case "chat":
-        return html`${renderSecret("url", "Address", "ntfys://host/topic, matrixs://user:password@host/#room, tgram://token/chat")}`;
+        return html`${renderSecret("url", msg("Address"), msg("ntfys://host/topic, matrixs://user:password@host/#room, tgram://token/chat"))}`;
       case "push":
-        return html`<t-field label="Mail address of an admin" hint="For the push services, if something is wrong">
+        return html`<t-field label=${msg("Mail address of an admin")} hint=${msg("For the push services, if something is wrong")}>
           <input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} />
         </t-field>`;
       case "extension":
@@ -167,21 +168,21 @@ export class PageNotificationChannels extends LitElement {
   /** The keys of an installed notifier; they are kept sealed, all at once. */
   private renderNotifier(way: WayShape | undefined): TemplateResult {
     const { notifiers } = this;
-    if (notifiers.length === 0) return html`<p class="muted">No notifier is installed beside this hub.</p>`;
+    if (notifiers.length === 0) return html`<p class="muted">${msg("No notifier is installed beside this hub.")}</p>`;
     const name = way?.extension ?? (this.notifier || notifiers[0]?.name);
     const chosen = notifiers.find((notifier) => notifier.name === name);
     return html`${way === undefined
-        ? html`<t-field label="Extension">
+        ? html`<t-field label=${msg("Extension")}>
             <select name="extension" @change=${this.onNotifierChange}>
               ${renderOptions(notifiers.map((notifier) => [notifier.name, `${notifier.name}: ${notifier.summary}`]), name ?? "")}
             </select>
           </t-field>`
         : html`<input type="hidden" name="extension" .value=${way.extension} />
-            <p class="muted">What is kept is never shown; write all of it to change it, or leave all of it empty.</p>`}
+            <p class="muted">${msg("What is kept is never shown; write all of it to change it, or leave all of it empty.")}</p>`}
       ${map(
         chosen?.keys ?? [],
         (key) => html`<t-field label=${key.name} hint=${keyHint(key)}>
-          <input name=${`key.${key.name}`} type=${key.secret ? "password" : "text"} autocomplete="off" maxlength="2000" />
+          <input name=${msg(str`key.${key.name}`)} type=${key.secret ? "password" : "text"} autocomplete="off" maxlength="2000" />
         </t-field>`,
       )}`;
   }
@@ -232,7 +233,7 @@ export class PageNotificationChannels extends LitElement {
       ...(this.kind === "extension" ? { extension: text("extension") } : {}),
       secrets: entries.length === 0 ? secrets : { ...secrets, keys },
     };
-    void this.action.run("keep the way", () => new NotifyApi(this.api).saveChannel(id, way)).then((done) => {
+    void this.action.run(msg("keep the way"), () => new NotifyApi(this.api).saveChannel(id, way)).then((done) => {
       if (done) this.closeForm();
       this.known.invalidate();
     });
@@ -241,7 +242,7 @@ export class PageNotificationChannels extends LitElement {
 
 /** What a key may be and what it means, for whoever writes it. */
 function keyHint(key: ExtensionKeyShape): string {
-  const must = key.required ? "required" : key.default === "" ? "may be left out" : `${key.default} if left out`;
+  const must = key.required ? "required" : key.default === "" ? msg("may be left out") : msg(str`${key.default} if left out`);
   return `${key.about === "" ? "" : `${key.about} `}(${key.type}, ${must})`;
 }
 

@@ -1,6 +1,7 @@
 /** Displays: screens that show chosen sites and can do nothing else; each opens by an address of its own. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, queryAll, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -56,7 +57,7 @@ export class DisplaySection extends LitElement {
   private readonly action = new ActionController(this);
   private readonly form = new OpenSubject<"new">(this);
   private readonly revoking = new QuestionController<DisplayShape>(this, (row, action) =>
-    action.run("revoke it", () => new AdminApi(this.api).revokeDisplay(row.id)).finally(this.rows.invalidate),
+    action.run(msg("revoke it"), () => new AdminApi(this.api).revokeDisplay(row.id)).finally(this.rows.invalidate),
   );
 
   override willUpdate(): void {
@@ -66,50 +67,49 @@ export class DisplaySection extends LitElement {
   override render(): TemplateResult {
     return html`<div class="head">
         <div>
-          <h2>Displays</h2>
-          <p class="muted">A screen that shows some sites without anybody signing in. It commands, drives and stops nothing.</p>
+          <h2>${msg("Displays")}</h2>
+          <p class="muted">${msg("A screen that shows some sites without anybody signing in. It commands, drives and stops nothing.")}</p>
         </div>
-        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>Add a display</t-button>
+        <t-button ?hidden=${this.form.isOpen || this.made !== ""} @click=${this.form.opener("new")}>${msg("Add a display")}</t-button>
       </div>
       ${renderAdvice(this.action.problem)} ${this.made === "" ? nothing : this.renderShown()}
       ${this.form.isOpen ? this.renderForm() : nothing}
-      ${renderLoaded(this.rows, "the list of displays", (rows) => this.renderList(rows))}
+      ${renderLoaded(this.rows, msg("the list of displays"), (rows) => this.renderList(rows))}
       ${renderQuestion(this.revoking, ({ name }) => ({
-        heading: `Revoke ${name}?`,
-        action: "Revoke it",
-        keep: "Keep it",
-        text: "Its screen goes dark at once. It cannot be taken back.",
+        heading: msg(str`Revoke ${name}?`),
+        action: msg("Revoke it"),
+        keep: msg("Keep it"),
+        text: msg("Its screen goes dark at once. It cannot be taken back."),
       }))}`;
   }
 
   private renderForm(): TemplateResult {
     return html`<form class="fields" novalidate @submit=${this.onSubmit}>
-      <t-field label="Name" hint="Where the screen is" error=${this.wrong}>
+      <t-field label=${msg("Name")} hint=${msg("Where the screen is")} error=${this.wrong}>
         <input id="name" autocomplete="off" maxlength="100" />
       </t-field>
       <fieldset>
-        <legend>Sites that it shows</legend>
+        <legend>${msg("Sites that it shows")}</legend>
         ${repeat(
           this.sites.store?.list ?? [],
           ({ site }) => site,
           ({ site, name }) => html`<label><input type="checkbox" .value=${site} /> ${name}</label>`,
         )}
       </fieldset>
-      ${renderFormActions({ submit: "Make it", busy: this.action.busy, cancel: this.closeForm })}
+      ${renderFormActions({ submit: msg("Make it"), busy: this.action.busy, cancel: this.closeForm })}
     </form>`;
   }
 
   private renderShown(): TemplateResult {
     const secret = `${location.origin}/display#${this.made}`;
     return renderShownOnce(
-      { label: "Address", secret, done: "I have opened it", onDone: this.closeSecret },
-      html`<strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps
-        it from then on. Whoever has the address can look, too.`,
+      { label: msg("Address"), secret, done: msg("I have opened it"), onDone: this.closeSecret },
+      html`${msg(html`<strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps it from then on. Whoever has the address can look, too.`)}`,
     );
   }
 
   private renderList(rows: readonly DisplayShape[]): unknown {
-    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">There are none.</p>`;
+    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("There are none.")}</p>`;
     const zone = this.sites.store?.zone ?? "UTC";
     return renderRows(
       rows,
@@ -117,11 +117,11 @@ export class DisplaySection extends LitElement {
         <div>
           <span class="name">${row.name}</span>
           <div class="facts">
-            <span>shows ${row.sites.join(", ")}</span>
-            <span>last opened <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
+            <span>${msg(str`shows ${row.sites.join(", ")}`)}</span>
+            <span>${msg(html`last opened <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}</span>
           </div>
         </div>
-        <t-button label=${`Revoke the display ${row.name}`} @click=${this.revoking.opener(row)}>Revoke…</t-button>
+        <t-button label=${msg(str`Revoke the display ${row.name}`)} @click=${this.revoking.opener(row)}>${msg("Revoke…")}</t-button>
       </li>`,
     );
   }
@@ -130,10 +130,10 @@ export class DisplaySection extends LitElement {
     event.preventDefault();
     const name = this.name.value.trim();
     const sites = [...this.boxes].filter((box) => box.checked).map((box) => box.value);
-    this.wrong = name === "" ? "It needs a name." : sites.length === 0 ? "Choose at least one site." : "";
+    this.wrong = name === "" ? msg("It needs a name.") : sites.length === 0 ? msg("Choose at least one site.") : "";
     if (this.wrong !== "") return;
     void this.action
-      .run("make the display", async () => {
+      .run(msg("make the display"), async () => {
         this.made = (await new AdminApi(this.api).addDisplay(name, sites)).token;
       })
       .then((done) => {

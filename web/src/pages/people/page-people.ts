@@ -1,6 +1,7 @@
 /** People of this hub: who may sign in, with which role, and everything an admin does about it. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -11,6 +12,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base, plainList } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import type { PersonAsk, PersonShape, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -67,9 +69,9 @@ export class PagePeople extends LitElement {
     const everyone = this.everyone.value;
     return html`<t-admin-tabs page="people"></t-admin-tabs>
       ${renderPageHead(
-        "People",
+        msg("People"),
         everyone === undefined ? nothing : peopleSummary(everyone.people),
-        html`<t-button kind="primary" ?hidden=${this.form.isOpen || everyone === undefined} @click=${this.form.opener("new")}>Add a person</t-button>`,
+        html`<t-button kind="primary" ?hidden=${this.form.isOpen || everyone === undefined} @click=${this.form.opener("new")}>${msg("Add a person")}</t-button>`,
       )}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
       ${this.form.isOpen && everyone !== undefined
@@ -82,7 +84,7 @@ export class PagePeople extends LitElement {
             @t-cancel=${this.closeForm}
           ></t-person-form>`
         : nothing}
-      ${renderLoaded(this.everyone, "the list of people", (known) => this.renderList(known))}
+      ${renderLoaded(this.everyone, msg("the list of people"), (known) => this.renderList(known))}
       <t-displays></t-displays>`;
   }
 
@@ -121,7 +123,7 @@ export class PagePeople extends LitElement {
   private readonly addPerson = (event: CustomEvent<PersonAsk>): void => {
     const { name, password, role } = event.detail;
     const api = new AdminApi(this.api);
-    void this.action.run(`add ${name}`, () => api.addPerson(name, password, role), `${name} is added.`).then((done) => {
+    void this.action.run(msg(str`add ${name}`), () => api.addPerson(name, password, role), msg(str`${name} is added.`)).then((done) => {
       if (done) this.form.close();
       this.everyone.invalidate();
     });
@@ -131,8 +133,8 @@ export class PagePeople extends LitElement {
 function peopleSummary(people: readonly PersonShape[]): string {
   const off = people.filter((row) => row.disabled).length;
   const here = people.filter((row) => row.sessions > 0).length;
-  const many = `${String(people.length)} ${people.length === 1 ? "person" : "people"}`;
-  return `${many}, ${String(here)} signed in${off === 0 ? "" : `, ${String(off)} disabled`}`;
+  const many = plural(people.length, msg(str`${String(people.length)} person`), msg(str`${String(people.length)} people`));
+  return off === 0 ? msg(str`${many}, ${String(here)} signed in`) : msg(str`${many}, ${String(here)} signed in, ${String(off)} disabled`);
 }
 
 declare global {

@@ -1,5 +1,6 @@
 /** Who is to be added. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -44,17 +45,17 @@ export class PersonForm extends LitElement {
 
   override render(): TemplateResult {
     return html`<form class="entry" novalidate @submit=${this.onSubmit}>
-        <h2>Add a person</h2>
-        <t-field label="Name" error=${this.missing}>
+        <h2>${msg("Add a person")}</h2>
+        <t-field label=${msg("Name")} error=${this.missing}>
           <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.onNameInput} />
         </t-field>
-        <t-field label="Role" hint="Its permissions are listed on the Roles page.">
+        <t-field label=${msg("Role")} hint=${msg("Its permissions are listed on the Roles page.")}>
           <select id="role">
             ${renderOptions(this.roles.map(({ name }) => name), "operator")}
           </select>
         </t-field>
-        ${this.password.render("First password", "Give it to the person; they can change it.")} ${renderAdvice(this.problem)}
-        ${renderFormActions({ submit: "Add this person", busy: this.busy, cancel: this.onCancel })}
+        ${this.password.render(msg("First password"), msg("Give it to the person; they can change it."))} ${renderAdvice(this.problem)}
+        ${renderFormActions({ submit: msg("Add this person"), busy: this.busy, cancel: this.onCancel })}
       </form>`;
   }
 
@@ -71,7 +72,7 @@ export class PersonForm extends LitElement {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.trim();
-    this.missing = name === "" ? "Enter a name." : "";
+    this.missing = name === "" ? msg("Enter a name.") : "";
     if (!this.password.validate() || name === "") return;
     const detail: PersonAsk = { name, password: this.password.value, role: this.roleBox.value };
     this.dispatchEvent(new CustomEvent("t-add", { detail }));

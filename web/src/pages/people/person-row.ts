@@ -1,6 +1,7 @@
 /** One person: how they stand, and unfolded what an admin can do. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -100,23 +101,23 @@ export class PersonSection extends LitElement {
     const { row } = this;
     if (row === null) return nothing;
     return html`<div class="line">
-        <span class="name">${row.name}${this.self ? html` <span class="muted">(you)</span>` : nothing}</span>
+        <span class="name">${row.name}${this.self ? html` <span class="muted">${msg("(you)")}</span>` : nothing}</span>
         <span><span class="chip">${row.role}</span></span>
         <div class="facts">
-          ${row.disabled ? html`<t-status kind="offline" word="disabled"></t-status>` : nothing}
+          ${row.disabled ? html`<t-status kind="offline" word=${msg("disabled")}></t-status>` : nothing}
           <t-status
             kind=${row.sessions > 0 ? "online" : "unknown"}
-            word=${row.sessions > 0 ? `signed in${row.sessions > 1 ? ` ${String(row.sessions)} times` : ""}` : "not signed in"}
+            word=${row.sessions > 0 ? row.sessions > 1 ? msg(str`signed in ${String(row.sessions)} times`) : msg("signed in") : msg("not signed in")}
           ></t-status>
-          <span>second factor ${row.factor ? "on" : "off"}</span>
-          <span>last here <t-time short .us=${row.used_us} .zone=${this.zone}></t-time></span>
+          <span>${row.factor ? msg("second factor on") : msg("second factor off")}</span>
+          <span>${msg(html`last here <t-time short .us=${row.used_us} .zone=${this.zone}></t-time>`)}</span>
         </div>
         <t-button
           class="edit"
-          label=${`${this.open ? "Fold" : "Edit"} ${row.name}`}
+          label=${this.open ? msg(str`Fold ${row.name}`) : msg(str`Edit ${row.name}`)}
           pressed=${this.open ? "true" : "false"}
           @click=${this.toggle}
-          >${this.open ? "Close" : "Edit"}</t-button
+          >${this.open ? msg("Close") : msg("Edit")}</t-button
         >
       </div>
       ${this.open ? this.renderDetails(row) : nothing} ${renderQuestion(this.question, (asked) => {
@@ -130,29 +131,29 @@ export class PersonSection extends LitElement {
     return html`<div class="more">
       ${this.question.isOpen ? nothing : renderAdvice(problem)}
       <form novalidate @submit=${this.changeRole}>
-        <t-field label="Role" hint="They are signed out, and have it when they sign in again.">
+        <t-field label=${msg("Role")} hint=${msg("They are signed out, and have it when they sign in again.")}>
           <select id="role">
             ${renderOptions(this.roles.map(({ name }) => name), row.role)}
           </select>
         </t-field>
-        <t-button type="submit" ?busy=${this.action.runningKey === "role"}>Give this role</t-button>
+        <t-button type="submit" ?busy=${this.action.runningKey === "role"}>${msg("Give this role")}</t-button>
       </form>
       <form novalidate @submit=${this.changePassword}>
-        <t-field label="New password" hint="All their sessions and their tokens for scripts end with it." error=${this.trouble}>
+        <t-field label=${msg("New password")} hint=${msg("All their sessions and their tokens for scripts end with it.")} error=${this.trouble}>
           <input id="password" type="password" autocomplete="new-password" />
         </t-field>
-        <t-button type="submit" ?busy=${this.action.runningKey === "password"}>Set this password</t-button>
+        <t-button type="submit" ?busy=${this.action.runningKey === "password"}>${msg("Set this password")}</t-button>
       </form>
       <div class="actions">
         <t-button ?disabled=${row.sessions === 0} ?busy=${this.action.runningKey === "sessions"} @click=${this.endSessions}
-          >End all sessions</t-button
+          >${msg("End all sessions")}</t-button
         >
-        ${row.provider ? html`<t-button @click=${this.question.opener("provider")}>Disconnect from the provider…</t-button>` : nothing}
-        ${row.factor ? html`<t-button @click=${this.question.opener("factor")}>Remove the second factor…</t-button>` : nothing}
+        ${row.provider ? html`<t-button @click=${this.question.opener("provider")}>${msg("Disconnect from the provider…")}</t-button>` : nothing}
+        ${row.factor ? html`<t-button @click=${this.question.opener("factor")}>${msg("Remove the second factor…")}</t-button>` : nothing}
         ${row.disabled
-          ? html`<t-button ?busy=${this.action.runningKey === "enable"} @click=${this.enable}>Enable</t-button>`
-          : html`<t-button @click=${this.question.opener("disable")}>Disable…</t-button>`}
-        <t-button @click=${this.question.opener("remove")}>Remove…</t-button>
+          ? html`<t-button ?busy=${this.action.runningKey === "enable"} @click=${this.enable}>${msg("Enable")}</t-button>`
+          : html`<t-button @click=${this.question.opener("disable")}>${msg("Disable…")}</t-button>`}
+        <t-button @click=${this.question.opener("remove")}>${msg("Remove…")}</t-button>
         <span class="said" role="status">${done}</span>
       </div>
     </div>`;
@@ -169,24 +170,24 @@ export class PersonSection extends LitElement {
     const api = new AdminApi(this.api);
     switch (asked) {
       case "remove":
-        return this.runAction(`remove ${name}`, () => api.removePerson(id), "");
+        return this.runAction(msg(str`remove ${name}`), () => api.removePerson(id), "");
       case "factor":
-        return this.runAction("remove the second factor", () => api.removeFactor(id), "The second factor is removed.");
+        return this.runAction(msg("remove the second factor"), () => api.removeFactor(id), msg("The second factor is removed."));
       case "provider":
-        return this.runAction("disconnect from the provider", () => api.disconnectPerson(id), "Disconnected.");
+        return this.runAction(msg("disconnect from the provider"), () => api.disconnectPerson(id), msg("Disconnected."));
       case "disable":
-        return this.runAction(`disable ${name}`, () => api.changePerson(id, { disabled: true }), "Disabled.");
+        return this.runAction(msg(str`disable ${name}`), () => api.changePerson(id, { disabled: true }), msg("Disabled."));
     }
   }
 
   private readonly enable = (): void => {
     const id = this.row?.id ?? "";
-    void this.runAction("enable this person", () => new AdminApi(this.api).changePerson(id, { disabled: false }), "Enabled.", "enable");
+    void this.runAction(msg("enable this person"), () => new AdminApi(this.api).changePerson(id, { disabled: false }), msg("Enabled."), "enable");
   };
 
   private readonly endSessions = (): void => {
     const id = this.row?.id ?? "";
-    void this.runAction("end the sessions", () => new AdminApi(this.api).endSessions(id), "All sessions are ended.", "sessions");
+    void this.runAction(msg("end the sessions"), () => new AdminApi(this.api).endSessions(id), msg("All sessions are ended."), "sessions");
   };
 
   private readonly changeRole = (event: SubmitEvent): void => {
@@ -194,7 +195,7 @@ export class PersonSection extends LitElement {
     const id = this.row?.id ?? "";
     const role = this.roleBox.value;
     if (role === this.row?.role) return;
-    void this.runAction("change the role", () => new AdminApi(this.api).changePerson(id, { role }), `The role is ${role} now.`, "role");
+    void this.runAction(msg("change the role"), () => new AdminApi(this.api).changePerson(id, { role }), msg(str`The role is ${role} now.`), "role");
   };
 
   private readonly changePassword = (event: SubmitEvent): void => {
@@ -205,7 +206,7 @@ export class PersonSection extends LitElement {
     this.trouble = passwordProblem(passwordRules(password, row.name, password));
     if (this.trouble !== "") return;
     const sendPassword = (): Promise<unknown> => new AdminApi(this.api).changePerson(row.id, { password });
-    void this.runAction("set the password", sendPassword, "The password is set.", "password").then((done) => {
+    void this.runAction(msg("set the password"), sendPassword, msg("The password is set."), "password").then((done) => {
       if (done) this.password.value = "";
     });
   };
@@ -219,24 +220,24 @@ export class PersonSection extends LitElement {
 
 const WORDS: Readonly<Record<PersonQuestion, { heading: string; text: string; action: string }>> = {
   remove: {
-    heading: "Remove {}?",
-    text: "Their sessions and tokens end at once. What they did stays in the audit log. It cannot be taken back.",
-    action: "Remove",
+    heading: msg("Remove {}?"),
+    text: msg("Their sessions and tokens end at once. What they did stays in the audit log. It cannot be taken back."),
+    action: msg("Remove"),
   },
   factor: {
-    heading: "Remove the second factor of {}?",
-    text: "From then on the password alone lets them in. Do this only when you are sure who asked for it.",
-    action: "Remove it",
+    heading: msg("Remove the second factor of {}?"),
+    text: msg("From then on the password alone lets them in. Do this only when you are sure who asked for it."),
+    action: msg("Remove it"),
   },
   provider: {
-    heading: "Disconnect {} from the provider of sign-ins?",
-    text: "Their sessions end, and they sign in with their password here. Whoever comes from the provider then is somebody new.",
-    action: "Disconnect",
+    heading: msg("Disconnect {} from the provider of sign-ins?"),
+    text: msg("Their sessions end, and they sign in with their password here. Whoever comes from the provider then is somebody new."),
+    action: msg("Disconnect"),
   },
   disable: {
-    heading: "Disable {}?",
-    text: "Their sessions end at once, and they cannot sign in until somebody enables them again.",
-    action: "Disable",
+    heading: msg("Disable {}?"),
+    text: msg("Their sessions end at once, and they cannot sign in until somebody enables them again."),
+    action: msg("Disable"),
   },
 };
 

@@ -1,6 +1,7 @@
 /** Proposals of a site: who is in them, which share and hours they have; admins of the site change them. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -53,15 +54,15 @@ export class PageProposals extends LitElement {
   override render(): TemplateResult {
     const known = this.proposals.value;
     return html`${renderPageHead(
-        "Proposals",
-        `Who may use the nights of ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, and how much of them.`,
+        msg("Proposals"),
+        msg(str`Who may use the nights of ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, and how much of them.`),
         html`<div class="actions">
           ${known?.may_manage === true && known.observes
-            ? html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.form.opener("new")}>New proposal</t-button>`
+            ? html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.form.opener("new")}>${msg("New proposal")}</t-button>`
             : nothing}
-          <a href=${sitePath(this.site, "alertrules")}>Alert rules</a>
-          <a href=${sitePath(this.site, "night")}>Night</a>
-          <a href=${sitePath(this.site, "requests")}>Requests</a>
+          <a href=${sitePath(this.site, "alertrules")}>${msg("Alert rules")}</a>
+          <a href=${sitePath(this.site, "night")}>${msg("Night")}</a>
+          <a href=${sitePath(this.site, "requests")}>${msg("Requests")}</a>
         </div>`,
       )}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
@@ -74,41 +75,41 @@ export class PageProposals extends LitElement {
             @t-proposal=${this.saveProposal}
             @t-cancel=${this.closeForm}
           ></t-proposal-form>`}
-      ${renderLoaded(this.proposals, "the proposals", (list) => this.renderList(list))}`;
+      ${renderLoaded(this.proposals, msg("the proposals"), (list) => this.renderList(list))}`;
   }
 
   private renderList({ proposals, may_manage: manages, observes }: ProposalList): TemplateResult {
     if (proposals.length === 0) {
-      return html`<t-empty heading="No proposals" icon="people">
+      return html`<t-empty heading=${msg("No proposals")} icon="people">
         <p>
           ${observes
             ? manages
-              ? "Without a proposal nobody can ask for anything: make the first one."
-              : "None is open to you. An admin of the site can make you a member of one."
-            : "This site does not observe by itself: its description has no section night."}
+              ? msg("Without a proposal nobody can ask for anything: make the first one.")
+              : msg("None is open to you. An admin of the site can make you a member of one.")
+            : msg("This site does not observe by itself: its description has no section night.")}
         </p>
       </t-empty>`;
     }
-    return renderRowSheet("Proposals", proposals, (proposal) => this.renderProposal(proposal, manages));
+    return renderRowSheet(msg("Proposals"), proposals, (proposal) => this.renderProposal(proposal, manages));
   }
 
   private renderProposal(proposal: ProposalShape, manages: boolean): TemplateResult {
     const { id, title, share, hours_allocated: hours, used_s: used, promised_s: promised, active, needs_approval: approval, is_open: open } = proposal;
-    const facts = [approval ? "needs approval" : "", open ? "open to whoever may view the site" : "", ...proposal.urgencies.map((urgency) => urgency.toLowerCase().replace("_", " "))];
+    const facts = [approval ? msg("needs approval") : "", open ? msg("open to whoever may view the site") : "", ...proposal.urgencies.map((urgency) => urgency.toLowerCase().replace("_", " "))];
     return html`<li>
       <div>
         <a class="name" href=${`${sitePath(this.site, "requests")}?proposal=${encodeURIComponent(id)}`}>${title === "" ? id : `${id}: ${title}`}</a>
         <div class="facts">
-          <t-status kind=${active ? "ok" : "unknown"} word=${active ? "active" : "ended"}></t-status>
-          <span>share ${(share * 100).toFixed(0)} %</span>
-          <span>${(used / 3600).toFixed(1)} h used, ${(promised / 3600).toFixed(1)} h asked for, of ${hours} h</span>
+          <t-status kind=${active ? "ok" : "unknown"} word=${active ? msg("active") : msg("ended")}></t-status>
+          <span>${msg(str`share ${(share * 100).toFixed(0)} %`)}</span>
+          <span>${msg(str`${(used / 3600).toFixed(1)} h used, ${(promised / 3600).toFixed(1)} h asked for, of ${hours} h`)}</span>
           ${map(facts.filter(Boolean), (fact) => html`<span>${fact}</span>`)}
         </div>
-        ${used > 0 ? html`<a download=${`${id}.tar`} href=${proposalPicturesPath(this.site, id)}>Download its pictures</a>` : nothing}
-        <progress aria-label=${`Hours of ${id}`} max=${Math.max(hours, 0.001)} .value=${Math.min(hours, (used + promised) / 3600)}></progress>
+        ${used > 0 ? html`<a download=${`${id}.tar`} href=${proposalPicturesPath(this.site, id)}>${msg("Download its pictures")}</a>` : nothing}
+        <progress aria-label=${msg(str`Hours of ${id}`)} max=${Math.max(hours, 0.001)} .value=${Math.min(hours, (used + promised) / 3600)}></progress>
         <t-proposal-members .site=${this.site} .proposal=${proposal} ?manages=${manages} @t-changed=${this.proposals.invalidate}></t-proposal-members>
       </div>
-      ${manages ? html`<div class="actions"><t-button label=${`Change ${id}`} ?hidden=${this.form.isOpen} @click=${this.form.opener(proposal)}>Change…</t-button></div>` : nothing}
+      ${manages ? html`<div class="actions"><t-button label=${msg(str`Change ${id}`)} ?hidden=${this.form.isOpen} @click=${this.form.opener(proposal)}>${msg("Change…")}</t-button></div>` : nothing}
     </li>`;
   }
 
@@ -121,7 +122,7 @@ export class PageProposals extends LitElement {
     const { id, ...change } = event.detail;
     const api = new ObservingApi(this.api, this.site);
     const isNew = this.form.subject === "new";
-    void this.action.run(`keep the proposal ${id}`, () => (isNew ? api.addProposal({ id, ...change }) : api.changeProposal(id, change)), `${id} is kept.`).then((done) => {
+    void this.action.run(msg(str`keep the proposal ${id}`), () => (isNew ? api.addProposal({ id, ...change }) : api.changeProposal(id, change)), msg(str`${id} is kept.`)).then((done) => {
       if (done) this.form.close();
       this.proposals.invalidate();
     });

@@ -1,5 +1,6 @@
 /** What a proposal may use, as a form for admins of its site. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -37,27 +38,27 @@ export class ProposalForm extends LitElement {
     const errorOf = (field: ProposalField): string => this.problems.get(field) ?? "";
     const urgent = (urgency: "TIME_CRITICAL" | "RAPID_RESPONSE"): boolean => proposal?.urgencies.includes(urgency) ?? false;
     return html`<form class="entry sheet" novalidate @submit=${this.onSubmit}>
-      <h2>${proposal === null ? "New proposal" : `Change ${proposal.id}`}</h2>
-      <t-field label="Id" hint="Short, as on forms; it stays" .error=${errorOf("id")}>
+      <h2>${proposal === null ? msg("New proposal") : msg(str`Change ${proposal.id}`)}</h2>
+      <t-field label=${msg("Id")} hint=${msg("Short, as on forms; it stays")} .error=${errorOf("id")}>
         <input name="id" maxlength="64" autocomplete="off" autocapitalize="none" spellcheck="false" ?readonly=${proposal !== null} .value=${proposal?.id ?? ""} />
       </t-field>
-      <t-field label="Title"><input name="title" maxlength="200" autocomplete="off" .value=${proposal?.title ?? ""} /></t-field>
-      <t-field label="Share of the time (%)" hint="What it is due beside others" .error=${errorOf("share")}>
+      <t-field label=${msg("Title")}><input name="title" maxlength="200" autocomplete="off" .value=${proposal?.title ?? ""} /></t-field>
+      <t-field label=${msg("Share of the time (%)")} hint=${msg("What it is due beside others")} .error=${errorOf("share")}>
         <input name="share" inputmode="decimal" autocomplete="off" .value=${String(Math.round((proposal?.share ?? 0) * 1000) / 10)} />
       </t-field>
-      <t-field label="Hours in all" .error=${errorOf("hours")}><input name="hours" inputmode="decimal" autocomplete="off" .value=${String(proposal?.hours_allocated ?? "")} /></t-field>
-      <t-field label="Hours of each member" hint="0: as much as there is" .error=${errorOf("person")}>
+      <t-field label=${msg("Hours in all")} .error=${errorOf("hours")}><input name="hours" inputmode="decimal" autocomplete="off" .value=${String(proposal?.hours_allocated ?? "")} /></t-field>
+      <t-field label=${msg("Hours of each member")} hint=${msg("0: as much as there is")} .error=${errorOf("person")}>
         <input name="person" inputmode="decimal" autocomplete="off" .value=${String(proposal?.person_hours ?? 0)} />
       </t-field>
-      <t-field label="Highest priority" .error=${errorOf("priority")}>
+      <t-field label=${msg("Highest priority")} .error=${errorOf("priority")}>
         <input name="priority" inputmode="decimal" autocomplete="off" .value=${String(proposal?.max_priority ?? 20)} />
       </t-field>
-      <label class="tick"><input name="active" type="checkbox" .checked=${proposal?.active ?? true} /> Active</label>
-      <label class="tick"><input name="approval" type="checkbox" .checked=${proposal?.needs_approval ?? false} /> Requests need approval</label>
-      <label class="tick"><input name="open" type="checkbox" .checked=${proposal?.is_open ?? false} /> Whoever may view the site sees its requests</label>
-      <label class="tick"><input name="critical" type="checkbox" .checked=${urgent("TIME_CRITICAL")} /> May ask for time-critical</label>
-      <label class="tick"><input name="rapid" type="checkbox" .checked=${urgent("RAPID_RESPONSE")} /> May ask for rapid response</label>
-      ${renderAdvice(this.problem)} ${renderFormActions({ submit: "Keep", busy: this.busy, cancel: this.onCancel })}
+      <label class="tick"><input name="active" type="checkbox" .checked=${proposal?.active ?? true} /> ${msg("Active")}</label>
+      <label class="tick"><input name="approval" type="checkbox" .checked=${proposal?.needs_approval ?? false} /> ${msg("Requests need approval")}</label>
+      <label class="tick"><input name="open" type="checkbox" .checked=${proposal?.is_open ?? false} /> ${msg("Whoever may view the site sees its requests")}</label>
+      <label class="tick"><input name="critical" type="checkbox" .checked=${urgent("TIME_CRITICAL")} /> ${msg("May ask for time-critical")}</label>
+      <label class="tick"><input name="rapid" type="checkbox" .checked=${urgent("RAPID_RESPONSE")} /> ${msg("May ask for rapid response")}</label>
+      ${renderAdvice(this.problem)} ${renderFormActions({ submit: msg("Keep"), busy: this.busy, cancel: this.onCancel })}
     </form>`;
   }
 

@@ -1,6 +1,7 @@
 /** Who is in a proposal; admins of its site add and remove them. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -10,6 +11,7 @@ import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText, submittedForm } from "../../format/form-values.js";
+import { plural } from "../../format/plural.js";
 import type { ProposalRole, ProposalShape } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -17,7 +19,7 @@ import { ObservingApi } from "../../wire/observing-api.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
-const ROLES: Readonly<Record<ProposalRole, string>> = { principal_investigator: "principal investigator", member: "member" };
+const ROLES: Readonly<Record<ProposalRole, string>> = { principal_investigator: msg("principal investigator"), member: msg("member") };
 
 /** @fires t-changed its members are others */
 @customElement("t-proposal-members")
@@ -63,22 +65,22 @@ export class ProposalMembers extends LitElement {
     const { members } = proposal;
     if (members.length === 0 && !this.manages) return nothing;
     return html`<details ?open=${members.length === 0}>
-      <summary>${members.length === 1 ? "1 member" : `${String(members.length)} members`}</summary>
-      <ul aria-label=${`Members of ${proposal.id}`}>
+      <summary>${plural(members.length, msg("1 member"), msg(str`${String(members.length)} members`))}</summary>
+      <ul aria-label=${msg(str`Members of ${proposal.id}`)}>
         ${repeat(
           members,
           ({ name }) => name,
           ({ name, role }) => html`<li>
             <span class="name">${name}</span><span class="muted">${ROLES[role]}</span>
-            ${this.manages ? html`<t-button kind="quiet" label=${`Remove ${name} from ${proposal.id}`} @click=${this.remover(name)}>Remove</t-button>` : nothing}
+            ${this.manages ? html`<t-button kind="quiet" label=${msg(str`Remove ${name} from ${proposal.id}`)} @click=${this.remover(name)}>${msg("Remove")}</t-button>` : nothing}
           </li>`,
         )}
       </ul>
       ${this.manages
         ? html`<form novalidate @submit=${this.onAdd}>
-            <t-field label="Account"><input name="name" maxlength="200" autocomplete="off" autocapitalize="none" spellcheck="false" /></t-field>
-            <t-field label="Role"><select name="role">${renderOptions(Object.entries(ROLES), "member")}</select></t-field>
-            <t-button type="submit" ?busy=${this.action.busy}>Add</t-button>
+            <t-field label=${msg("Account")}><input name="name" maxlength="200" autocomplete="off" autocapitalize="none" spellcheck="false" /></t-field>
+            <t-field label=${msg("Role")}><select name="role">${renderOptions(Object.entries(ROLES), "member")}</select></t-field>
+            <t-button type="submit" ?busy=${this.action.busy}>${msg("Add")}</t-button>
           </form>`
         : nothing}
       ${renderAdvice(this.action.problem)}
@@ -100,7 +102,7 @@ export class ProposalMembers extends LitElement {
 
   private setMember(name: string, role: ProposalRole | null): void {
     const id = this.proposal?.id ?? "";
-    void this.action.run(role === null ? `remove ${name}` : `add ${name}`, () => new ObservingApi(this.api, this.site).setMember(id, name, role)).then((done) => {
+    void this.action.run(role === null ? msg(str`remove ${name}`) : msg(str`add ${name}`), () => new ObservingApi(this.api, this.site).setMember(id, name, role)).then((done) => {
       if (done) this.dispatchEvent(new CustomEvent("t-changed"));
     });
   }

@@ -1,5 +1,6 @@
 /** All public data on one page: what a guest sees, and nothing that can be done. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -84,8 +85,8 @@ export class PagePublic extends LitElement {
     if (sites === undefined) return nothing;
     return html`<div class="head">
         <div>
-          <h1>Public data</h1>
-          <p class="muted">What everybody may see who signs in here.</p>
+          <h1>${msg("Public data")}</h1>
+          <p class="muted">${msg("What everybody may see who signs in here.")}</p>
         </div>
       </div>
       ${this.renderProblem(sites)} ${this.renderContent(sites)}`;
@@ -95,21 +96,21 @@ export class PagePublic extends LitElement {
     const { result } = this.details;
     const error = sites.status === "failed" ? sites.renderError : result.state === "failed" ? result.error : null;
     if (error === null) return nothing;
-    return renderAdvice(adviceFor(error, "the public data"), this.retry);
+    return renderAdvice(adviceFor(error, msg("the public data")), this.retry);
   }
 
   private renderContent(sites: Sites): unknown {
     const details = this.details.value;
     if (details === undefined) {
       const failed = sites.status === "failed" || this.details.result.state === "failed";
-      return failed ? nothing : html`<t-loading what="Loading the public data"></t-loading>`;
+      return failed ? nothing : html`<t-loading what=${msg("Loading the public data")}></t-loading>`;
     }
     const shown = details
       .map((detail) => ({ detail, devices: publicOf(detail) }))
       .filter(({ devices }) => devices.length > 0);
     if (shown.length === 0) {
-      return html`<t-empty heading="Nothing is public yet" icon="open">
-        <p>What a site's description marks with <code>visibility: public</code> stands here for everybody.</p>
+      return html`<t-empty heading=${msg("Nothing is public yet")} icon="open">
+        <p>${msg(html`What a site's description marks with <code>visibility: public</code> stands here for everybody.`)}</p>
       </t-empty>`;
     }
     return repeat(
@@ -130,8 +131,8 @@ export class PagePublic extends LitElement {
         ${online
           ? nothing
           : html`<span class="muted"
-              >last heard of <t-time .us=${row?.last_seen_us ?? detail.last_seen_us} .zone=${detail.zone}></t-time
-            ></span>`}
+              >${msg(html`last heard of <t-time .us=${row?.last_seen_us ?? detail.last_seen_us} .zone=${detail.zone}></t-time
+            >`)}</span>`}
       </div>
       <div class="devices">
         ${repeat(
@@ -171,7 +172,7 @@ export class PagePublic extends LitElement {
               (signal) => html`<t-signal-value size="l" .site=${site} .signal=${signal}></t-signal-value>`,
             )}
           </div>`}
-      ${signals.length + streams.length === 0 ? html`<p class="muted">It is there; its values are not public.</p>` : nothing}
+      ${signals.length + streams.length === 0 ? html`<p class="muted">${msg("It is there; its values are not public.")}</p>` : nothing}
     </div>`;
   }
 

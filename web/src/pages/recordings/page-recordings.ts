@@ -4,6 +4,7 @@
  */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -21,6 +22,7 @@ import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { isForbidden } from "../../format/error-advice.js";
+import { plural } from "../../format/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -40,9 +42,9 @@ const AGAIN_S = 2;
 const AROUND_S = 10;
 
 const STATES: Readonly<Record<RecordingShape["state"], readonly [StatusKind, string]>> = {
-  uploading: ["busy", "on its way"],
-  complete: ["ok", "complete"],
-  failed: ["bad", "failed"],
+  uploading: ["busy", msg("on its way")],
+  complete: ["ok", msg("complete")],
+  failed: ["bad", msg("failed")],
 };
 
 @customElement("t-page-recordings")
@@ -96,7 +98,7 @@ export class PageRecordings extends LitElement {
   private readonly known = new LoadController<RecordingListShape>(this);
   private readonly action = new ActionController(this);
   private readonly removing = new QuestionController<RecordingShape>(this, (row, action) =>
-    action.run("delete the recording", () => new RecordingsApi(this.api).removeRecording(this.site, row.id)).finally(this.known.invalidate),
+    action.run(msg("delete the recording"), () => new RecordingsApi(this.api).removeRecording(this.site, row.id)).finally(this.known.invalidate),
   );
   private why = "";
 
@@ -125,15 +127,14 @@ export class PageRecordings extends LitElement {
   override render(): TemplateResult {
     const { result } = this.known;
     return html`${renderPageHead(
-        "Recordings",
-        html`Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick and <code>ros2 bag</code>, and films of its
-          cameras, which play beside the history.`,
-        html`<a href=${sitePath(this.site, "history")}>History</a>`,
+        msg("Recordings"),
+        html`${msg(html`Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick and <code>ros2 bag</code>, and films of its cameras, which play beside the history.`)}`,
+        html`<a href=${sitePath(this.site, "history")}>${msg("History")}</a>`,
       )}
       ${renderAdvice(this.action.problem)}
       ${result.state === "failed" && isForbidden(result.error)
-        ? renderAdvice({ what: "You may not see this site's recordings.", how: "They hold all of its topics: ask an admin for the right to view the whole site." })
-        : renderLoaded(this.known, "the recordings", (known) => this.renderContent(known))}`;
+        ? renderAdvice({ what: msg("You may not see this site's recordings."), how: msg("They hold all of its topics: ask an admin for the right to view the whole site.") })
+        : renderLoaded(this.known, msg("the recordings"), (known) => this.renderContent(known))}`;
   }
 
   private renderContent(known: RecordingListShape): TemplateResult {
@@ -141,49 +142,48 @@ export class PageRecordings extends LitElement {
     const total = rows.reduce((sum, row) => sum + row.have, 0);
     return html`${this.renderRecorder(known.recorder, known.zone)}
       ${rows.length === 0
-        ? html`<t-empty heading="Nothing was recorded yet" icon="history">
-            <p>Recordings made at the gateway are uploaded here automatically.</p>
+        ? html`<t-empty heading=${msg("Nothing was recorded yet")} icon="history">
+            <p>${msg("Recordings made at the gateway are uploaded here automatically.")}</p>
           </t-empty>`
-        : html`<section class="sheet" aria-label="Recordings">
-            <div class="facts"><span>${rows.length === 1 ? "1 recording" : `${String(rows.length)} recordings`}</span><span>${formatBytes(total)}</span></div>
+        : html`<section class="sheet" aria-label=${msg("Recordings")}>
+            <div class="facts"><span>${plural(rows.length, msg("1 recording"), msg(str`${String(rows.length)} recordings`))}</span><span>${formatBytes(total)}</span></div>
             ${renderRows(rows, (row) => this.renderRow(row, known))}
           </section>`}
       ${renderQuestion(this.removing, ({ why }) => ({
-        heading: "Delete this recording?",
-        action: "Delete",
+        heading: msg("Delete this recording?"),
+        action: msg("Delete"),
         text: html`<p>${why}</p>
-          <p>Its file is gone for good then; the history stays.</p>`,
+          <p>${msg("Its file is gone for good then; the history stays.")}</p>`,
       }))}`;
   }
 
   private renderRecorder(now: RecorderShape, zone: string): TemplateResult {
     if (!now.described) {
-      return html`<section class="sheet" aria-label="Recorder">
+      return html`<section class="sheet" aria-label=${msg("Recorder")}>
         <p class="muted">
-          The site description names nothing to record. With <code>recording: {}</code> in it, the gateway holds the last
-          30 seconds and keeps them when something happens, and films each camera that you ask it to.
+          ${msg(html`The site description names nothing to record. With <code>recording: {}</code> in it, the gateway holds the last 30 seconds and keeps them when something happens, and films each camera that you ask it to.`)}
         </p>
       </section>`;
     }
-    return html`<section class="sheet" aria-label="Recorder">
+    return html`<section class="sheet" aria-label=${msg("Recorder")}>
       <div class="ways">
         ${now.on
-          ? html`<t-status kind="busy" word="recording"></t-status><span>since <t-time us=${now.since_us} zone=${zone}></t-time></span>`
-          : html`<t-status kind=${now.online ? "unknown" : "offline"} word=${now.online ? "not recording" : "gateway offline"}></t-status>`}
+          ? html`<t-status kind="busy" word=${msg("recording")}></t-status><span>${msg(html`since <t-time us=${now.since_us} zone=${zone}></t-time>`)}</span>`
+          : html`<t-status kind=${now.online ? "unknown" : "offline"} word=${now.online ? msg("not recording") : msg("gateway offline")}></t-status>`}
       </div>
       ${now.on ? html`<p class="why">${now.why}${now.who === "" ? "" : ` · ${now.who}`}</p>` : nothing}
-      ${now.filming.length === 0 ? nothing : html`<p class="why">Filming: ${now.filming.join(", ")}</p>`}
-      ${now.problem === "" ? nothing : html`<t-problem what="The last recording failed." how=${now.problem}></t-problem>`}
+      ${now.filming.length === 0 ? nothing : html`<p class="why">${msg("Filming:")} ${now.filming.join(", ")}</p>`}
+      ${now.problem === "" ? nothing : html`<t-problem what=${msg("The last recording failed.")} how=${now.problem}></t-problem>`}
       ${now.may_record && now.topics.length + now.cameras.length > 0 ? this.renderControl(now) : nothing}
       ${now.cameras.length === 0
         ? nothing
         : html`<p class="note">
             ${now.can_film || !now.online
-              ? `Filmed with each recording: ${now.cameras.join(", ")}`
-              : `Its gateway cannot film ${now.cameras.join(", ")}: install talaia[camera] there.`}
+              ? msg(str`Filmed with each recording: ${now.cameras.join(", ")}`)
+              : msg(str`Its gateway cannot film ${now.cameras.join(", ")}: install talaia[camera] there.`)}
           </p>`}
       <details ?hidden=${now.topics.length === 0}>
-        <summary>${now.topics.length === 1 ? "1 topic" : `${String(now.topics.length)} topics`}</summary>
+        <summary>${plural(now.topics.length, msg("1 topic"), msg(str`${String(now.topics.length)} topics`))}</summary>
         <p class="note">${now.topics.join(", ")}</p>
       </details>
     </section>`;
@@ -191,16 +191,16 @@ export class PageRecordings extends LitElement {
 
   private renderControl(now: RecorderShape): TemplateResult {
     if (now.on) {
-      return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.runningKey === "end"} @click=${this.stopRecording}>End the recording</t-button></div>`;
+      return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.runningKey === "end"} @click=${this.stopRecording}>${msg("End the recording")}</t-button></div>`;
     }
     return html`<form @submit=${this.startRecording}>
-      <t-field label="Why (optional)">
+      <t-field label=${msg("Why (optional)")}>
         <input maxlength="500" autocomplete="off" .value=${this.why} @input=${this.onInput} ?disabled=${!now.online} />
       </t-field>
-      <t-button type="submit" kind="primary" ?disabled=${!now.online} ?busy=${this.action.runningKey === "begin"}>Record</t-button>
+      <t-button type="submit" kind="primary" ?disabled=${!now.online} ?busy=${this.action.runningKey === "begin"}>${msg("Record")}</t-button>
     </form>
     <p class="note">
-      It begins ${formatDuration(now.before_s)} ago: so much is held at the gateway at all times.
+      ${msg(str`It begins ${formatDuration(now.before_s)} ago: so much is held at the gateway at all times.`)}
     </p>`;
   }
 
@@ -216,30 +216,30 @@ export class PageRecordings extends LitElement {
         <div class="span">
           <t-time us=${row.begin_us} zone=${zone}></t-time> – <t-time us=${row.end_us} zone=${zone}></t-time>
         </div>
-        <div class="why">${row.stream === "" ? nothing : html`<strong>Film of ${row.stream}</strong> · `}${row.why}${row.who === "" ? "" : ` · ${row.who}`}</div>
+        <div class="why">${row.stream === "" ? nothing : html`<strong>${msg(str`Film of ${row.stream}`)}</strong> · `}${row.why}${row.who === "" ? "" : ` · ${row.who}`}</div>
         <div class="facts">
           <t-status kind=${kind} word=${told}></t-status>
           <span>${formatDuration((row.end_us - row.begin_us) / 1e6)}</span>
           <span>${formatBytes(row.size)}</span>
-          ${row.messages === 0 ? nothing : html`<span>${formatNumber(row.messages, 0)} ${row.stream === "" ? "messages" : "pictures"}</span>`}
+          ${row.messages === 0 ? nothing : html`<span>${formatNumber(row.messages, 0)} ${row.stream === "" ? msg("messages") : msg("pictures")}</span>`}
         </div>
         ${row.note === "" ? nothing : html`<div class="note">${row.note}</div>`}
         ${row.topics.length === 0
           ? nothing
           : html`<details>
-              <summary>${row.topics.length === 1 ? "1 topic" : `${String(row.topics.length)} topics`}</summary>
+              <summary>${plural(row.topics.length, msg("1 topic"), msg(str`${String(row.topics.length)} topics`))}</summary>
               <p class="note">${row.topics.join(", ")}</p>
             </details>`}
       </div>
       <div class="ways">
         ${row.state === "complete"
-          ? html`<a href=${recordingPath(this.site, row.id)} download aria-label=${`Download ${row.id}`}>Download</a>`
+          ? html`<a href=${recordingPath(this.site, row.id)} download aria-label=${msg(str`Download ${row.id}`)}>${msg("Download")}</a>`
           : nothing}
-        <a href=${this.historyAround(row)} aria-label=${row.stream === "" ? `The history around ${row.id}` : `Watch ${row.id}`}
-          >${row.stream === "" ? "History" : "Watch"}</a
+        <a href=${this.historyAround(row)} aria-label=${row.stream === "" ? msg(str`The history around ${row.id}`) : msg(str`Watch ${row.id}`)}
+          >${row.stream === "" ? msg("History") : msg("Watch")}</a
         >
         ${recorder.may_delete
-          ? html`<t-button label=${`Delete ${row.id}`} @click=${this.removing.opener(row)}>Delete</t-button>`
+          ? html`<t-button label=${msg(str`Delete ${row.id}`)} @click=${this.removing.opener(row)}>${msg("Delete")}</t-button>`
           : nothing}
       </div>
     </li>`;
@@ -261,7 +261,7 @@ export class PageRecordings extends LitElement {
     event.preventDefault();
     const api = new RecordingsApi(this.api);
     void this.action
-      .run("begin the recording", () => api.setRecording(this.site, true, this.why), "", "begin")
+      .run(msg("begin the recording"), () => api.setRecording(this.site, true, this.why), "", "begin")
       .then((done) => {
         if (done) this.why = "";
         this.known.invalidate();
@@ -270,7 +270,7 @@ export class PageRecordings extends LitElement {
 
   private readonly stopRecording = (): void => {
     const api = new RecordingsApi(this.api);
-    void this.action.run("end the recording", () => api.setRecording(this.site, false, ""), "", "end").then(this.known.invalidate);
+    void this.action.run(msg("end the recording"), () => api.setRecording(this.site, false, ""), "", "end").then(this.known.invalidate);
   };
 }
 

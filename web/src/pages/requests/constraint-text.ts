@@ -1,5 +1,6 @@
 /** What must hold while a request is observed, in words. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { formatMoment } from "../../format/julian-date.js";
 import type { ConstraintsShape } from "../../generated/api.js";
 
@@ -10,23 +11,23 @@ export function constraintsText(constraints: ConstraintsShape): string {
   const { min_altitude: altitude = 15, max_airmass: airmass = 10, min_moon_distance: moon = 0, max_moon_illumination: lit = 1, max_sun_altitude: sun = -12 } = constraints;
   const { max_hour_angle: hours, max_seeing: seeing, max_clouds: clouds, phase } = constraints;
   const parts = [
-    `above ${String(altitude)}°`,
-    `Sun below ${String(sun).replace("-", "−")}°`,
-    airmass < 10 ? `airmass below ${String(airmass)}` : "",
-    moon > 0 ? `${String(moon)}° from the Moon` : "",
-    lit < 1 ? `Moon lit less than ${String(Number((lit * 100).toPrecision(6)))} %` : "",
-    hours == null ? "" : `within ${String(hours)} h of the meridian`,
-    seeing == null ? "" : `seeing below ${String(seeing)}″`,
-    clouds == null ? "" : `clouds below ${String(clouds)} %`,
+    msg(str`above ${String(altitude)}°`),
+    msg(str`Sun below ${String(sun).replace("-", "−")}°`),
+    airmass < 10 ? msg(str`airmass below ${String(airmass)}`) : "",
+    moon > 0 ? msg(str`${String(moon)}° from the Moon`) : "",
+    lit < 1 ? msg(str`Moon lit less than ${String(Number((lit * 100).toPrecision(6)))} %`) : "",
+    hours == null ? "" : msg(str`within ${String(hours)} h of the meridian`),
+    seeing == null ? "" : msg(str`seeing below ${String(seeing)}″`),
+    clouds == null ? "" : msg(str`clouds below ${String(clouds)} %`),
     phase == null
       ? ""
-      : `phase ${String(phase.start)} to ${String(phase.end)} of ${String(Number((phase.period_s / DAY_S).toPrecision(9)))} days from ${formatMoment(phase.epoch_us)}`,
+      : msg(str`phase ${String(phase.start)} to ${String(phase.end)} of ${String(Number((phase.period_s / DAY_S).toPrecision(9)))} days from ${formatMoment(phase.epoch_us)}`),
   ];
   return parts.filter(Boolean).join(", ");
 }
 
 /** How it moves among the stars, with the epoch of its coordinates; empty where it does not. */
 export function motionText({ proper_motion_ra: ra = 0, proper_motion_dec: dec = 0, epoch = 2000 }: { readonly proper_motion_ra?: number; readonly proper_motion_dec?: number; readonly epoch?: number }): string {
-  if (ra === 0 && dec === 0) return epoch === 2000 ? "" : `, epoch ${String(epoch)}`;
-  return `, moving ${String(ra).replace("-", "−")} and ${String(dec).replace("-", "−")} mas a year, epoch ${String(epoch)}`;
+  if (ra === 0 && dec === 0) return epoch === 2000 ? "" : msg(str`, epoch ${String(epoch)}`);
+  return msg(str`, moving ${String(ra).replace("-", "−")} and ${String(dec).replace("-", "−")} mas a year, epoch ${String(epoch)}`);
 }

@@ -1,13 +1,14 @@
 /** A file of requests that another program wrote: whose it is, and what is said of what was read. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { FileKind, GroupAsk, ImportAnswer } from "../../generated/api.js";
 
 export const FILE_KINDS = ["csv", "lco", "nina", "ekos"] as const satisfies readonly FileKind[];
 export const FILE_KIND_WORDS: Readonly<Record<FileKind, string>> = {
-  csv: "Table (CSV)",
-  lco: "Las Cumbres (JSON)",
-  nina: "N.I.N.A. sequence (JSON)",
-  ekos: "Ekos list (.esl)",
+  csv: msg("Table (CSV)"),
+  lco: msg("Las Cumbres (JSON)"),
+  nina: msg("N.I.N.A. sequence (JSON)"),
+  ekos: msg("Ekos list (.esl)"),
 };
 /** With what is sent beside it, a body has to stay below the hub's 1 MiB. */
 export const MOST_CHARACTERS = 900_000;
@@ -24,14 +25,14 @@ export function guessKind(name: string, text: string): FileKind {
 /** What was read, in a sentence. */
 export function readText({ groups, problems }: ImportAnswer): string {
   const requests = groups.reduce((sum, group) => sum + group.requests.length, 0);
-  const found = requests === 0 ? "No request could be read" : `${counted(requests, "request")} in ${counted(groups.length, "group")}`;
-  return problems.length === 0 ? `${found}.` : `${found}; ${counted(problems.length, "part")} could not be read and would be left out.`;
+  const found = requests === 0 ? msg("No request could be read") : msg(str`${counted(requests, "request")} in ${counted(groups.length, "group")}`);
+  return problems.length === 0 ? `${found}.` : msg(str`${found}; ${counted(problems.length, "part")} could not be read and would be left out.`);
 }
 
 /** What a group is called in a list: its name, or its first targets. */
 export function groupTitle({ name, requests }: GroupAsk, most = 4): string {
-  const targets = requests.map(({ target }) => (target == null || (target.name ?? "") === "" ? "no name" : (target.name ?? "")));
-  const shown = targets.slice(0, most).join(", ") + (targets.length > most ? ` and ${String(targets.length - most)} more` : "");
+  const targets = requests.map(({ target }) => (target == null || (target.name ?? "") === "" ? msg("no name") : (target.name ?? "")));
+  const shown = targets.slice(0, most).join(", ") + (targets.length > most ? msg(str` and ${String(targets.length - most)} more`) : "");
   return name === undefined || name === "" ? shown : `${name}: ${shown}`;
 }
 

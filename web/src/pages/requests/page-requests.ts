@@ -1,6 +1,7 @@
 /** Requests for a site's nights: the list with its filter, one of them, and the form of a new one. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
@@ -87,14 +88,14 @@ export class PageRequests extends LitElement {
     const isForm = isImport || ["new", "edit", "again"].some((name) => this.asked(name) !== "");
     const known = this.proposals.value;
     return html`${renderPageHead(
-        "Requests",
-        `What is asked of the nights of ${this.sites.store?.siteRow(this.site)?.name ?? this.site}.`,
+        msg("Requests"),
+        msg(str`What is asked of the nights of ${this.sites.store?.siteRow(this.site)?.name ?? this.site}.`),
         html`<div class="actions">
           ${known?.may_request === true && known.observes && !isForm
-            ? html`<t-button kind="primary" @click=${this.openNew}>New request</t-button><t-button @click=${this.openImport}>Import…</t-button>`
+            ? html`<t-button kind="primary" @click=${this.openNew}>${msg("New request")}</t-button><t-button @click=${this.openImport}>${msg("Import…")}</t-button>`
             : nothing}
-          <a href=${sitePath(this.site, "night")}>Night</a>
-          <a href=${sitePath(this.site, "proposals")}>Proposals</a>
+          <a href=${sitePath(this.site, "night")}>${msg("Night")}</a>
+          <a href=${sitePath(this.site, "proposals")}>${msg("Proposals")}</a>
         </div>`,
       )}
       ${isForm ? this.renderForm(isImport) : nothing}
@@ -111,20 +112,20 @@ export class PageRequests extends LitElement {
             @t-again=${this.openAgain}
             @t-close=${this.closeAll}
           ></t-request-detail>`}
-      ${isForm ? nothing : renderLoaded(this.proposals, "the proposals", (proposals) => this.renderList(proposals))}`;
+      ${isForm ? nothing : renderLoaded(this.proposals, msg("the proposals"), (proposals) => this.renderList(proposals))}`;
   }
 
   private renderForm(isImport: boolean): unknown {
     const opened = this.asked("edit") || this.asked("again");
-    return renderLoaded(this.proposals, "the proposals", ({ proposals, abilities, may_request: may }) =>
+    return renderLoaded(this.proposals, msg("the proposals"), ({ proposals, abilities, may_request: may }) =>
       may && proposals.some(({ may_ask: ask }) => ask)
         ? isImport
           ? html`<t-request-import .site=${this.site} .proposals=${proposals} .zone=${this.zone} @t-imported=${this.onImported} @t-cancel=${this.closeAll}></t-request-import>`
           : renderLoaded(
               this.edited,
-              "this request",
+              msg("this request"),
               // While it loads, what was open before is still there.
-              (group) => opened !== "" && group?.requests.some(({ id }) => id === opened) !== true ? html`<t-loading what="Loading this request"></t-loading>` : html`<t-request-form
+              (group) => opened !== "" && group?.requests.some(({ id }) => id === opened) !== true ? html`<t-loading what=${msg("Loading this request")}></t-loading>` : html`<t-request-form
                 .site=${this.site}
                 .proposals=${proposals}
                 .abilities=${abilities}
@@ -136,27 +137,27 @@ export class PageRequests extends LitElement {
                 @t-cancel=${this.closeAll}
               ></t-request-form>`,
             )
-        : html`<t-empty heading="You may not ask for observations here" icon="lock">
-            <p>It takes the right “request” at this site and to be a member of a proposal. An admin of the site can give you both.</p>
+        : html`<t-empty heading=${msg("You may not ask for observations here")} icon="lock">
+            <p>${msg("It takes the right “request” at this site and to be a member of a proposal. An admin of the site can give you both.")}</p>
           </t-empty>`,
     );
   }
 
   private renderList({ proposals, observes }: ProposalList): TemplateResult {
     const filter = this.filter();
-    return html`<section class="sheet" aria-label="Filter">
+    return html`<section class="sheet" aria-label=${msg("Filter")}>
         <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
-          <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
-          <t-field label="Proposal"><select name="proposal">${renderOptions([["", "All"], ...proposals.map(({ id, title }) => [id, title === "" ? id : title] as const)], filter.proposal)}</select></t-field>
-          <t-field label="State"><select name="state">${renderOptions([["", "All"], ...STATES.map((state) => [state, REQUEST_WORDS[state].word] as const)], filter.state)}</select></t-field>
-          <label class="tick"><input name="mine" type="checkbox" .checked=${filter.mine} /> Mine</label>
-          <label class="tick"><input name="waiting" type="checkbox" .checked=${filter.waiting} /> To be approved</label>
-          <t-button kind="quiet" ?disabled=${writeRequestsFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+          <t-field label=${msg("Search")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
+          <t-field label=${msg("Proposal")}><select name="proposal">${renderOptions([["", msg("All")], ...proposals.map(({ id, title }) => [id, title === "" ? id : title] as const)], filter.proposal)}</select></t-field>
+          <t-field label=${msg("State")}><select name="state">${renderOptions([["", msg("All")], ...STATES.map((state) => [state, REQUEST_WORDS[state].word] as const)], filter.state)}</select></t-field>
+          <label class="tick"><input name="mine" type="checkbox" .checked=${filter.mine} /> ${msg("Mine")}</label>
+          <label class="tick"><input name="waiting" type="checkbox" .checked=${filter.waiting} /> ${msg("To be approved")}</label>
+          <t-button kind="quiet" ?disabled=${writeRequestsFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
         </form>
       </section>
       ${renderInfiniteList(this.list, {
-        label: "Requests",
-        what: "the requests",
+        label: msg("Requests"),
+        what: msg("the requests"),
         row: (row) => this.renderRow(row),
         nothing: () => this.renderEmpty(filter, observes),
       })}`;
@@ -164,10 +165,10 @@ export class PageRequests extends LitElement {
 
   private renderEmpty(filter: RequestsFilter, observes: boolean): TemplateResult {
     if (writeRequestsFilter(filter) !== "") {
-      return html`<t-empty heading="No matches" icon="logbook"><p>No request is like this.</p><t-button @click=${this.form.clearFilter}>Show everything</t-button></t-empty>`;
+      return html`<t-empty heading=${msg("No matches")} icon="logbook"><p>${msg("No request is like this.")}</p><t-button @click=${this.form.clearFilter}>${msg("Show everything")}</t-button></t-empty>`;
     }
-    return html`<t-empty heading="No requests" icon="logbook">
-      <p>${observes ? "Nobody has asked for anything that is open to you." : "This site does not observe by itself: its description has no section night."}</p>
+    return html`<t-empty heading=${msg("No requests")} icon="logbook">
+      <p>${observes ? msg("Nobody has asked for anything that is open to you.") : msg("This site does not observe by itself: its description has no section night.")}</p>
     </t-empty>`;
   }
 
@@ -175,12 +176,12 @@ export class PageRequests extends LitElement {
     const { word, kind } = REQUEST_WORDS[row.state];
     return html`<li>
       <div>
-        <a class="name" href=${this.pathOf({ request: row.id })}>${row.target === "" ? row.group_name || "no target" : row.target}</a>
+        <a class="name" href=${this.pathOf({ request: row.id })}>${row.target === "" ? row.group_name || msg("no target") : row.target}</a>
         <div class="facts">
-          <t-status kind=${kind} word=${row.waits ? "waits to be approved" : word}></t-status>
+          <t-status kind=${kind} word=${row.waits ? msg("waits to be approved") : word}></t-status>
           <span>${row.proposal}</span><span>${row.requester}</span>${row.urgency === "NORMAL" ? nothing : html`<span class="chip">${URGENCY_WORDS[row.urgency]}</span>`}
-          <span>charged ${formatDuration(row.charge_s)}</span>
-          <span>window to <t-time short .us=${row.end_us} .zone=${this.zone}></t-time></span>
+          <span>${msg(str`charged ${formatDuration(row.charge_s)}`)}</span>
+          <span>${msg(html`window to <t-time short .us=${row.end_us} .zone=${this.zone}></t-time>`)}</span>
         </div>
         ${row.why_not === null ? nothing : html`<div>${row.why_not.message}</div>`}
       </div>

@@ -1,6 +1,7 @@
 /** One request: how it stands, why not now, what of it is done, its log, and what may be done with its group. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -30,11 +31,11 @@ import "./request-pictures.js";
 import "./visibility-chart.js";
 
 const STEPS: Readonly<Record<GroupStep, { readonly button: string; readonly heading: string; readonly action: string; readonly text: string; readonly kind: "primary" | "danger" }>> = {
-  submit: { button: "Submit…", heading: "Submit this request?", action: "Submit", text: "It is charged to its proposal as long as it waits, and observed as soon as the planner finds its place.", kind: "primary" },
-  approve: { button: "Approve…", heading: "Approve this request?", action: "Approve", text: "From then on it may be observed.", kind: "primary" },
-  withdraw: { button: "Take back…", heading: "Take this request back?", action: "Take back", text: "It becomes a draft, which may be changed and submitted anew. Frames that were taken are kept.", kind: "primary" },
-  retry: { button: "Try again…", heading: "Let it be tried again?", action: "Try again", text: "It failed too often and was put aside. Look first at why.", kind: "primary" },
-  cancel: { button: "Cancel the request…", heading: "Cancel this request?", action: "Cancel the request", text: "What of it is not yet observed never will be. It cannot be taken back.", kind: "danger" },
+  submit: { button: msg("Submit…"), heading: msg("Submit this request?"), action: msg("Submit"), text: msg("It is charged to its proposal as long as it waits, and observed as soon as the planner finds its place."), kind: "primary" },
+  approve: { button: msg("Approve…"), heading: msg("Approve this request?"), action: msg("Approve"), text: msg("From then on it may be observed."), kind: "primary" },
+  withdraw: { button: msg("Take back…"), heading: msg("Take this request back?"), action: msg("Take back"), text: msg("It becomes a draft, which may be changed and submitted anew. Frames that were taken are kept."), kind: "primary" },
+  retry: { button: msg("Try again…"), heading: msg("Let it be tried again?"), action: msg("Try again"), text: msg("It failed too often and was put aside. Look first at why."), kind: "primary" },
+  cancel: { button: msg("Cancel the request…"), heading: msg("Cancel this request?"), action: msg("Cancel the request"), text: msg("What of it is not yet observed never will be. It cannot be taken back."), kind: "danger" },
 };
 const ORDER: readonly GroupStep[] = ["submit", "approve", "withdraw", "retry", "cancel"];
 
@@ -96,9 +97,9 @@ export class RequestDetailView extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<section class="sheet" aria-label="Request">
-      ${renderLoaded(this.loaded, "this request", (detail) => this.renderDetail(detail))}
-      <div class="actions"><t-button kind="quiet" @click=${this.onClose}>Back to the list</t-button></div>
+    return html`<section class="sheet" aria-label=${msg("Request")}>
+      ${renderLoaded(this.loaded, msg("this request"), (detail) => this.renderDetail(detail))}
+      <div class="actions"><t-button kind="quiet" @click=${this.onClose}>${msg("Back to the list")}</t-button></div>
     </section>`;
   }
 
@@ -108,19 +109,19 @@ export class RequestDetailView extends LitElement {
         <div>
           <h2>${targetText(request.target)}</h2>
           <div class="facts">
-            <t-status kind=${kind} word=${group.waits ? "waits to be approved" : word}></t-status>
-            <span>${group.proposal}</span><span>asked by ${group.requester}</span><span>${group.name}</span>
+            <t-status kind=${kind} word=${group.waits ? msg("waits to be approved") : word}></t-status>
+            <span>${group.proposal}</span><span>${msg(str`asked by ${group.requester}`)}</span><span>${group.name}</span>
           </div>
-          ${why === null || request.state !== "PENDING" ? nothing : html`<p><strong>Why not now:</strong> ${why.message}</p>`}
+          ${why === null || request.state !== "PENDING" ? nothing : html`<p><strong>${msg("Why not now:")}</strong> ${why.message}</p>`}
         </div>
         ${this.renderActions(group)}
       </div>
       ${this.renderFacts(request, group)} ${this.renderFrames(request)}
-      <h3>When it may be observed</h3>
+      <h3>${msg("When it may be observed")}</h3>
       <t-visibility-chart .target=${request.target} .constraints=${request.constraints} .windows=${request.windows} .place=${this.place} .zone=${this.zone}></t-visibility-chart>
-      <h3>Tries</h3>
+      <h3>${msg("Tries")}</h3>
       ${observations.length === 0
-        ? html`<p class="muted">It has not been tried yet.</p>`
+        ? html`<p class="muted">${msg("It has not been tried yet.")}</p>`
         : html`<ul class="rows">
             ${map(observations, (attempt) => {
               const words = OBSERVATION_WORDS[attempt.state];
@@ -128,16 +129,16 @@ export class RequestDetailView extends LitElement {
                 <div>
                   <div class="facts"><t-time .us=${attempt.began_us} .zone=${this.zone}></t-time><t-status kind=${words.kind} word=${words.word}></t-status></div>
                   <div>${attempt.why}</div>
-                  <div class="facts"><span>charged ${formatDuration(attempt.charge_s)}</span><span>${attempt.frames_done.reduce((sum, many) => sum + many, 0)} frames done</span></div>
+                  <div class="facts"><span>${msg(str`charged ${formatDuration(attempt.charge_s)}`)}</span><span>${msg(str`${attempt.frames_done.reduce((sum, many) => sum + many, 0)} frames done`)}</span></div>
                 </div>
               </li>`;
             })}
           </ul>`}
       ${observations.length === 0
         ? nothing
-        : html`<h3>Pictures</h3>
+        : html`<h3>${msg("Pictures")}</h3>
             <t-request-pictures .site=${this.site} .request=${this.request} .zone=${this.zone} .taken=${request.frames_done.reduce((sum, many) => sum + many, 0)}></t-request-pictures>`}
-      <h3>Log</h3>
+      <h3>${msg("Log")}</h3>
       <ol class="rows">
         ${map(
           log,
@@ -149,7 +150,7 @@ export class RequestDetailView extends LitElement {
           </li>`,
         )}
       </ol>
-      ${renderQuestion(this.question, (step) => ({ ...STEPS[step], text: `${STEPS[step].text}${group.requests.length > 1 ? ` This is about all ${String(group.requests.length)} requests of the group.` : ""}` }))}`;
+      ${renderQuestion(this.question, (step) => ({ ...STEPS[step], text: group.requests.length > 1 ? msg(str`${STEPS[step].text} This is about all ${String(group.requests.length)} requests of the group.`) : STEPS[step].text }))}`;
   }
 
   private renderActions(group: GroupShape): TemplateResult {
@@ -160,8 +161,8 @@ export class RequestDetailView extends LitElement {
       this.dispatchEvent(new CustomEvent("t-again", { detail: group.id }));
     };
     return html`<div class="actions">
-      ${group.may.includes("edit") ? html`<t-button @click=${onEdit}>Change…</t-button>` : nothing}
-      ${this.mayAsk ? html`<t-button @click=${onAgain}>Ask again like this…</t-button>` : nothing}
+      ${group.may.includes("edit") ? html`<t-button @click=${onEdit}>${msg("Change…")}</t-button>` : nothing}
+      ${this.mayAsk ? html`<t-button @click=${onAgain}>${msg("Ask again like this…")}</t-button>` : nothing}
       ${map(
         ORDER.filter((step) => group.may.includes(step)),
         (step) => html`<t-button kind=${step === "submit" || step === "approve" ? "primary" : "plain"} @click=${this.question.opener(step)}>${STEPS[step].button}</t-button>`,
@@ -171,15 +172,15 @@ export class RequestDetailView extends LitElement {
 
   private renderFacts({ target, charge_s: charge, windows, constraints }: RequestShape, group: GroupShape): TemplateResult {
     return html`<dl>
-      <dt>Charged</dt>
-      <dd>about ${formatDuration(charge)} of its proposal's time</dd>
-      <dt>Urgency</dt>
-      <dd>${URGENCY_WORDS[group.urgency]}, priority ${group.priority}</dd>
+      <dt>${msg("Charged")}</dt>
+      <dd>${msg(str`about ${formatDuration(charge)} of its proposal's time`)}</dd>
+      <dt>${msg("Urgency")}</dt>
+      <dd>${msg(str`${URGENCY_WORDS[group.urgency]}, priority ${group.priority}`)}</dd>
       ${target?.type === "ICRS" ? html`<dt>J2000</dt><dd>${formatRa(target.ra / 15)} ${formatDec(target.dec)}${motionText(target)}</dd>` : nothing}
-      ${target?.type === "ICRS" && target.position_angle != null ? html`<dt>Position angle</dt><dd>${angleText(target.position_angle)}°, of the top from north through east</dd>` : nothing}
-      <dt>${windows.length === 1 ? "Window" : "Windows"}</dt>
-      <dd>${map(windows, ({ start_us: start, end_us: end }) => html`<div><t-time .us=${start} .zone=${this.zone}></t-time> to <t-time .us=${end} .zone=${this.zone}></t-time></div>`)}</dd>
-      <dt>Must hold</dt>
+      ${target?.type === "ICRS" && target.position_angle != null ? html`<dt>${msg("Position angle")}</dt><dd>${msg(str`${angleText(target.position_angle)}°, of the top from north through east`)}</dd>` : nothing}
+      <dt>${windows.length === 1 ? msg("Window") : "Windows"}</dt>
+      <dd>${map(windows, ({ start_us: start, end_us: end }) => html`<div>${msg(html`<t-time .us=${start} .zone=${this.zone}></t-time> to <t-time .us=${end} .zone=${this.zone}></t-time>`)}</div>`)}</dd>
+      <dt>${msg("Must hold")}</dt>
       <dd>${constraintsText(constraints)}</dd>
     </dl>`;
   }
@@ -188,17 +189,17 @@ export class RequestDetailView extends LitElement {
     const rows = configurations.map((row, i) => ({ ...row, id: String(i), done: done[i] ?? 0 }));
     return html`<div class="frames">
       ${renderTable({
-        label: "Frames",
+        label: msg("Frames"),
         rows,
         key: ({ id }) => id,
         columns: [
-          { title: "Kind", heads: true, cell: ({ type = "LIGHT" }) => type.toLowerCase().replace("_", " ") },
-          { title: "Filter", titled: true, cell: ({ filter = "" }) => (filter === "" ? "any" : filter) },
-          { title: "Exposure", titled: true, cell: ({ exposure }) => `${String(exposure)} s` },
-          { title: "Binning", titled: true, cell: ({ binning = 1 }) => `${String(binning)} × ${String(binning)}` },
-          { title: "Gain", titled: true, cell: ({ gain }) => (gain == null ? "as it is" : String(gain)) },
-          { title: "Guiding", titled: true, cell: ({ guiding = "OFF" }) => guiding.toLowerCase() },
-          { title: "Done", titled: true, cell: ({ done: many, count = 1 }) => `${String(many)} of ${String(count)}` },
+          { title: msg("Kind"), heads: true, cell: ({ type = "LIGHT" }) => type.toLowerCase().replace("_", " ") },
+          { title: msg("Filter"), titled: true, cell: ({ filter = "" }) => (filter === "" ? msg("any") : filter) },
+          { title: msg("Exposure"), titled: true, cell: ({ exposure }) => `${String(exposure)} s` },
+          { title: msg("Binning"), titled: true, cell: ({ binning = 1 }) => `${String(binning)} × ${String(binning)}` },
+          { title: msg("Gain"), titled: true, cell: ({ gain }) => (gain == null ? msg("as it is") : String(gain)) },
+          { title: msg("Guiding"), titled: true, cell: ({ guiding = "OFF" }) => guiding.toLowerCase() },
+          { title: msg("Done"), titled: true, cell: ({ done: many, count = 1 }) => msg(str`${String(many)} of ${String(count)}`) },
         ],
       })}
     </div>`;

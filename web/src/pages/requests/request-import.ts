@@ -1,6 +1,7 @@
 /** Requests from another program's file: read by the hub, shown with what it could not read, then kept as drafts. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -105,20 +106,20 @@ export class RequestImport extends LitElement {
     const errors = this.standInProblems(standIn);
     const isHalf = this.kept > 0;
     return html`<section class="sheet" aria-labelledby="heading">
-      <h2 id="heading">Import requests</h2>
-      <p class="muted">Of a table, of Las Cumbres’ portal, of N.I.N.A. or of Ekos. What is read is shown first; it becomes drafts, which you submit one by one.</p>
+      <h2 id="heading">${msg("Import requests")}</h2>
+      <p class="muted">${msg("Of a table, of Las Cumbres’ portal, of N.I.N.A. or of Ekos. What is read is shown first; it becomes drafts, which you submit one by one.")}</p>
       <form class="entry" novalidate @submit=${this.onSubmit} @change=${this.onChange}>
-        <t-field label="File" .error=${this.fileProblem}><input name="file" type="file" accept=".csv,.tsv,.txt,.json,.esl,.xml" ?disabled=${isHalf} /></t-field>
-        <t-field label="Whose file it is" hint="Guessed when a file is chosen"><select name="kind" ?disabled=${isHalf}>${renderOptions(FILE_KINDS.map((kind) => [kind, FILE_KIND_WORDS[kind]] as const), standIn.kind)}</select></t-field>
-        <t-field label="Proposal" .error=${this.file === null ? "" : errors.proposal}>
+        <t-field label=${msg("File")} .error=${this.fileProblem}><input name="file" type="file" accept=".csv,.tsv,.txt,.json,.esl,.xml" ?disabled=${isHalf} /></t-field>
+        <t-field label=${msg("Whose file it is")} hint=${msg("Guessed when a file is chosen")}><select name="kind" ?disabled=${isHalf}>${renderOptions(FILE_KINDS.map((kind) => [kind, FILE_KIND_WORDS[kind]] as const), standIn.kind)}</select></t-field>
+        <t-field label=${msg("Proposal")} .error=${this.file === null ? "" : errors.proposal}>
           <select name="proposal" ?disabled=${isHalf}>${renderOptions([["", "choose"], ...own.map(({ id, title }) => [id, title === "" ? id : `${id}: ${title}`] as const)], standIn.proposal)}</select>
         </t-field>
-        <h3 class="wide">Where the file says nothing</h3>
-        <t-field label=${`From (${zone})`} .error=${errors.start}><input name="start" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" ?disabled=${isHalf} .value=${settled(standIn.start)} /></t-field>
-        <t-field label=${`To (${zone})`} .error=${errors.end}><input name="end" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" ?disabled=${isHalf} .value=${settled(standIn.end)} /></t-field>
-        <t-field label="Exposure (s)" .error=${errors.exposure}><input name="exposure" inputmode="decimal" autocomplete="off" ?disabled=${isHalf} .value=${settled(standIn.exposure)} /></t-field>
-        <t-field label="Frames" .error=${errors.count}><input name="count" inputmode="numeric" autocomplete="off" ?disabled=${isHalf} .value=${settled(standIn.count)} /></t-field>
-        ${this.file === null ? nothing : html`<div class="wide answer">${renderLoaded(this.reading, "what the file asks", (answer) => (answer === null ? nothing : this.renderAnswer(answer)))}</div>`}
+        <h3 class="wide">${msg("Where the file says nothing")}</h3>
+        <t-field label=${msg(str`From (${zone})`)} .error=${errors.start}><input name="start" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" ?disabled=${isHalf} .value=${settled(standIn.start)} /></t-field>
+        <t-field label=${msg(str`To (${zone})`)} .error=${errors.end}><input name="end" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" ?disabled=${isHalf} .value=${settled(standIn.end)} /></t-field>
+        <t-field label=${msg("Exposure (s)")} .error=${errors.exposure}><input name="exposure" inputmode="decimal" autocomplete="off" ?disabled=${isHalf} .value=${settled(standIn.exposure)} /></t-field>
+        <t-field label=${msg("Frames")} .error=${errors.count}><input name="count" inputmode="numeric" autocomplete="off" ?disabled=${isHalf} .value=${settled(standIn.count)} /></t-field>
+        ${this.file === null ? nothing : html`<div class="wide answer">${renderLoaded(this.reading, msg("what the file asks"), (answer) => (answer === null ? nothing : this.renderAnswer(answer)))}</div>`}
         ${renderAdvice(this.action.problem)} ${this.renderActions()}
       </form>
     </section>`;
@@ -128,9 +129,9 @@ export class RequestImport extends LitElement {
     const groups = this.readyGroups();
     const left = groups.length - this.kept;
     return html`<div class="actions">
-      <t-button type="submit" kind="primary" ?disabled=${left === 0} ?busy=${this.action.busy}>${left === 0 ? "Keep as drafts" : `Keep as ${counted(left, "draft")}`}</t-button>
-      <t-button @click=${this.onCancel}>${this.kept > 0 ? "Close" : "Cancel"}</t-button>
-      ${this.kept > 0 ? html`<span role="status">${this.kept} of ${groups.length} are kept.</span>` : nothing}
+      <t-button type="submit" kind="primary" ?disabled=${left === 0} ?busy=${this.action.busy}>${left === 0 ? msg("Keep as drafts") : msg(str`Keep as ${counted(left, "draft")}`)}</t-button>
+      <t-button @click=${this.onCancel}>${this.kept > 0 ? msg("Close") : msg("Cancel")}</t-button>
+      ${this.kept > 0 ? html`<span role="status">${msg(str`${this.kept} of ${groups.length} are kept.`)}</span>` : nothing}
     </div>`;
   }
 
@@ -139,14 +140,14 @@ export class RequestImport extends LitElement {
     return html`<p role="status"><strong>${readText(answer)}</strong></p>
       ${problems.length === 0
         ? nothing
-        : html`<h3 id="wrong">What could not be read</h3>
+        : html`<h3 id="wrong">${msg("What could not be read")}</h3>
             <div class="scroll" role="region" aria-labelledby="wrong" tabindex="0">
               <ul class="problems">${map(problems.slice(0, MOST_ROWS), ({ where, message }) => html`<li><code>${where}</code>: ${message}</li>`)}</ul>
               ${restText(problems.length)}
             </div>`}
       ${groups.length === 0
         ? nothing
-        : html`<h3 id="read">What was read</h3>
+        : html`<h3 id="read">${msg("What was read")}</h3>
             <div class="scroll" role="region" aria-labelledby="read" tabindex="0">
               <ul class="rows">${map(groups.slice(0, MOST_ROWS), (group) => renderGroup(group))}</ul>
               ${restText(groups.length)}
@@ -164,11 +165,11 @@ export class RequestImport extends LitElement {
     const [startUs, endUs] = [start, end].map((text) => clockOf(this.zone).fromInput(text)) as [number, number];
     const [seconds, frames] = [Number(exposure.replace(",", ".")), Number(count)];
     return {
-      proposal: proposal === "" ? "Choose the proposal that pays for it." : "",
-      start: startUs > 0 ? "" : "Write a date and a time.",
-      end: !(endUs > 0) ? "Write a date and a time." : endUs <= startUs ? "The window ends before it begins." : "",
-      exposure: exposure.trim() !== "" && seconds >= 0 && seconds <= 86_400 ? "" : "Expected 0 to 86400.",
-      count: Number.isInteger(frames) && frames >= 1 && frames <= 10_000 ? "" : "Expected a whole number, 1 to 10000.",
+      proposal: proposal === "" ? msg("Choose the proposal that pays for it.") : "",
+      start: startUs > 0 ? "" : msg("Write a date and a time."),
+      end: !(endUs > 0) ? msg("Write a date and a time.") : endUs <= startUs ? msg("The window ends before it begins.") : "",
+      exposure: exposure.trim() !== "" && seconds >= 0 && seconds <= 86_400 ? "" : msg("Expected 0 to 86400."),
+      count: Number.isInteger(frames) && frames >= 1 && frames <= 10_000 ? "" : msg("Expected a whole number, 1 to 10000."),
     };
   }
 
@@ -205,14 +206,14 @@ export class RequestImport extends LitElement {
     if (chosen === undefined) return;
     try {
       const text = await chosen.text();
-      if (text.length > MOST_CHARACTERS) this.fileProblem = `It has ${String(Math.ceil(text.length / 1000))} thousand characters; at most ${String(MOST_CHARACTERS / 1000)} are read at once. Split it.`;
-      else if (text.includes("\0")) this.fileProblem = "This is no text: choose the file that the program exports.";
+      if (text.length > MOST_CHARACTERS) this.fileProblem = msg(str`It has ${String(Math.ceil(text.length / 1000))} thousand characters; at most ${String(MOST_CHARACTERS / 1000)} are read at once. Split it.`);
+      else if (text.includes("\0")) this.fileProblem = msg("This is no text: choose the file that the program exports.");
       else {
         this.file = { name: chosen.name, text, number: performance.now() };
         if (this.standIn !== null) this.standIn = { ...this.standIn, kind: guessKind(chosen.name, text) };
       }
     } catch {
-      this.fileProblem = "The browser could not read this file: choose it again.";
+      this.fileProblem = msg("The browser could not read this file: choose it again.");
     }
   }
 
@@ -226,7 +227,7 @@ export class RequestImport extends LitElement {
     const groups = this.readyGroups();
     if (groups.length === this.kept) return;
     const api = new ObservingApi(this.api, this.site);
-    const isDone = await this.action.run("keep all drafts", async () => {
+    const isDone = await this.action.run(msg("keep all drafts"), async () => {
       for (const group of groups.slice(this.kept)) {
         await api.addGroup({ ...group, draft: true });
         this.kept += 1;
@@ -244,13 +245,13 @@ function renderGroup(group: GroupAsk): TemplateResult {
   return html`<li>
     <div>
       <span class="name">${groupTitle(group)}</span>
-      <div class="facts"><span>${counted(group.requests.length, "request")}</span><span>open shutter ${formatDuration(shutterOf(group))}</span></div>
+      <div class="facts"><span>${counted(group.requests.length, "request")}</span><span>${msg(str`open shutter ${formatDuration(shutterOf(group))}`)}</span></div>
     </div>
   </li>`;
 }
 
 function restText(length: number): TemplateResult | typeof nothing {
-  return length > MOST_ROWS ? html`<p class="muted">And ${length - MOST_ROWS} more.</p>` : nothing;
+  return length > MOST_ROWS ? html`<p class="muted">${msg(str`And ${length - MOST_ROWS} more.`)}</p>` : nothing;
 }
 
 declare global {

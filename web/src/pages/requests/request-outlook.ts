@@ -1,6 +1,7 @@
 /** What would become of a request that is being typed: its charge, what is left, what forbids it, when it can be seen. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -86,13 +87,13 @@ export class RequestOutlook extends LitElement {
 
   override render(): TemplateResult {
     const { result, value } = this.answer;
-    if (this.typed === "") return html`<p class="muted">What it is charged is shown once everything that it needs is written.</p>`;
+    if (this.typed === "") return html`<p class="muted">${msg("What it is charged is shown once everything that it needs is written.")}</p>`;
     const isNow = this.question === this.typed && result.state !== "loading" && result.state !== "idle";
-    if (isNow && result.state === "failed") return html`<div>${renderAdvice(adviceFor(result.error, "what this request would be charged"), this.answer.invalidate)}</div>`;
-    if (value === undefined || value === null) return html`<p class="muted">Asking the hub what it is charged …</p>`;
+    if (isNow && result.state === "failed") return html`<div>${renderAdvice(adviceFor(result.error, msg("what this request would be charged")), this.answer.invalidate)}</div>`;
+    if (value === undefined || value === null) return html`<p class="muted">${msg("Asking the hub what it is charged …")}</p>`;
     return html`<div role="status" aria-busy=${isNow ? "false" : "true"}>
-        <p>${chargeText(value)}${isNow ? nothing : html` <span class="muted">(before the last change)</span>`}</p>
-        ${value.problems.length === 0 ? nothing : html`<p>It cannot be submitted like this:</p><ul>${map(value.problems, (problem) => html`<li>${problem}</li>`)}</ul>`}
+        <p>${chargeText(value)}${isNow ? nothing : html` <span class="muted">${msg("(before the last change)")}</span>`}</p>
+        ${value.problems.length === 0 ? nothing : html`<p>${msg("It cannot be submitted like this:")}</p><ul>${map(value.problems, (problem) => html`<li>${problem}</li>`)}</ul>`}
         ${this.renderOutlooks(value)}
       </div>
       ${this.curve && isNow ? this.renderCurve(value.requests[this.at]) : nothing}`;
@@ -103,13 +104,13 @@ export class RequestOutlook extends LitElement {
     const { requests, forecast_us: made } = value;
     const aside =
       made === null
-        ? html`<p class="muted">How likely it is observed is shown once the week is worked out.</p>`
-        : html`<p class="muted">Beside what waits already, as worked out ${formatDuration(Math.max(0, Date.now() / 1000 - made / 1e6))} ago, with a roof that is open as often as usual.</p>`;
-    if (names.length < 2) return html`${map(requests, (outlook) => html`<p>With a clear sky: ${outlook.message}.</p><p>${chanceText(outlook, value)}</p>`)} ${aside}`;
+        ? html`<p class="muted">${msg("How likely it is observed is shown once the week is worked out.")}</p>`
+        : html`<p class="muted">${msg(str`Beside what waits already, as worked out ${formatDuration(Math.max(0, Date.now() / 1000 - made / 1e6))} ago, with a roof that is open as often as usual.`)}</p>`;
+    if (names.length < 2) return html`${map(requests, (outlook) => html`<p>${msg(str`With a clear sky: ${outlook.message}.`)}</p><p>${chanceText(outlook, value)}</p>`)} ${aside}`;
     const more = names.length - requests.length;
-    return html`<p>With a clear sky:</p>
+    return html`<p>${msg("With a clear sky:")}</p>
       <ol>${map(requests, (outlook, i) => html`<li>${names[i]}: ${outlook.message}. ${chanceText(outlook, value)}</li>`)}</ol>
-      ${more > 0 ? html`<p class="muted">Of the first ${requests.length} requests; the other ${more} are not looked at.</p>` : nothing} ${aside}`;
+      ${more > 0 ? html`<p class="muted">${msg(str`Of the first ${requests.length} requests; the other ${more} are not looked at.`)}</p>` : nothing} ${aside}`;
   }
 
   private renderCurve({ curve = null, message = "" }: Partial<RequestOutlookShape> = {}): TemplateResult | typeof nothing {
@@ -122,15 +123,15 @@ export class RequestOutlook extends LitElement {
 /** How likely it is observed, tonight and in all nights that are forecast. */
 function chanceText({ tonight, week, possible }: RequestOutlookShape, { forecast_us: made, forecast_nights: nights }: ValidationShape): string {
   if (made === null) return "";
-  if (tonight === null || week === null) return "It is taken when the roof is closed or in a twilight: no plan says when.";
-  if (possible === 0) return "Chance: none.";
-  const more = nights > 1 ? `, ${formatChance(week)} within ${String(nights)} nights` : "";
-  return `Chance: ${formatChance(tonight)} tonight${more}.`;
+  if (tonight === null || week === null) return msg("It is taken when the roof is closed or in a twilight: no plan says when.");
+  if (possible === 0) return msg("Chance: none.");
+  const more = nights > 1 ? msg(str`, ${formatChance(week)} within ${String(nights)} nights`) : "";
+  return msg(str`Chance: ${formatChance(tonight)} tonight${more}.`);
 }
 
 function chargeText({ charge_s: charge, left_s: left, person_left_s: own }: ValidationShape): string {
-  const part = own === null ? "" : `, your part of it ${formatDuration(own)}`;
-  return `Charged about ${formatDuration(charge)} with pointing, readout and filters; the proposal has ${formatDuration(left)} left${part}.`;
+  const part = own === null ? "" : msg(str`, your part of it ${formatDuration(own)}`);
+  return msg(str`Charged about ${formatDuration(charge)} with pointing, readout and filters; the proposal has ${formatDuration(left)} left${part}.`);
 }
 
 declare global {

@@ -1,6 +1,7 @@
 /** The pictures that were taken for a request, small, with how good each is. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -63,10 +64,10 @@ export class RequestPictures extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`${renderLoaded(this.found, "its pictures", ({ frames }) =>
+    return html`${renderLoaded(this.found, msg("its pictures"), ({ frames }) =>
       frames.length === 0
-        ? html`<p class="muted">There are none yet that you may see.</p>`
-        : html`<ul aria-label="Pictures">
+        ? html`<p class="muted">${msg("There are none yet that you may see.")}</p>`
+        : html`<ul aria-label=${msg("Pictures")}>
             ${repeat(
               frames,
               ({ id }) => id,
@@ -77,7 +78,7 @@ export class RequestPictures extends LitElement {
   }
 
   private renderPicture(frame: FrameShape): TemplateResult {
-    const quality = [frame.filter, frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.stars === null ? "" : `${String(frame.stars)} stars`];
+    const quality = [frame.filter, frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.stars === null ? "" : msg(str`${String(frame.stars)} stars`)];
     return html`<li>
       <a href=${`${sitePath(this.site, "archive")}?frame=${frame.id}`}>
         <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", SMALL_PX)} />

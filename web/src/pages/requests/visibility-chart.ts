@@ -1,5 +1,6 @@
 /** When a request may be observed in a night: its height over the twilights, and the same in words. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -76,15 +77,15 @@ export class VisibilityChart extends LitElement {
         .zone=${this.zone}
         .words=${drawn.words}
       ></t-night-curve>
-      <t-field label="Night that begins on" hint=${`${this.zone}; UTC: ${formatDate(evening * 1000, "UTC")}`}>
+      <t-field label=${msg("Night that begins on")} hint=${`${this.zone}; UTC: ${formatDate(evening * 1000, "UTC")}`}>
         <input type="date" .value=${clockOf(this.zone).toInput(evening * 1000).slice(0, 10)} @change=${this.onDay} />
       </t-field>`;
   }
 
   private missingText(): string {
-    if (this.target === null) return "The chart is drawn once there is a target.";
-    if (this.place === null) return "The chart needs the site's position, which is not described or not open to you.";
-    return "This page does not work out where planets stand; the planner does.";
+    if (this.target === null) return msg("The chart is drawn once there is a target.");
+    if (this.place === null) return msg("The chart needs the site's position, which is not described or not open to you.");
+    return msg("This page does not work out where planets stand; the planner does.");
   }
 
   /** Within the night: the evening of the day that was chosen; else now, or when the first window opens. */

@@ -1,6 +1,7 @@
 /** Looks through what cameras saw, day by day: what is new to this person first, one after the other, by keyboard too. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -117,44 +118,44 @@ export class PageReview extends LitElement {
 
   override render(): TemplateResult {
     return html`${renderPageHead(
-        "Review",
-        `What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} saw, day by day.`,
+        msg("Review"),
+        msg(str`What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} saw, day by day.`),
         html`<div class="actions">
-          <a href=${sitePath(this.site, "sightings")}>Sightings</a>
-          <a href=${sitePath(this.site, "cameras")}>Cameras</a>
+          <a href=${sitePath(this.site, "sightings")}>${msg("Sightings")}</a>
+          <a href=${sitePath(this.site, "cameras")}>${msg("Cameras")}</a>
         </div>`,
       )}
-      ${this.renderFilter(this.filter())} ${renderLoaded(this.days, "the days", (days) => this.renderDays(dayCounts(days)))}`;
+      ${this.renderFilter(this.filter())} ${renderLoaded(this.days, msg("the days"), (days) => this.renderDays(dayCounts(days)))}`;
   }
 
   private renderFilter(filter: ReviewFilter): TemplateResult {
     const labels = [...new Set((this.labels.value ?? []).map(({ label }) => label))].sort((a, b) => a.localeCompare(b));
     const any: [string, string] = ["", "all"];
     const plain = (words: readonly string[]): [string, string][] => words.map((word): [string, string] => [word, word]);
-    return html`<section class="sheet" aria-label="Filter">
+    return html`<section class="sheet" aria-label=${msg("Filter")}>
       <form class="filter" @change=${this.onFilter} @submit=${stopSubmit}>
-        <t-field label="Camera"><select name="camera">${renderOptions([any, ...this.cameras()], filter.camera)}</select></t-field>
-        <t-field label="Object"><select name="label">${renderOptions([any, ...plain(labels)], filter.label)}</select></t-field>
-        <t-field label="Zone or line"><select name="zone">${renderOptions([any, ...plain(this.zones(filter.camera))], filter.zone)}</select></t-field>
-        <label class="tick"><input name="all" type="checkbox" .checked=${filter.all} /> Also what I have seen</label>
+        <t-field label=${msg("Camera")}><select name="camera">${renderOptions([any, ...this.cameras()], filter.camera)}</select></t-field>
+        <t-field label=${msg("Object")}><select name="label">${renderOptions([any, ...plain(labels)], filter.label)}</select></t-field>
+        <t-field label=${msg("Zone or line")}><select name="zone">${renderOptions([any, ...plain(this.zones(filter.camera))], filter.zone)}</select></t-field>
+        <label class="tick"><input name="all" type="checkbox" .checked=${filter.all} /> ${msg("Also what I have seen")}</label>
       </form>
     </section>`;
   }
 
   private renderDays(days: readonly DayCount[]): TemplateResult {
     if (days.length === 0) {
-      return html`<t-empty heading="Nothing seen yet" icon="camera">
-        <p>What comes into sight of a camera with object detection is listed here by day.</p>
+      return html`<t-empty heading=${msg("Nothing seen yet")} icon="camera">
+        <p>${msg("What comes into sight of a camera with object detection is listed here by day.")}</p>
       </t-empty>`;
     }
     const day = this.day();
-    return html`<nav class="days" aria-label="Days">
+    return html`<nav class="days" aria-label=${msg("Days")}>
         ${map(days, (other) => {
           const path = withQuery(sitePath(this.site, "review"), writeReviewFilter({ ...this.filter(), day: other.day, sighting: "", until: "" }));
           const { count, unseen } = other;
           return html`<a href=${path} aria-current=${other.day === day ? "date" : "false"}>
             <span>${other.day}</span>
-            <span class="many">${unseen > 0 ? `${String(unseen)} new of ${String(count)}` : `all ${String(count)} seen`}</span>
+            <span class="many">${unseen > 0 ? msg(str`${String(unseen)} new of ${String(count)}`) : msg(str`all ${String(count)} seen`)}</span>
           </a>`;
         })}
       </nav>
@@ -163,24 +164,24 @@ export class PageReview extends LitElement {
 
   private renderDay(): TemplateResult {
     const { rows } = this.list;
-    const failure = this.list.renderFailure === null ? null : adviceFor(this.list.renderFailure, "the sightings");
+    const failure = this.list.renderFailure === null ? null : adviceFor(this.list.renderFailure, msg("the sightings"));
     if (rows.length === 0) {
       if (failure !== null) return renderAdvice(failure, this.list.retry);
-      if (this.list.loading || !this.list.hasStarted || this.list.hasMore) return html`<t-loading what="Loading the sightings"></t-loading><p class="end"></p>`;
-      return html`<t-empty heading=${this.filter().all ? "No matches" : "You have seen everything"} icon="camera">
-        <p>${this.filter().all ? "No camera saw anything like this on that day." : "Nothing of that day is new to you."}</p>
-        ${this.filter().all ? nothing : html`<t-button @click=${this.showAll}>Show what I have seen</t-button>`}
+      if (this.list.loading || !this.list.hasStarted || this.list.hasMore) return html`<t-loading what=${msg("Loading the sightings")}></t-loading><p class="end"></p>`;
+      return html`<t-empty heading=${this.filter().all ? msg("No matches") : msg("You have seen everything")} icon="camera">
+        <p>${this.filter().all ? msg("No camera saw anything like this on that day.") : msg("Nothing of that day is new to you.")}</p>
+        ${this.filter().all ? nothing : html`<t-button @click=${this.showAll}>${msg("Show what I have seen")}</t-button>`}
       </t-empty>`;
     }
     return html`<div class="desk">
-      <section class="stage" aria-label="Shown now">${this.renderShown()}</section>
-      <section aria-label="Sightings of the day">
+      <section class="stage" aria-label=${msg("Shown now")}>${this.renderShown()}</section>
+      <section aria-label=${msg("Sightings of the day")}>
         <ol class="strip">
           ${repeat(rows, ({ id }) => id, (row) => this.renderThumb(row))}
         </ol>
         ${renderAdvice(failure, this.list.retry)}
-        ${this.list.loading ? html`<t-loading what="Loading the sightings"></t-loading>` : nothing}
-        <p class="end">${this.list.hasMore ? "" : "This is where the day begins."}</p>
+        ${this.list.loading ? html`<t-loading what=${msg("Loading the sightings")}></t-loading>` : nothing}
+        <p class="end">${this.list.hasMore ? "" : msg("This is where the day begins.")}</p>
       </section>
     </div>`;
   }
@@ -197,21 +198,21 @@ export class PageReview extends LitElement {
         .film=${found?.film ?? null}
         .from=${found?.from ?? 0}
         .picture=${picture}
-        .what=${`${shown.label} on ${camera}`}
+        .what=${msg(str`${shown.label} on ${camera}`)}
       ></t-sighting-clip>
       <div class="actions">
-        <t-button @click=${this.onPrevious} title="K">Previous</t-button>
-        <t-button @click=${this.onNext} title="J">Next</t-button>
-        <t-button kind="primary" ?busy=${this.marking.busy} @click=${this.onSeen} title="S">${seen ? "Not seen" : "Seen, next"}</t-button>
-        <t-button kind="quiet" @click=${this.markAll}>All of these seen</t-button>
+        <t-button @click=${this.onPrevious} title="K">${msg("Previous")}</t-button>
+        <t-button @click=${this.onNext} title="J">${msg("Next")}</t-button>
+        <t-button kind="primary" ?busy=${this.marking.busy} @click=${this.onSeen} title="S">${seen ? msg("Not seen") : msg("Seen, next")}</t-button>
+        <t-button kind="quiet" @click=${this.markAll}>${msg("All of these seen")}</t-button>
       </div>
       ${renderAdvice(this.marking.problem)}
       <t-sighting .sighting=${shown} .camera=${camera} .picture=${picture} .zone=${this.clock().zone}>
         <div class="ways">
-          <a href=${`${sitePath(this.site, "history")}?${historyQuery(shown, this.detail.value)}`}>Chart</a>
+          <a href=${`${sitePath(this.site, "history")}?${historyQuery(shown, this.detail.value)}`}>${msg("Chart")}</a>
         </div>
       </t-sighting>
-      <p class="keys"><kbd>J</kbd> next, <kbd>K</kbd> previous, <kbd>Space</kbd> play, <kbd>S</kbd> seen</p>`;
+      <p class="keys">${msg(html`<kbd>J</kbd> next, <kbd>K</kbd> previous, <kbd>Space</kbd> play, <kbd>S</kbd> seen`)}</p>`;
   }
 
   private renderThumb(row: SeenShape): TemplateResult {
@@ -230,7 +231,7 @@ export class PageReview extends LitElement {
         </span>
         <span class="what">${countText(1, row.label)}</span>
         <span class="when">${when}</span>
-        <span class="when">${this.nameOf(row.camera)}${seen ? ", seen" : ""}</span>
+        <span class="when">${this.nameOf(row.camera)}${seen ? msg(", seen") : ""}</span>
       </button>
     </li>`;
   }
@@ -333,7 +334,7 @@ export class PageReview extends LitElement {
   };
 
   private async mark(ids: readonly string[], seen: boolean): Promise<boolean> {
-    const done = await this.marking.run("mark it", () => this.sightingsApi().markSeen(ids, seen));
+    const done = await this.marking.run(msg("mark it"), () => this.sightingsApi().markSeen(ids, seen));
     if (done) {
       this.marks = new Map([...this.marks, ...ids.map((id): [string, boolean] => [id, seen])]);
       this.days.invalidate();

@@ -1,6 +1,7 @@
 /** Roles: what each may do at every site and device. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -90,11 +91,11 @@ export class PageRoles extends LitElement {
     const changes = changesOf(this.drafts, this.lines);
     return html`<t-admin-tabs page="roles"></t-admin-tabs>
       ${renderPageHead(
-        "Roles",
-        "What each role may do, for the whole hub, a site, or one device.",
-        html`<t-button ?disabled=${this.drawn === undefined} @click=${this.dialog.opener("new")}>Make a role</t-button>`,
+        msg("Roles"),
+        msg("What each role may do, for the whole hub, a site, or one device."),
+        html`<t-button ?disabled=${this.drawn === undefined} @click=${this.dialog.opener("new")}>${msg("Make a role")}</t-button>`,
       )}
-      ${renderLoaded(this.given, "the list of roles", () => this.renderMatrix())}
+      ${renderLoaded(this.given, msg("the list of roles"), () => this.renderMatrix())}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
       ${changes.length === 0 ? nothing : this.renderBar(changes)}
       <t-role-dialog
@@ -116,11 +117,7 @@ export class PageRoles extends LitElement {
         @t-role=${this.openRole}
       ></t-role-matrix>
       <p class="legend">
-        <strong>view</strong> sees values, pictures and history, and may STOP. <strong>use</strong> drives and commands
-        besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only.
-        <strong>tap</strong> has the robot’s raw topics, <strong>metrics</strong> lets Prometheus read figures of the
-        signals that it sees, whatever else it may. <strong>request</strong> asks for observations for a proposal,
-        <strong>approve</strong> lets them be observed, <strong>arm</strong> lets the night run by itself. A dashed cell has its right from a line above it.
+        ${msg(html`<strong>view</strong> sees values, pictures and history, and may STOP. <strong>use</strong> drives and commands besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only. <strong>tap</strong> has the robot’s raw topics, <strong>metrics</strong> lets Prometheus read figures of the signals that it sees, whatever else it may. <strong>request</strong> asks for observations for a proposal, <strong>approve</strong> lets them be observed, <strong>arm</strong> lets the night run by itself. A dashed cell has its right from a line above it.`)}
       </p>
       <t-role-factors class="sheet" .roles=${this.drawn?.roles ?? []} @t-changed=${this.given.invalidate}></t-role-factors>`;
   }
@@ -128,19 +125,19 @@ export class PageRoles extends LitElement {
   private renderBar(changes: readonly RoleChange[]): TemplateResult {
     const { problem } = this.action;
     const roles = this.drafts.filter(isChanged).length;
-    return html`<section class="bar" aria-label="Unsaved changes">
+    return html`<section class="bar" aria-label=${msg("Unsaved changes")}>
       <div class="head">
-        <h2>${countText(changes.length, "change")} in ${countText(roles, "role")}, not saved yet</h2>
+        <h2>${msg(str`${countText(changes.length, "change")} in ${countText(roles, "role")}, not saved yet`)}</h2>
         <div class="actions">
-          <t-button ?disabled=${this.action.busy} @click=${this.discardChanges}>Undo all</t-button>
-          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.saveChanges}>Save</t-button>
+          <t-button ?disabled=${this.action.busy} @click=${this.discardChanges}>${msg("Undo all")}</t-button>
+          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.saveChanges}>${msg("Save")}</t-button>
         </div>
       </div>
       <ul>
         ${map(
           changes,
           ({ role, place, before, after }) =>
-            html`<li><strong>${role}</strong> on ${place}: ${before} → <strong>${after}</strong></li>`,
+            html`<li>${msg(html`<strong>${role}</strong> on ${place}: ${before} → <strong>${after}</strong>`)}</li>`,
         )}
       </ul>
       ${renderAdvice(problem)}
@@ -169,7 +166,7 @@ export class PageRoles extends LitElement {
     const api = new AdminApi(this.api);
     void this.action
       .run(
-        "save all changes",
+        msg("save all changes"),
         async () => {
           for (const { role, permissions } of changed) {
             await api.changeRole(role.id, role.name, permissions);
@@ -179,7 +176,7 @@ export class PageRoles extends LitElement {
             );
           }
         },
-        "The roles are saved.",
+        msg("The roles are saved."),
       )
       .then((done) => {
         if (done) this.given.invalidate();

@@ -1,5 +1,6 @@
 /** The matrix of roles: rows are places, columns are roles. Pure. */
 
+import { msg } from "@lit/localize";
 import {
   accessText,
   ANY,
@@ -69,7 +70,7 @@ export function isFixed(role: RoleShape): boolean {
 
 /** Every place: the hub, its sites and devices, and what else a role names (a site that never came). */
 export function matrixLines(devices: readonly DeviceSummary[], roles: readonly RoleShape[]): readonly MatrixLine[] {
-  const lines: MatrixLine[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, open: false }];
+  const lines: MatrixLine[] = [{ ...EVERYWHERE, name: msg("Every site"), depth: 0, open: false }];
   const given = roles.flatMap(({ permissions }) => permissions);
   const named = given.map(({ site }) => site).filter((site) => site !== ANY);
   const names = new Map(devices.map((row) => [row.site, row.site_name]));

@@ -1,6 +1,7 @@
 /** Make a role, or rename or remove one. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -49,33 +50,33 @@ export class RoleDialog extends LitElement {
     const { problem } = this.action;
     const used = (role?.people ?? 0) > 0;
     return html`<t-dialog
-      heading=${role === null ? "Make a role" : `Change ${role.name}`}
+      heading=${role === null ? msg("Make a role") : msg(str`Change ${role.name}`)}
       ?open=${this.open}
       @t-close=${this.onClosed}
     >
       <form novalidate @submit=${this.onSubmit}>
-        <t-field label="Name" error=${this.missing}><input id="name" autocomplete="off" maxlength="100" /></t-field>
+        <t-field label=${msg("Name")} error=${this.missing}><input id="name" autocomplete="off" maxlength="100" /></t-field>
         ${role === null
-          ? html`<t-field label="Begin with the rights of">
+          ? html`<t-field label=${msg("Begin with the rights of")}>
               <select id="like">
-                ${renderOptions([["", "no other role"], ...this.roles.map(({ id, name }) => [id, name] as const)], "")}
+                ${renderOptions([["", msg("no other role")], ...this.roles.map(({ id, name }) => [id, name] as const)], "")}
               </select>
             </t-field>`
           : html`<p class="muted">
               ${used
-                ? `${String(role.people)} of the people have this role; give them another before you remove it.`
-                : "Nobody has this role."}
+                ? msg(str`${String(role.people)} of the people have this role; give them another before you remove it.`)
+                : msg("Nobody has this role.")}
             </p>`}
         ${renderAdvice(problem)}
       </form>
-      <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
+      <t-button slot="actions" @click=${this.closeQuestion}>${msg("Cancel")}</t-button>
       ${role === null
         ? nothing
         : html`<t-button slot="actions" kind="danger" ?disabled=${used} ?busy=${this.action.runningKey === "remove"} @click=${this.removeRole}
-            >Remove</t-button
+            >${msg("Remove")}</t-button
           >`}
       <t-button slot="actions" kind="primary" ?busy=${this.action.runningKey === "save"} @click=${this.saveRole}
-        >${role === null ? "Make the role" : "Rename"}</t-button
+        >${role === null ? msg("Make the role") : msg("Rename")}</t-button
       >
     </t-dialog>`;
   }
@@ -87,13 +88,13 @@ export class RoleDialog extends LitElement {
 
   private readonly saveRole = (): void => {
     const name = this.name.value.trim();
-    this.missing = name === "" ? "Enter a name." : "";
+    this.missing = name === "" ? msg("Enter a name.") : "";
     if (name === "") return;
     const api = new AdminApi(this.api);
     const role = this.edited;
     const like = this.roles.find(({ id }) => id === this.like?.value)?.permissions ?? [];
     void this.runAction(
-      role === null ? "make the role" : "rename the role",
+      role === null ? msg("make the role") : msg("rename the role"),
       () => (role === null ? api.addRole(name, like) : api.changeRole(role.id, name, role.permissions)),
       "save",
     );
@@ -101,7 +102,7 @@ export class RoleDialog extends LitElement {
 
   private readonly removeRole = (): void => {
     const id = this.edited?.id ?? "";
-    void this.runAction("remove the role", () => new AdminApi(this.api).removeRole(id), "remove");
+    void this.runAction(msg("remove the role"), () => new AdminApi(this.api).removeRole(id), "remove");
   };
 
   private async runAction(asked: string, action: () => Promise<void>, key: string): Promise<void> {

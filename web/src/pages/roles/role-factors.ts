@@ -1,6 +1,7 @@
 /** Which roles require a second factor. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -39,8 +40,8 @@ export class RoleFactors extends LitElement {
   private readonly action = new ActionController(this);
 
   override render(): TemplateResult {
-    return html`<h2>Second factor required</h2>
-      <p>Who has such a role and no second factor sets one up at the next sign-in, before anything else; people who are signed in, at once.</p>
+    return html`<h2>${msg("Second factor required")}</h2>
+      <p>${msg("Who has such a role and no second factor sets one up at the next sign-in, before anything else; people who are signed in, at once.")}</p>
       <div class="ticks">${map(this.roles, (role) => this.renderTick(role))}</div>
       ${renderAdvice(this.action.problem)}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>`;
@@ -57,8 +58,8 @@ export class RoleFactors extends LitElement {
       const box = event.target;
       if (!(box instanceof HTMLInputElement)) return;
       const required = box.checked;
-      const done = `${role.name}: a second factor is ${required ? "required" : "not required any more"}.`;
-      void this.action.run("change this", () => new AdminApi(this.api).requireFactor(role.id, required), done).then((changed) => {
+      const done = required ? msg(str`${role.name}: a second factor is required.`) : msg(str`${role.name}: a second factor is not required any more.`);
+      void this.action.run(msg("change this"), () => new AdminApi(this.api).requireFactor(role.id, required), done).then((changed) => {
         // What the hub refused is not so.
         if (changed) this.dispatchEvent(new CustomEvent("t-changed"));
         else box.checked = role.factor_required;

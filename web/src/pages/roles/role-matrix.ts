@@ -1,10 +1,12 @@
 /** The matrix of roles, to read at a glance and to edit in place. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
+import { plural } from "../../format/plural.js";
 import { EXTRA_RIGHT_NAMES, LEVELS, levelRank, type AccessLevel, type ExtraRight } from "../../state/rights.js";
 import { cellOf, isFixed, lineKey, type ExtraCell, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import { matrixStyle } from "./role-matrix-style.js";
@@ -44,16 +46,16 @@ export class RoleMatrix extends LitElement {
     const options = this.drafts.map(({ role }) => ({ id: role.id, label: role.name }));
     return html`<t-choice
         class="narrow"
-        label="Role"
+        label=${msg("Role")}
         .options=${options}
         .chosen=${shown?.role.id ?? ""}
         @t-choose=${this.onChoose}
       ></t-choice>
-      <div class="scroll" tabindex="0" role="region" aria-label="What each role may do">
+      <div class="scroll" tabindex="0" role="region" aria-label=${msg("What each role may do")}>
         <table>
           <thead>
             <tr>
-              <th scope="col" class="corner"><span class="visually-hidden">Site or device</span></th>
+              <th scope="col" class="corner"><span class="visually-hidden">${msg("Site or device")}</span></th>
               ${repeat(
                 this.drafts,
                 ({ role }) => role.id,
@@ -69,7 +71,7 @@ export class RoleMatrix extends LitElement {
   }
 
   private renderHead({ role }: RoleDraft, shown: boolean): TemplateResult {
-    const people = role.people === 1 ? "1 person" : `${String(role.people)} people`;
+    const people = plural(role.people, msg("1 person"), msg(str`${String(role.people)} people`));
     const edit = (): void => {
       this.dispatchEvent(new CustomEvent("t-role", { detail: role.id }));
     };
@@ -77,8 +79,8 @@ export class RoleMatrix extends LitElement {
       <span class="role">${role.name}</span>
       <span class="people">${people}</span>
       ${role.seeded
-        ? html`<span class="people">built in</span>`
-        : html`<t-button kind="quiet" label=${`Rename or remove ${role.name}`} @click=${edit}>Change…</t-button>`}
+        ? html`<span class="people">${msg("built in")}</span>`
+        : html`<t-button kind="quiet" label=${msg(str`Rename or remove ${role.name}`)} @click=${edit}>${msg("Change…")}</t-button>`}
     </th>`;
   }
 
@@ -86,7 +88,7 @@ export class RoleMatrix extends LitElement {
     return html`<tr class=${`d${String(line.depth)}`}>
       <th scope="row">
         <span class="place">${line.name}</span>
-        ${line.depth === 2 && line.open ? html`<span class="public">public</span>` : nothing}
+        ${line.depth === 2 && line.open ? html`<span class="public">${msg("public")}</span>` : nothing}
       </th>
       ${repeat(
         this.drafts,
@@ -102,7 +104,7 @@ export class RoleMatrix extends LitElement {
     const changed = own !== before.own;
     const classes = ["cell", level, own === "none" && level !== "none" ? "from" : "", changed ? "changed" : ""].join(" ");
     if (isFixed(role)) {
-      return html`<span class=${classes} title="This role can do everything, always.">${level}</span>`;
+      return html`<span class=${classes} title=${msg("This role can do everything, always.")}>${level}</span>`;
     }
     // What a wider place gives cannot be taken away below it.
     const choices = LEVELS.filter((level) => levelRank(level) >= levelRank(inherited));
@@ -116,8 +118,8 @@ export class RoleMatrix extends LitElement {
     };
     return html`<select
       class=${classes}
-      aria-label=${`${role.name} on ${line.name}${changed ? `, was ${before.level}` : ""}`}
-      title=${own === "none" && level !== "none" ? "Given by a line above" : ""}
+      aria-label=${changed ? msg(str`${role.name} on ${line.name}, was ${before.level}`) : msg(str`${role.name} on ${line.name}`)}
+      title=${own === "none" && level !== "none" ? msg("Given by a line above") : ""}
       ?disabled=${this.busy}
       @change=${edit}
     >
@@ -135,9 +137,9 @@ export class RoleMatrix extends LitElement {
       const detail = { role, line, right, given: event.target.checked };
       this.dispatchEvent(new CustomEvent<ExtraEdit>("t-extra", { detail }));
     };
-    return html`<label class=${same ? "extra" : "extra changed"} title=${inherited ? "Given by admin or a line above" : ""}>
+    return html`<label class=${same ? "extra" : "extra changed"} title=${inherited ? msg("Given by admin or a line above") : ""}>
       <input type="checkbox" .checked=${own || inherited} ?disabled=${this.busy || inherited} @change=${edit} />
-      <span>${right}<span class="visually-hidden"> ${EXTRA_RIGHT_NAMES[right]} of ${line.name}</span></span>
+      <span>${right}<span class="visually-hidden"> ${msg(str`${EXTRA_RIGHT_NAMES[right]} of ${line.name}`)}</span></span>
     </label>`;
   }
 

@@ -1,5 +1,6 @@
 /** The button that opens the choice of two runs. */
 
+import { msg } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -20,7 +21,7 @@ export class CompareRuns extends LitElement {
   @state() private open = false;
 
   override render(): TemplateResult {
-    return html`<t-button kind="quiet" @click=${this.openPicker}>Compare runs</t-button>
+    return html`<t-button kind="quiet" @click=${this.openPicker}>${msg("Compare runs")}</t-button>
       <t-run-picker .site=${this.site} .zone=${this.zone} .span=${this.span} ?open=${this.open} @t-runs=${this.onRuns} @t-close=${this.closePicker}></t-run-picker>`;
   }
 

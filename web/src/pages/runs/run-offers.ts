@@ -1,5 +1,6 @@
 /** Runs that can be put beside each other: what was recorded or driven, what was unusual, and what people wrote about. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { EventShape, NoteShape, RecordingShape } from "../../generated/api.js";
 import type { TimeSpan } from "../../series/time-window.js";
 
@@ -18,8 +19,8 @@ export const RUN_KINDS = "lease,anomaly";
 
 /** The last to begin first. */
 export function runOffers(recordings: readonly RecordingShape[], notes: readonly NoteShape[], events: readonly EventShape[] = []): readonly RunOffer[] {
-  const recorded = recordings.filter(({ begin_us, end_us }) => end_us > begin_us).map(({ id, begin_us, end_us, note, stream }): RunOffer => ({ id: `recording ${id}`, name: `${stream === "" ? "Recording" : "Film"}${note === "" ? "" : `: ${shortName(note)}`}`, fromUs: begin_us, toUs: end_us }));
-  const noted = notes.map(({ id, from_us, to_us, text }): RunOffer => ({ id: `note ${id}`, name: `Note: ${shortName(text)}`, fromUs: from_us, toUs: to_us }));
+  const recorded = recordings.filter(({ begin_us, end_us }) => end_us > begin_us).map(({ id, begin_us, end_us, note, stream }): RunOffer => ({ id: `recording ${id}`, name: stream === "" ? msg(str`Recording${note === "" ? "" : `: ${shortName(note)}`}`) : msg(str`Film${note === "" ? "" : `: ${shortName(note)}`}`), fromUs: begin_us, toUs: end_us }));
+  const noted = notes.map(({ id, from_us, to_us, text }): RunOffer => ({ id: `note ${id}`, name: msg(str`Note: ${shortName(text)}`), fromUs: from_us, toUs: to_us }));
   return [...recorded, ...noted, ...eventRuns(events)].sort((a, b) => b.fromUs - a.fromUs);
 }
 
@@ -35,15 +36,15 @@ export function eventRuns(events: readonly EventShape[]): readonly RunOffer[] {
   const end = (key: string, name: string, toUs: number): void => {
     const first = begun.get(key);
     begun.delete(key);
-    if (first !== undefined && toUs > first.time_us) found.push({ id: `${key} ${first.id}`, name: name + (first.who === "" ? "" : ` by ${first.who}`), fromUs: first.time_us, toUs });
+    if (first !== undefined && toUs > first.time_us) found.push({ id: `${key} ${first.id}`, name: name + (first.who === "" ? "" : msg(str` by ${first.who}`)), fromUs: first.time_us, toUs });
   };
   for (const event of [...events].reverse()) {
     const { kind, device, message, time_us: us } = event;
     const [subject = ""] = message.split(":", 1);
     const drive = `drive ${device}`;
     const anomaly = `anomaly ${device} ${subject}`;
-    if (kind === "lease taken" || kind === "lease freed") end(drive, `Drive of ${device}`, us);
-    if (kind === "anomaly ended") end(anomaly, `Anomaly: ${shortName(subject)}`, us);
+    if (kind === "lease taken" || kind === "lease freed") end(drive, msg(str`Drive of ${device}`), us);
+    if (kind === "anomaly ended") end(anomaly, msg(str`Anomaly: ${shortName(subject)}`), us);
     if (kind === "lease taken") begun.set(drive, event);
     // Several detectors of one signal: the first to begin counts.
     if (kind === "anomaly began" && !begun.has(anomaly)) begun.set(anomaly, { ...event, who: "" });

@@ -1,6 +1,7 @@
 /** Choose two runs to be put beside each other: from recordings, drives, anomalies and notes, or by their times. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -62,14 +63,14 @@ export class RunPicker extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<t-dialog heading="Compare two runs" ?open=${this.open} @t-close=${this.closePicker}>
+    return html`<t-dialog heading=${msg("Compare two runs")} ?open=${this.open} @t-close=${this.closePicker}>
       <form class="entry" novalidate @submit=${this.onSubmit} @change=${this.onChange}>
-        ${this.renderRun("first", "First run")} ${this.renderRun("second", "Second run")}
-        <p>They are laid over each other at their starts. A note at a moment is a mark: choose one in each run, and they meet there.</p>
-        ${this.offers.result.state === "failed" ? html`<p role="alert">What was recorded and noted cannot be loaded now; write the times.</p>` : nothing}
+        ${this.renderRun("first", msg("First run"))} ${this.renderRun("second", msg("Second run"))}
+        <p>${msg("They are laid over each other at their starts. A note at a moment is a mark: choose one in each run, and they meet there.")}</p>
+        ${this.offers.result.state === "failed" ? html`<p role="alert">${msg("What was recorded and noted cannot be loaded now; write the times.")}</p>` : nothing}
       </form>
-      <t-button slot="actions" @click=${this.closePicker}>Cancel</t-button>
-      <t-button slot="actions" kind="primary" @click=${this.chooseRuns}>Compare</t-button>
+      <t-button slot="actions" @click=${this.closePicker}>${msg("Cancel")}</t-button>
+      <t-button slot="actions" kind="primary" @click=${this.chooseRuns}>${msg("Compare")}</t-button>
     </t-dialog>`;
   }
 
@@ -78,7 +79,7 @@ export class RunPicker extends LitElement {
     const options = (this.offers.value ?? []).map(({ id, name, fromUs }) => [id, `${formatDate(fromUs, zone)}, ${formatClock(fromUs, zone)} ${name}`] as const);
     const time = (end: "from" | "to", word: string): TemplateResult =>
       html`<t-field label=${`${label} ${word} (${zone})`} .error=${this.mistakes[`${run}-${end}`] ?? ""}><input name=${`${run}-${end}`} type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>`;
-    return html`<t-field class="wide" label=${label}><select name=${run}>${renderOptions([["", "by its times"], ...options], "")}</select></t-field>${time("from", "from")}${time("to", "to")}`;
+    return html`<t-field class="wide" label=${label}><select name=${run}>${renderOptions([["", msg("by its times")], ...options], "")}</select></t-field>${time("from", "from")}${time("to", "to")}`;
   }
 
   /** Who may not see recordings compares by the rest. */
@@ -127,10 +128,10 @@ export class RunPicker extends LitElement {
       const toUs = to === "" ? fromUs : clock.fromInput(to);
       if (Number.isNaN(fromUs)) mistakes[`${run}-from`] = momentProblem(from || "?", fromUs);
       if (Number.isNaN(toUs)) mistakes[`${run}-to`] = momentProblem(to, toUs);
-      else if (toUs < fromUs) mistakes[`${run}-to`] = "It ends before it begins.";
+      else if (toUs < fromUs) mistakes[`${run}-to`] = msg("It ends before it begins.");
       return { fromUs, toUs };
     });
-    if (first !== undefined && second !== undefined && first.fromUs === second.fromUs) mistakes["second-from"] = "That is the first run itself.";
+    if (first !== undefined && second !== undefined && first.fromUs === second.fromUs) mistakes["second-from"] = msg("That is the first run itself.");
     this.mistakes = mistakes;
     if (Object.keys(mistakes).length > 0 || first === undefined || second === undefined) return;
     this.dispatchEvent(new CustomEvent<ChosenRuns>("t-runs", { detail: alignRuns(first, second) }));

@@ -1,5 +1,6 @@
 /** A site's robot in space. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
@@ -42,11 +43,11 @@ export class PageScene extends LitElement {
     const row = this.sites.store?.siteRow(this.site);
     const online = row?.online === true && this.link.state === "open";
     return html`${renderPageHead(
-        "Scene",
-        `The robot of ${row?.name ?? this.site} in space, as its topics tell. It is heard for this only while you look.`,
-        html`<div class="actions"><a href=${sitePath(this.site, "topics")}>Topics</a></div>`,
+        msg("Scene"),
+        msg(str`The robot of ${row?.name ?? this.site} in space, as its topics tell. It is heard for this only while you look.`),
+        html`<div class="actions"><a href=${sitePath(this.site, "topics")}>${msg("Topics")}</a></div>`,
       )}
-      ${renderLoaded(this.detail, "the site", (detail) => html`<t-scene-tile .site=${this.site} .detail=${detail} .online=${online}></t-scene-tile>`)}`;
+      ${renderLoaded(this.detail, msg("the site"), (detail) => html`<t-scene-tile .site=${this.site} .detail=${detail} .online=${online}></t-scene-tile>`)}`;
   }
 }
 

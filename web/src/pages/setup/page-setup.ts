@@ -1,6 +1,7 @@
 /** First start: the holder of the one-time link makes the first admin. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -37,33 +38,33 @@ export class PageSetup extends LitElement {
     return html`
       <form novalidate @submit=${this.onSubmit}>
         <div>
-          <h1>Set up Talaia</h1>
-          <p class="muted">Choose who the first admin is. This link works once.</p>
+          <h1>${msg("Set up Talaia")}</h1>
+          <p class="muted">${msg("Choose who the first admin is. This link works once.")}</p>
         </div>
         ${renderAdvice(this.advice)}
-        <t-field label="Name" error=${this.missing}>
+        <t-field label=${msg("Name")} error=${this.missing}>
           <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required @input=${this.onInput} />
         </t-field>
-        ${this.password.render("Password")}
-        <t-button type="submit" kind="primary" ?busy=${this.busy}>Make this admin</t-button>
+        ${this.password.render(msg("Password"))}
+        <t-button type="submit" kind="primary" ?busy=${this.busy}>${msg("Make this admin")}</t-button>
       </form>
     `;
   }
 
   private renderFinished(): TemplateResult {
     return html`<div class="sheet">
-      <h1>Done</h1>
-      <p>The first admin is made. Sign in with the name and password you chose.</p>
-      <t-button kind="primary" @click=${this.openSignIn}>Go to sign-in</t-button>
+      <h1>${msg("Done")}</h1>
+      <p>${msg("The first admin is made. Sign in with the name and password you chose.")}</p>
+      <t-button kind="primary" @click=${this.openSignIn}>${msg("Go to sign-in")}</t-button>
     </div>`;
   }
 
   private renderNoToken(): TemplateResult {
     return html`<div class="sheet">
-      <h1>Set up Talaia</h1>
+      <h1>${msg("Set up Talaia")}</h1>
       <t-problem
-        what="This address has no set-up code."
-        how="Open the whole link that the hub printed when it was started for the first time."
+        what=${msg("This address has no set-up code.")}
+        how=${msg("Open the whole link that the hub printed when it was started for the first time.")}
       ></t-problem>
     </div>`;
   }
@@ -85,7 +86,7 @@ export class PageSetup extends LitElement {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.trim();
-    this.missing = name === "" ? "Enter a name." : "";
+    this.missing = name === "" ? msg("Enter a name.") : "";
     if (this.password.validate() && name !== "") void this.createAdmin(name, this.password.value);
   };
 
@@ -101,8 +102,8 @@ export class PageSetup extends LitElement {
     } catch (error) {
       this.advice =
         error instanceof Refused
-          ? { what: "The hub did not make this admin.", how: error.message }
-          : adviceFor(error, "the set-up");
+          ? { what: msg("The hub did not make this admin."), how: error.message }
+          : adviceFor(error, msg("the set-up"));
     } finally {
       this.busy = false;
     }

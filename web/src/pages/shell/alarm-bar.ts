@@ -1,10 +1,12 @@
 /** The bar on every page: alarms that nobody has acknowledged, the worst by name, and the sound. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
+import { plural } from "../../format/plural.js";
 import { alarmsContext, alarmSoundContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import { alarmPath } from "../../state/router.js";
@@ -104,23 +106,23 @@ export class AlarmBar extends LitElement {
     if (summary === undefined || worst === undefined) return nothing;
     const { unseen, undelivered } = summary;
     const sound = this.sound.store;
-    return html`<div class="bar ${worst.severity}" role="region" aria-label="Alarms">
+    return html`<div class="bar ${worst.severity}" role="region" aria-label=${msg("Alarms")}>
       <t-icon name="bell"></t-icon>
       <span class="what" role=${worst.severity === "critical" ? "alert" : "status"}>${this.renderMessage(worst)}</span>
-      ${unseen.length > 1 ? html`<span class="more">and ${unseen.length - 1} more</span>` : nothing}
+      ${unseen.length > 1 ? html`<span class="more">${msg(str`and ${unseen.length - 1} more`)}</span>` : nothing}
       ${undelivered.length === 0
         ? nothing
-        : html`<span class="undelivered">${undelivered.length === 1 ? "A message" : "Messages"} could not be delivered</span>`}
-      ${sound?.isOn === true && !sound.isAudible ? html`<span class="more">silent until you click or press a key</span>` : nothing}
+        : html`<span class="undelivered">${plural(undelivered.length, msg("A message could not be delivered"), msg("Messages could not be delivered"))}</span>`}
+      ${sound?.isOn === true && !sound.isAudible ? html`<span class="more">${msg("silent until you click or press a key")}</span>` : nothing}
       ${this.action.problem === null ? nothing : html`<span class="undelivered" role="alert">${this.action.problem.what}</span>`}
       <span class="actions">
         ${unseen.length > 0 && mayUse(this.session.store?.person, worst.site, worst.device)
-          ? html`<t-button label=${`Acknowledge ${worst.name}`} ?busy=${this.action.busy} @click=${this.acknowledge}
-              >Acknowledge</t-button
+          ? html`<t-button label=${msg(str`Acknowledge ${worst.name}`)} ?busy=${this.action.busy} @click=${this.acknowledge}
+              >${msg("Acknowledge")}</t-button
             >`
           : nothing}
-        <t-button kind="quiet" @click=${this.toggleSound}>${sound?.isOn === true ? "Mute" : "Turn sound on"}</t-button>
-        <a class="all" href="/alarms" aria-label="All alarms">All</a>
+        <t-button kind="quiet" @click=${this.toggleSound}>${sound?.isOn === true ? msg("Mute") : msg("Turn sound on")}</t-button>
+        <a class="all" href="/alarms" aria-label=${msg("All alarms")}>${msg("All")}</a>
       </span>
     </div>`;
   }
@@ -130,15 +132,15 @@ export class AlarmBar extends LitElement {
     const many = (this.sites.store?.list.length ?? 0) > 1;
     return html`<a class="which" href=${alarmPath(alarm)}>${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</a> – ${alarm.why}
       <span class="more"
-        >${alarm.phase === "cleared" ? "over, not acknowledged; " : ""}since
-        <t-time .us=${alarm.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
-      ></span>`;
+        >${alarm.phase === "cleared" ? msg(html`over, not acknowledged; since <t-time .us=${alarm.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
+      >`) : msg(html`since <t-time .us=${alarm.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
+      >`)}</span>`;
   }
 
   private readonly acknowledge = (): void => {
     const worst = this.alarms.store?.summary.unseen[0];
     if (worst === undefined) return;
-    void this.action.run("acknowledge the alarm", () =>
+    void this.action.run(msg("acknowledge the alarm"), () =>
       new AlarmsApi(this.api).applyAction(worst.site, worst.alarm, { act: "acknowledge" }),
     );
   };

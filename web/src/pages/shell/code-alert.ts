@@ -1,6 +1,7 @@
 /** Tells a person that somebody who knows their password has tried codes, until they say they have read it. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -26,16 +27,14 @@ export class CodeAlert extends LitElement {
     const lockedUs = this.session.store?.person?.codes_locked_us ?? 0;
     if (lockedUs === 0) return nothing;
     return html`<t-banner kind="bad"
-      >Many wrong codes were given for your account, the last
-      <t-time .us=${lockedUs} .zone=${this.sites.store?.zone ?? "UTC"}></t-time>, by somebody who knows your password. If it was not you,
-      <a href="/account">change your password</a>.
-      <t-button ?busy=${this.action.busy} @click=${this.onSeen}>I have read it</t-button>
+      >${msg(html`Many wrong codes were given for your account, the last <t-time .us=${lockedUs} .zone=${this.sites.store?.zone ?? "UTC"}></t-time>, by somebody who knows your password. If it was not you, <a href="/account">change your password</a>.`)}
+      <t-button ?busy=${this.action.busy} @click=${this.onSeen}>${msg("I have read it")}</t-button>
       ${this.action.problem === null ? nothing : html`<strong>${this.action.problem.what}</strong>`}</t-banner
     >`;
   }
 
   private readonly onSeen = (): void => {
-    void this.action.run("take this", async () => {
+    void this.action.run(msg("take this"), async () => {
       await new AccountApi(this.api).seeAlert();
       await this.session.store?.refresh();
     });

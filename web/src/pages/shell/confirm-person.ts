@@ -1,6 +1,7 @@
 /** Asks the person for their password, and their second factor, before rights are given away. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -60,12 +61,12 @@ export class ConfirmPerson extends LitElement {
   override render(): TemplateResult {
     const { busy } = this.action;
     // Only while it asks: a page has no field for a password that nobody is asked for.
-    return html`<t-dialog heading="Confirm that it is you" ?open=${this.open} @t-close=${this.onClosed}>
+    return html`<t-dialog heading=${msg("Confirm that it is you")} ?open=${this.open} @t-close=${this.onClosed}>
       ${this.open ? this.renderForm() : nothing}
-      <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
+      <t-button slot="actions" @click=${this.closeQuestion}>${msg("Cancel")}</t-button>
       ${this.session.store?.person?.password === false
-        ? html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirmByProvider}>Sign in anew</t-button>`
-        : html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirm}>Confirm</t-button>`}
+        ? html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirmByProvider}>${msg("Sign in anew")}</t-button>`
+        : html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.confirm}>${msg("Confirm")}</t-button>`}
     </t-dialog>`;
   }
 
@@ -73,27 +74,27 @@ export class ConfirmPerson extends LitElement {
     const person = this.session.store?.person;
     if (person?.password === false) {
       return html`<p>
-          What you are about to do gives rights to somebody, or takes a protection away. Sign in anew where you have your password; you come back to this page. Then do it once more.
+          ${msg("What you are about to do gives rights to somebody, or takes a protection away. Sign in anew where you have your password; you come back to this page. Then do it once more.")}
         </p>
         ${renderAdvice(this.action.problem)}`;
     }
     return html`<form novalidate @submit=${this.onSubmit}>
-      <p>What you are about to do gives rights to somebody, or takes a protection away. You are asked again after five minutes.</p>
+      <p>${msg("What you are about to do gives rights to somebody, or takes a protection away. You are asked again after five minutes.")}</p>
       <input hidden name="username" autocomplete="username" .value=${person?.name ?? ""} />
-      <t-field label="Your password" error=${this.missing === "password" ? "Enter your password." : ""}>
+      <t-field label=${msg("Your password")} error=${this.missing === "password" ? msg("Enter your password.") : ""}>
         <input id="password" type="password" autocomplete="current-password" required />
       </t-field>
       ${person?.factor === true
         ? html`<t-field
-            label="Code"
-            hint="Six digits from your app, or one of your recovery codes"
-            error=${this.missing === "code" ? "Enter the code." : ""}
+            label=${msg("Code")}
+            hint=${msg("Six digits from your app, or one of your recovery codes")}
+            error=${this.missing === "code" ? msg("Enter the code.") : ""}
           >
             <input id="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
           </t-field>`
         : nothing}
       ${person?.factor === true && hasPasskeys()
-        ? html`<div><t-button ?busy=${this.action.runningKey === "passkey"} @click=${this.confirmByPasskey}>Use a passkey</t-button></div>`
+        ? html`<div><t-button ?busy=${this.action.runningKey === "passkey"} @click=${this.confirmByPasskey}>${msg("Use a passkey")}</t-button></div>`
         : nothing}
       ${renderAdvice(this.action.problem)}
       <button type="submit" hidden></button>
@@ -115,20 +116,20 @@ export class ConfirmPerson extends LitElement {
       void focusInside(this, `#${this.missing}`);
       return;
     }
-    const done = await this.action.run("take this", () => new AccountApi(this.api).confirm(password, code));
+    const done = await this.action.run(msg("take this"), () => new AccountApi(this.api).confirm(password, code));
     if (done) this.finish(true);
     else void focusInside(this, this.code === null ? "#password" : "#code");
   };
 
   private readonly confirmByProvider = (): void => {
-    void this.action.run("send you there", async () => {
+    void this.action.run(msg("send you there"), async () => {
       window.location.assign(await this.api.beginOidc("/api/me/oidc/confirm", window.location.pathname));
     });
   };
 
   private readonly confirmByPasskey = (): void => {
     const api = new AccountApi(this.api);
-    void this.action.run("take this", () => api.confirmByPasskey(this.password.value), "", "passkey").then((done) => {
+    void this.action.run(msg("take this"), () => api.confirmByPasskey(this.password.value), "", "passkey").then((done) => {
       if (done) this.finish(true);
     });
   };

@@ -1,5 +1,6 @@
 /** In place of every page while a role requires a second factor and its person has none. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -26,13 +27,12 @@ export class FirstFactor extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const person = this.session.store?.person ?? null;
     if (person === null) return nothing;
-    return html`${renderPageHead("Set up a second factor", `Your role ${person.role} requires one before anything else.`)}
+    return html`${renderPageHead(msg("Set up a second factor"), msg(str`Your role ${person.role} requires one before anything else.`))}
       <p>
-        With it, who learns your password is not in yet. Choose one of the two; you can add the other later. Keep the recovery codes that you are shown: they let you in
-        if your phone or key is lost.
+        ${msg("With it, who learns your password is not in yet. Choose one of the two; you can add the other later. Keep the recovery codes that you are shown: they let you in if your phone or key is lost.")}
       </p>
       <t-account-factors></t-account-factors>
-      <p><a href="/logout">Log out instead</a></p>`;
+      <p><a href="/logout">${msg("Log out instead")}</a></p>`;
   }
 }
 

@@ -1,6 +1,7 @@
 /** Top of every page: the name, the site, how the link stands, and who is signed in. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -25,19 +26,19 @@ import "../../elements/layout/menu.js";
 import "../../elements/feedback/status.js";
 
 const LINKS: Readonly<Record<LinkState, readonly [StatusKind, string]>> = {
-  idle: ["unknown", "not connected"],
-  connecting: ["busy", "connecting"],
-  open: ["online", "connected"],
-  lost: ["offline", "connection lost"],
-  ended: ["offline", "signed out"],
+  idle: ["unknown", msg("not connected")],
+  connecting: ["busy", msg("connecting")],
+  open: ["online", msg("connected")],
+  lost: ["offline", msg("connection lost")],
+  ended: ["offline", msg("signed out")],
 };
 
 const LINK_TITLES: Readonly<Record<LinkState, string>> = {
-  idle: "This page is not connected to the hub.",
-  connecting: "This page is connecting to the hub.",
-  open: "This page is connected to the hub. The time is how long a message takes there and back.",
-  lost: "This page lost the hub. It is tried again by itself.",
-  ended: "The hub ended this session.",
+  idle: msg("This page is not connected to the hub."),
+  connecting: msg("This page is connecting to the hub."),
+  open: msg("This page is connected to the hub. The time is how long a message takes there and back."),
+  lost: msg("This page lost the hub. It is tried again by itself."),
+  ended: msg("The hub ended this session."),
 };
 
 /** What the menu leads to: one's own account, and what has no place of its own on a phone. */
@@ -52,7 +53,7 @@ const WAYS: readonly (readonly [PageName, string])[] = [
   ["audit", "/admin/audit"],
 ];
 
-const THEME_WORDS = { auto: "Auto", light: "Light", dark: "Dark", night: "Night" } as const;
+const THEME_WORDS = { auto: msg("Auto"), light: msg("Light"), dark: msg("Dark"), night: msg("Night") } as const;
 const THEME_OPTIONS = THEMES.map((id) => ({ id, label: THEME_WORDS[id] }));
 
 @customElement("t-header")
@@ -219,7 +220,7 @@ export class Header extends LitElement {
   override render(): TemplateResult {
     const person = this.session.store?.person;
     return html`
-      <a class=${person == null ? "brand" : "brand small"} href="/" aria-label="Talaia, home">
+      <a class=${person == null ? "brand" : "brand small"} href="/" aria-label=${msg("Talaia, home")}>
         <svg viewBox="0 0 32 32" aria-hidden="true">
           <path fill="currentColor" d="M9 28 11.5 13h9L23 28zM8 12V5h3v3h3V5h4v3h3V5h3v7z"></path>
         </svg>
@@ -229,7 +230,7 @@ export class Header extends LitElement {
       <slot></slot>
       <div class="rest">
         ${person == null ? nothing : this.renderLinkStatus()}
-        <t-menu label=${person == null ? "Settings" : `${person.name}: settings and sign-out`}>
+        <t-menu label=${person == null ? msg("Settings") : msg(str`${person.name}: settings and sign-out`)}>
           <t-icon slot="label" name="person"></t-icon>
           ${person == null ? nothing : html`<span slot="label" class="name">${person.name}</span>`}
           ${this.renderPanel()}
@@ -241,12 +242,12 @@ export class Header extends LitElement {
   private renderSiteSwitch(): unknown {
     const rows = this.sites.store?.list ?? [];
     if (rows.length === 0) return nothing;
-    return html`<select aria-label="Site" @change=${this.chooseSite}>
+    return html`<select aria-label=${msg("Site")} @change=${this.chooseSite}>
       ${repeat(
         rows,
         (row) => row.site,
         (row) => html`<option .value=${row.site} .selected=${row.site === this.site}>
-          ${row.name}${row.online ? "" : " (offline)"}
+          ${row.name}${row.online ? "" : msg(" (offline)")}
         </option>`,
       )}
     </select>`;
@@ -265,16 +266,16 @@ export class Header extends LitElement {
       ${person == null
         ? nothing
         : html`<div class="panel-who">
-            <strong>${person.name}</strong><span class="role">signed in as ${person.role}</span>
+            <strong>${person.name}</strong><span class="role">${msg(str`signed in as ${person.role}`)}</span>
           </div>
           ${this.renderMenuLinks(person)}`}
       <t-choice
-        label="Colours"
+        label=${msg("Colours")}
         .options=${THEME_OPTIONS}
         .chosen=${this.theme.store?.theme ?? "auto"}
         @t-choose=${this.chooseTheme}
       ></t-choice>
-      ${person == null ? nothing : html`<t-button @click=${this.signOut}>Log out</t-button>`}
+      ${person == null ? nothing : html`<t-button @click=${this.signOut}>${msg("Log out")}</t-button>`}
     `;
   }
 

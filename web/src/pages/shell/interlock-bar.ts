@@ -6,6 +6,7 @@
  * something to say. All of them unfold when somebody asks for them.
  */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -130,7 +131,7 @@ export class InterlockBar extends LitElement {
       const known = this.interlocks.store?.hasAny(this.site) === true;
       return html`<div class="strip" role="status">
         <t-icon name="lock"></t-icon>
-        <span class="first">${known ? "Interlocks: nothing is locked." : "Interlocks: not known now."}</span>
+        <span class="first">${known ? msg("Interlocks: nothing is locked.") : msg("Interlocks: not known now.")}</span>
       </div>`;
     }
     const severe = list.some(({ news }) => news.unsafe || news.overridden_by !== "");
@@ -138,9 +139,9 @@ export class InterlockBar extends LitElement {
     return html`<div class="strip ${severe ? "unsafe" : "locked"}">
       <t-icon name=${first.overridden_by === "" ? "lock" : "warn"}></t-icon>
       <span class="first" role="status">${this.summary(first)}</span>
-      ${more > 0 ? html`<span class="count">and ${more} more</span>` : nothing}
-      <t-button kind="quiet" label=${unfolded ? "Hide interlocks" : "Show interlocks"} @click=${this.toggleList}
-        >${unfolded ? "Hide" : "Show"}</t-button
+      ${more > 0 ? html`<span class="count">${msg(str`and ${more} more`)}</span>` : nothing}
+      <t-button kind="quiet" label=${unfolded ? msg("Hide interlocks") : msg("Show interlocks")} @click=${this.toggleList}
+        >${unfolded ? msg("Hide") : msg("Show")}</t-button
       >
     </div>`;
   }
@@ -149,8 +150,8 @@ export class InterlockBar extends LitElement {
     const row = this.sites.store?.siteRow(news.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
     const name = `${many ? `${row?.name ?? news.site}: ` : ""}${news.name}`;
-    if (news.overridden_by !== "") return `${name} – overridden by ${news.overridden_by}: “${news.reason}”`;
-    return `${name} – ${news.unsafe ? news.why || "unsafe now" : "safe now, released soon if it stays so"}`;
+    if (news.overridden_by !== "") return msg(str`${name} – overridden by ${news.overridden_by}: “${news.reason}”`);
+    return `${name} – ${news.unsafe ? news.why || msg("unsafe now") : msg("safe now, released soon if it stays so")}`;
   }
 
   private readonly toggleList = (): void => {
@@ -183,22 +184,19 @@ export class InterlockBar extends LitElement {
   private renderDialog(): TemplateResult {
     const longest = this.chosen?.longest_s ?? 0;
     return html`<t-confirm
-      heading="Override ${this.chosen?.name ?? "interlock"}?"
-      action="Override"
-      keep="Keep it locked"
+      heading=${msg(str`Override ${this.chosen?.name ?? msg("interlock")}?`)}
+      action=${msg("Override")}
+      keep=${msg("Keep it locked")}
       ?open=${this.chosen !== null}
       @t-close=${this.close}
       @t-confirm=${this.onSubmit}
     >
       <form novalidate @submit=${this.onSubmit}>
         <p>
-          <strong>${this.chosen?.why || "Safe now, but not for long enough yet"}.</strong> Only this is overridden: the
-          gateway will refuse nothing for it until the time is over, and then act again if it is still unsafe. The
-          override ends early when anything else locks, or when this becomes unknown. Everybody sees who did this and
-          why.
+          ${msg(html`<strong>${this.chosen?.why || msg("Safe now, but not for long enough yet")}.</strong> Only this is overridden: the gateway will refuse nothing for it until the time is over, and then act again if it is still unsafe. The override ends early when anything else locks, or when this becomes unknown. Everybody sees who did this and why.`)}
         </p>
-        <t-field label="Reason" .error=${this.problem}><input name="reason" type="text" maxlength="500" autocomplete="off" /></t-field>
-        <t-field label="Minutes" hint="At most ${formatDuration(longest)}">
+        <t-field label=${msg("Reason")} .error=${this.problem}><input name="reason" type="text" maxlength="500" autocomplete="off" /></t-field>
+        <t-field label=${msg("Minutes")} hint=${msg(str`At most ${formatDuration(longest)}`)}>
           <input name="minutes" type="text" inputmode="decimal" autocomplete="off" value="10" />
         </t-field>
       </form>
@@ -215,9 +213,9 @@ export class InterlockBar extends LitElement {
     if (!chosen) return;
     const reason = this.reason?.value.trim() ?? "";
     const seconds = Number(this.minutes?.value.replace(",", ".") ?? Number.NaN) * MINUTE_S;
-    if (reason === "") this.problem = "Say why: it is written down and shown to everybody.";
+    if (reason === "") this.problem = msg("Say why: it is written down and shown to everybody.");
     else if (!(seconds > 0 && seconds <= chosen.longest_s)) {
-      this.problem = `Give more than 0 and at most ${formatDuration(chosen.longest_s)}.`;
+      this.problem = msg(str`Give more than 0 and at most ${formatDuration(chosen.longest_s)}.`);
     } else {
       this.sendOverride(chosen, seconds, reason, chosen.condition);
       this.chosen = null;

@@ -1,5 +1,6 @@
 /** The places of the dashboard that a person may open: beside the name on a desk, under the thumb on a phone. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -31,7 +32,7 @@ const PLACES: readonly NavigationPlace[] = [
   { page: "drive", icon: "drive" },
   { page: "night", icon: "moon" },
   { page: "archive", icon: "camera" },
-  { page: "people", icon: "shield", title: "Admin" },
+  { page: "people", icon: "shield", title: msg("Admin") },
 ];
 
 /** So many places leave no room for their icons beside a site's name. */
@@ -255,7 +256,7 @@ export class Navigation extends LitElement {
     const places = this.visiblePlaces();
     const atDesk = places.filter(({ page }) => page !== "people");
     const admins = places.filter(({ page }) => page === "people");
-    return html`<nav aria-label="Pages" class=${places.length >= FULL ? "full" : ""}>
+    return html`<nav aria-label=${msg("Pages")} class=${places.length >= FULL ? "full" : ""}>
       ${this.renderPlaces(atDesk)} ${this.renderMore()} ${this.renderPlaces(admins)}
     </nav>`;
   }
@@ -263,7 +264,7 @@ export class Navigation extends LitElement {
   private renderRow(): TemplateResult {
     const pages = this.person === null ? [] : sitePages(this.site, this.person, this);
     const here = rowPageOf(this.page);
-    return html`<nav class="row" aria-label="Pages of ${this.name}">
+    return html`<nav class="row" aria-label=${msg(str`Pages of ${this.name}`)}>
       ${map(pages, ({ page, title, path }) => html`<a href=${path} aria-current=${page === here ? "page" : nothing}>${title}</a>`)}
     </nav>`;
   }
@@ -288,7 +289,7 @@ export class Navigation extends LitElement {
     if (more.length === 0) return nothing;
     const here = more.some(({ page, spared }) => page === this.page && !spared);
     return html`<t-menu ?up=${this.below} class="${here ? "here" : ""} ${this.below ? "" : "of-site"}">
-      <span slot="label">More</span>
+      <span slot="label">${msg("More")}</span>
       <div class="more" @click=${this.closeMenu}>
         ${map(
           more,

@@ -1,5 +1,6 @@
 /** Warns a person who holds a device before the session ends: nobody is cut off while driving without a word. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { ContextConsumer } from "@lit/context";
@@ -53,14 +54,13 @@ export class SessionWarning extends LitElement {
     const time = formatDuration(left.seconds);
     if (left.kind === "whole") {
       return html`<t-banner kind="warn"
-        >This session has lasted as long as it may and ends in ${time}; you will lose control then. Bring the vehicle to
-        rest, and sign in anew.</t-banner
+        >${msg(str`This session has lasted as long as it may and ends in ${time}; you will lose control then. Bring the vehicle to rest, and sign in anew.`)}</t-banner
       >`;
     }
     return html`<t-banner kind="warn"
-      >You will be signed out in ${time}, and lose control then.
-      <t-button @click=${this.extendSession}>Stay signed in</t-button>
-      ${this.failed ? html`<strong>The hub did not answer.</strong>` : nothing}</t-banner
+      >${msg(str`You will be signed out in ${time}, and lose control then.`)}
+      <t-button @click=${this.extendSession}>${msg("Stay signed in")}</t-button>
+      ${this.failed ? html`<strong>${msg("The hub did not answer.")}</strong>` : nothing}</t-banner
     >`;
   }
 

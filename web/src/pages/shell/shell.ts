@@ -1,6 +1,7 @@
 /** The frame around every page: header, navigation, banners, and the place where the page stands. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -185,7 +186,7 @@ export class Shell extends LitElement {
     const observing = this.detail.value?.devices.some(({ kind }) => kind === "telescope") ?? false;
     return html`
       <div class="top" role="banner">
-        <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
+        <a class="skip" href="#main" @click=${this.focusContent}>${msg("Skip to the page")}</a>
         <t-header .site=${site}>
           ${inside ? html`<t-nav class="beside" .page=${page} .site=${site} .person=${person} ?actuable=${actuable} ?archived=${archived} ?observing=${observing}></t-nav>` : nothing}
         </t-header>
@@ -211,9 +212,9 @@ export class Shell extends LitElement {
   private renderContent(): unknown {
     if (this.broken) {
       return html`<t-problem
-        what="This page could not be loaded."
-        how="The hub may have been updated, or the network is gone."
-        retry="Load again"
+        what=${msg("This page could not be loaded.")}
+        how=${msg("The hub may have been updated, or the network is gone.")}
+        retry=${msg("Load again")}
         @t-retry=${this.reloadPage}
       ></t-problem>`;
     }
@@ -223,26 +224,26 @@ export class Shell extends LitElement {
     const admins = ADMIN_PAGES.includes(place);
     // An empty list would say that all is well.
     if (person !== null && (admins || place === "alarms" || place === "logbook") && !mayOpen(place, person)) {
-      return html`<t-empty heading=${admins ? "Only admins may open this" : "This is not open to you"} icon="lock" page>
-        <p>You are signed in as ${person.name}, with the role ${person.role}. An admin of this hub can give you another.</p>
-        <p><a href="/">Go to your first page</a></p>
+      return html`<t-empty heading=${admins ? msg("Only admins may open this") : msg("This is not open to you")} icon="lock" page>
+        <p>${msg(str`You are signed in as ${person.name}, with the role ${person.role}. An admin of this hub can give you another.`)}</p>
+        <p><a href="/">${msg("Go to your first page")}</a></p>
       </t-empty>`;
     }
     if (this.page !== null) return this.page;
     if (this.unreachable) {
       return html`<t-problem
-        what="The hub cannot be reached."
-        how="Check the network and that the hub is running. It is tried again every few seconds."
+        what=${msg("The hub cannot be reached.")}
+        how=${msg("Check the network and that the hub is running. It is tried again every few seconds.")}
       ></t-problem>`;
     }
-    return html`<t-loading what="Opening Talaia"></t-loading>`;
+    return html`<t-loading what=${msg("Opening Talaia")}></t-loading>`;
   }
 
   private renderBanner(): unknown {
     if (this.session.store?.person?.factor_missing !== false) return nothing;
     if (this.link.state === "lost") {
       return html`<t-banner kind="bad"
-        >No connection to the hub. What you see is old; it is tried again by itself.</t-banner
+        >${msg("No connection to the hub. What you see is old; it is tried again by itself.")}</t-banner
       >`;
     }
     const rivals = this.sites.store?.list.filter((row) => row.rival_us > 0) ?? [];
@@ -253,7 +254,7 @@ export class Shell extends LitElement {
   private renderOutdated(): unknown {
     if (!this.outdated) return nothing;
     return html`<t-banner
-      >Talaia was updated while this page was open. <t-button kind="quiet" @click=${this.reloadPage}>Load the new page</t-button></t-banner
+      >${msg("Talaia was updated while this page was open.")} <t-button kind="quiet" @click=${this.reloadPage}>${msg("Load the new page")}</t-button></t-banner
     >`;
   }
 
@@ -261,8 +262,7 @@ export class Shell extends LitElement {
     const row = this.sites.store?.siteRow(this.router.store?.route.site ?? "");
     if (row === undefined || row.online) return nothing;
     return html`<t-banner kind="warn"
-      >${row.name} has been offline since <t-time .us=${row.since_us} .zone=${row.zone}></t-time>. Values are the last
-      known.</t-banner
+      >${msg(html`${row.name} has been offline since <t-time .us=${row.since_us} .zone=${row.zone}></t-time>. Values are the last known.`)}</t-banner
     >`;
   }
 
@@ -335,10 +335,7 @@ export class Shell extends LitElement {
 /** Two gateways with one identity: a copied key, or a machine that was forgotten. */
 function renderRivalry(row: SiteSummary): TemplateResult {
   return html`<t-banner kind="bad"
-    >A second gateway uses the key of ${row.name}; it was last there at
-    <t-time .us=${row.rival_us} .zone=${row.zone}></t-time>. Only one is linked and can drive; STOP reaches both while the
-    other waits. An admin decides under <a href="/admin/gateways">Gateways</a>. Switch the other one off, or enrol one of them
-    anew.</t-banner
+    >${msg(html`A second gateway uses the key of ${row.name}; it was last there at <t-time .us=${row.rival_us} .zone=${row.zone}></t-time>. Only one is linked and can drive; STOP reaches both while the other waits. An admin decides under <a href="/admin/gateways">Gateways</a>. Switch the other one off, or enrol one of them anew.`)}</t-banner
   >`;
 }
 

@@ -1,5 +1,6 @@
 /** Over the page of a person whose session ended: they sign in where they are, and go on there. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { consume } from "@lit/context";
@@ -22,13 +23,13 @@ export class SignInAgain extends LitElement {
     const session = this.session.store;
     const open = session?.state === "ended";
     const name = session?.person?.name ?? "";
-    return html`<t-dialog heading="Sign in to go on" lasting ?open=${open}>
+    return html`<t-dialog heading=${msg("Sign in to go on")} lasting ?open=${open}>
       ${open
         ? html`<t-sign-in-form .who=${name} .returns=${this.router.path} .notice=${session.notice}>
-            <p>This page waits, covered, for ${name}. If somebody else signs in, it is forgotten.</p>
+            <p>${msg(str`This page waits, covered, for ${name}. If somebody else signs in, it is forgotten.`)}</p>
           </t-sign-in-form>`
         : nothing}
-      ${open ? html`<t-button slot="actions" kind="quiet" @click=${this.leave}>Leave this page</t-button>` : nothing}
+      ${open ? html`<t-button slot="actions" kind="quiet" @click=${this.leave}>${msg("Leave this page")}</t-button>` : nothing}
     </t-dialog>`;
   }
 

@@ -1,6 +1,7 @@
 /** Tells admins on every page when there is soon no room for what comes. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -48,7 +49,7 @@ export class StorageWarning extends LitElement {
     if (this.outlook === null || !this.isAdmin()) return nothing;
     const warning = warningOf(this.outlook, this.sites.store?.zone ?? "UTC");
     if (warning === null) return nothing;
-    return html`<t-banner kind=${warning.kind}>${warning.text} <a href="/admin/storage">See what takes the room</a></t-banner>`;
+    return html`<t-banner kind=${warning.kind}>${warning.text} <a href="/admin/storage">${msg("See what takes the room")}</a></t-banner>`;
   }
 
   private isAdmin(): boolean {

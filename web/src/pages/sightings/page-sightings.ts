@@ -1,6 +1,7 @@
 /** What the cameras of a site have seen: newest first, found by camera, class and time. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -114,18 +115,18 @@ export class PageSightings extends LitElement {
 
   override render(): TemplateResult {
     return html`${renderPageHead(
-        "Sightings",
-        `What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.`,
+        msg("Sightings"),
+        msg(str`What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.`),
         html`<div class="actions">
-          <a href=${sitePath(this.site, "review")}>Review</a>
-          <a href=${sitePath(this.site, "cameras")}>Cameras</a>
-          <a href=${sitePath(this.site, "logbook")}>Logbook</a>
+          <a href=${sitePath(this.site, "review")}>${msg("Review")}</a>
+          <a href=${sitePath(this.site, "cameras")}>${msg("Cameras")}</a>
+          <a href=${sitePath(this.site, "logbook")}>${msg("Logbook")}</a>
         </div>`,
       )}
       ${this.renderSearch(this.filter())}
       ${renderInfiniteList(this.list, {
-        label: "Sightings",
-        what: "the sightings",
+        label: msg("Sightings"),
+        what: msg("the sightings"),
         row: (row) => this.renderRow(row),
         nothing: () => this.renderEmpty(),
       })}`;
@@ -134,21 +135,21 @@ export class PageSightings extends LitElement {
   private renderSearch(filter: SightingFilter): TemplateResult {
     const clock = this.clock();
     const shown = (us: number | null): string => (us === null ? "" : clock.toInput(us));
-    return html`<section class="sheet" aria-label="Filter">
+    return html`<section class="sheet" aria-label=${msg("Filter")}>
       <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
-        <t-field label="Detected object">
+        <t-field label=${msg("Detected object")}>
           <input name="what" type="search" list="labels" maxlength="200" autocomplete="off" .value=${settled(filter.what)} />
         </t-field>
         <datalist id="labels">${map(this.knownLabels(), (label) => html`<option value=${label}></option>`)}</datalist>
-        <t-field label="Camera">
+        <t-field label=${msg("Camera")}>
           <select name="camera">
             ${renderOptions([["", "all"], ...this.cameras()], filter.camera)}
           </select>
         </t-field>
-        <t-field class="time" label=${`From (${clock.zone})`} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}><input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["from"] ?? shown(filter.fromUs))} /></t-field>
-        <t-field class="time" label=${`To (${clock.zone})`} .error=${momentProblem(this.wrongTimes["to"] ?? "", Number.NaN)}><input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["to"] ?? shown(filter.toUs))} /></t-field>
-        <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is visible now</label>
-        <t-button kind="quiet" ?disabled=${writeSightingFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        <t-field class="time" label=${msg(str`From (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}><input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["from"] ?? shown(filter.fromUs))} /></t-field>
+        <t-field class="time" label=${msg(str`To (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["to"] ?? "", Number.NaN)}><input name="to" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["to"] ?? shown(filter.toUs))} /></t-field>
+        <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> ${msg("Only what is visible now")}</label>
+        <t-button kind="quiet" ?disabled=${writeSightingFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
       </form>
     </section>`;
   }
@@ -157,14 +158,14 @@ export class PageSightings extends LitElement {
     const all = writeSightingFilter(this.filter()) === "";
     const looking = this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
     if (!all) {
-      return html`<t-empty heading="No matches" icon="camera">
-        <p>No camera has seen anything like this.</p>
-        <t-button @click=${this.form.clearFilter}>Show everything</t-button>
+      return html`<t-empty heading=${msg("No matches")} icon="camera">
+        <p>${msg("No camera has seen anything like this.")}</p>
+        <t-button @click=${this.form.clearFilter}>${msg("Show everything")}</t-button>
       </t-empty>`;
     }
-    if (looking) return html`<t-empty heading="Nothing seen yet" icon="camera"><p>What comes into sight of a camera is listed here by itself.</p></t-empty>`;
-    return html`<t-empty heading="No camera looks for anything" icon="camera">
-      <p>Object detection is switched on for each camera in the site's description, under <code>detect:</code>.</p>
+    if (looking) return html`<t-empty heading=${msg("Nothing seen yet")} icon="camera"><p>${msg("What comes into sight of a camera is listed here by itself.")}</p></t-empty>`;
+    return html`<t-empty heading=${msg("No camera looks for anything")} icon="camera">
+      <p>${msg(html`Object detection is switched on for each camera in the site's description, under <code>detect:</code>.`)}</p>
     </t-empty>`;
   }
 
@@ -178,12 +179,12 @@ export class PageSightings extends LitElement {
         .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}
       >
         <div class="ways">
-          <a href=${`${sitePath(this.site, "history")}?${historyQuery(row, this.detail.value)}`} aria-label=${`Chart at the moment of ${row.label}`}>Chart</a>
-          <a href=${this.reviewPathOf(row)} aria-label=${`Review ${row.label}`}>Review</a>
+          <a href=${`${sitePath(this.site, "history")}?${historyQuery(row, this.detail.value)}`} aria-label=${msg(str`Chart at the moment of ${row.label}`)}>${msg("Chart")}</a>
+          <a href=${this.reviewPathOf(row)} aria-label=${msg(str`Review ${row.label}`)}>${msg("Review")}</a>
           ${recordingAt(this.recordings.value ?? [], row.began_us) === undefined
             ? nothing
-            : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.began_us)}`}>Recording</a>`}
-          ${row.ended_us === null ? html`<a href=${`/sites/${encodeURIComponent(this.site)}/devices/${encodeURIComponent(device)}`}>Look now</a>` : nothing}
+            : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.began_us)}`}>${msg("Recording")}</a>`}
+          ${row.ended_us === null ? html`<a href=${`/sites/${encodeURIComponent(this.site)}/devices/${encodeURIComponent(device)}`}>${msg("Look now")}</a>` : nothing}
         </div>
       </t-sighting>
     </li>`;

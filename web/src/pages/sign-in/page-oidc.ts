@@ -1,6 +1,7 @@
 /** Back from the provider of sign-ins: hands the hub what it was sent back with, and goes on. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -34,7 +35,7 @@ export class PageOidc extends LitElement {
     const said = new URLSearchParams(this.router.search);
     // The code is good once; nobody is to find it in this browser's history.
     window.history.replaceState(null, "", "/oidc");
-    void this.action.run("sign you in", async () => {
+    void this.action.run(msg("sign you in"), async () => {
       const { returns } = await this.api.finishOidc({
         state: said.get("state") ?? "-",
         code: said.get("code") ?? "",
@@ -47,10 +48,10 @@ export class PageOidc extends LitElement {
   }
 
   override render(): TemplateResult {
-    if (this.action.problem === null) return html`<t-loading what="Signing in"></t-loading>`;
+    if (this.action.problem === null) return html`<t-loading what=${msg("Signing in")}></t-loading>`;
     return html`<div class="sheet">
       ${renderAdvice(this.action.problem)}
-      <p><a href="/">Back</a></p>
+      <p><a href="/">${msg("Back")}</a></p>
     </div>`;
   }
 }

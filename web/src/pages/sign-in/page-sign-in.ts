@@ -1,6 +1,7 @@
 /** Sign in, and go where one wanted to. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -32,7 +33,7 @@ export class PageSignIn extends LitElement {
     return html`<div class="sheet">
       <t-sign-in-form .returns=${this.returns} .notice=${this.session.store?.notice ?? ""}>
         <h1>Talaia</h1>
-        <p class="muted">The control room for your robots</p>
+        <p class="muted">${msg("The control room for your robots")}</p>
       </t-sign-in-form>
     </div>`;
   }

@@ -1,6 +1,7 @@
 /** Asks who it is: name and password, the second factor where there is one, a passkey, or the provider. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -96,23 +97,23 @@ export class SignInForm extends LitElement {
     return html`
       <form novalidate @submit=${this.onSubmit}>
         <slot></slot>
-        ${this.wantsCode ? html`<p class="muted">One more step: ${this.name.value.trim()} has a second factor.</p>` : nothing}
-        ${this.notice === "" ? nothing : html`<p class="notice" role="status">You were signed out: ${this.notice}</p>`}
+        ${this.wantsCode ? html`<p class="muted">${msg(str`One more step: ${this.name.value.trim()} has a second factor.`)}</p>` : nothing}
+        ${this.notice === "" ? nothing : html`<p class="notice" role="status">${msg("You were signed out:")} ${this.notice}</p>`}
         ${this.renderProblem()}
         <div class="who" ?hidden=${this.wantsCode}>${this.renderCredentials()}</div>
         ${this.wantsCode ? this.renderCodeField() : nothing}
         <t-button type="submit" kind="primary" ?busy=${this.busy} ?disabled=${waits}
-          >${this.busy ? "Signing in…" : "Sign in"}</t-button
+          >${this.busy ? msg("Signing in…") : msg("Sign in")}</t-button
         >
         ${hasPasskeys()
           ? html`<t-button ?disabled=${this.busy || waits} @click=${this.onPasskey}
-              >${this.wantsCode ? "Use a passkey instead" : "Sign in with a passkey"}</t-button
+              >${this.wantsCode ? msg("Use a passkey instead") : msg("Sign in with a passkey")}</t-button
             >`
           : nothing}
         ${this.wantsCode || (this.provider.value ?? "") === ""
           ? nothing
-          : html`<t-button ?disabled=${this.busy} @click=${this.onProvider}>Sign in with ${this.provider.value}</t-button>`}
-        ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.goBackToPassword}>Back to name and password</t-button>` : nothing}
+          : html`<t-button ?disabled=${this.busy} @click=${this.onProvider}>${msg(html`Sign in with ${this.provider.value}`)}</t-button>`}
+        ${this.wantsCode ? html`<t-button kind="quiet" @click=${this.goBackToPassword}>${msg("Back to name and password")}</t-button>` : nothing}
       </form>
     `;
   }
@@ -122,20 +123,20 @@ export class SignInForm extends LitElement {
     if (advice === null) return nothing;
     const wait = this.waitS();
     if (this.waitUntil > 0) {
-      if (wait === 0) return html`<p class="notice" role="status">You can try again now.</p>`;
+      if (wait === 0) return html`<p class="notice" role="status">${msg("You can try again now.")}</p>`;
       // The alert is said once; the time that runs stands beside it in silence.
-      return html`<t-problem what=${advice.what} how="The hub delays repeated tries."></t-problem>
-        <p class="wait">Try again ${waitText(wait)}.</p>`;
+      return html`<t-problem what=${advice.what} how=${msg("The hub delays repeated tries.")}></t-problem>
+        <p class="wait">${msg(str`Try again ${waitText(wait)}.`)}</p>`;
     }
     return renderAdvice(advice);
   }
 
   private renderCredentials(): TemplateResult {
     return html`
-        <t-field label="Name" error=${this.missing === "name" ? "Enter your name." : ""}>
+        <t-field label=${msg("Name")} error=${this.missing === "name" ? msg("Enter your name.") : ""}>
           <input id="name" name="username" autocomplete="username" autocapitalize="none" spellcheck="false" required .defaultValue=${this.who} />
         </t-field>
-        <t-field label="Password" error=${this.missing === "password" ? "Enter your password." : ""}>
+        <t-field label=${msg("Password")} error=${this.missing === "password" ? msg("Enter your password.") : ""}>
           <input id="password" name="password" type="password" autocomplete="current-password" required />
         </t-field>
     `;
@@ -143,9 +144,9 @@ export class SignInForm extends LitElement {
 
   private renderCodeField(): TemplateResult {
     return html`<t-field
-      label="Code"
-      hint="Six digits from your app, or one of your recovery codes"
-      error=${this.missing === "code" ? "Enter the code." : ""}
+      label=${msg("Code")}
+      hint=${msg("Six digits from your app, or one of your recovery codes")}
+      error=${this.missing === "code" ? msg("Enter the code.") : ""}
     >
       <input id="code" name="code" autocomplete="one-time-code" autocapitalize="none" spellcheck="false" required />
     </t-field>`;

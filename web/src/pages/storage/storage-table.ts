@@ -1,5 +1,6 @@
 /** What each signal takes, as a table that can be sorted and filtered. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -35,37 +36,37 @@ export class StorageTable extends LitElement {
     const shown = this.all ? fits : fits.slice(0, MANY);
     const columns = this.columns();
     return html`<div class="tools">
-        <input type="search" placeholder="Filter" aria-label="Filter signals" @input=${this.onInput} />
+        <input type="search" placeholder="Filter" aria-label=${msg("Filter signals")} @input=${this.onInput} />
         <label class="sort"
-          >Sort by
+          >${msg("Sort by")}
           <select @change=${this.onChange}>
             ${renderOptions(columns.map(({ sort = "", title }) => [sort, title]), this.sorting.by)}
           </select>
-          <t-button @click=${this.onSortChange}>${this.sorting.down ? "Falling" : "Rising"}</t-button>
+          <t-button @click=${this.onSortChange}>${this.sorting.down ? msg("Falling") : msg("Rising")}</t-button>
         </label>
       </div>
       ${renderTable({
-        label: "What each signal takes",
+        label: msg("What each signal takes"),
         columns,
         rows: shown,
         key: ({ site, address }) => `${site}\n${address}`,
         sorting: this.sorting,
         onSort: this.sortBy,
       })}
-      ${fits.length === 0 ? html`<p class="muted small">No signal is called like this.</p>` : nothing}
-      <p class="muted small">The newest samples of each signal, up to some ten thousand, are in no block yet and not in it.</p>
-      ${fits.length > shown.length ? html`<t-button @click=${this.showMore}>Show all ${fits.length} signals</t-button>` : nothing}`;
+      ${fits.length === 0 ? html`<p class="muted small">${msg("No signal is called like this.")}</p>` : nothing}
+      <p class="muted small">${msg("The newest samples of each signal, up to some ten thousand, are in no block yet and not in it.")}</p>
+      ${fits.length > shown.length ? html`<t-button @click=${this.showMore}>${msg(str`Show all ${fits.length} signals`)}</t-button>` : nothing}`;
   }
 
   private columns(): readonly TableColumn<SignalUse, SortKey>[] {
     const most = Math.max(1, ...this.signals.map(({ bytes }) => bytes));
     return [
-      { title: "Signal", name: "who", sort: "name", cell: renderSignal },
-      { title: "Size", name: "size", sort: "bytes", cell: ({ bytes }) => renderSize(bytes, most) },
-      { title: "Per day", name: "number", titled: true, sort: "day", cell: ({ dayBytes }) => formatBytes(dayBytes) },
-      { title: "Samples", name: "number", titled: true, sort: "samples", cell: ({ samples }) => formatNumber(samples, 0) },
-      { title: "From – to", name: "when", titled: true, sort: "first", cell: (use) => this.spanText(use) },
-      { title: "Kept", titled: true, sort: "keep", cell: ({ keepDays }) => keepText(keepDays) },
+      { title: msg("Signal"), name: "who", sort: "name", cell: renderSignal },
+      { title: msg("Size"), name: "size", sort: "bytes", cell: ({ bytes }) => renderSize(bytes, most) },
+      { title: msg("Per day"), name: "number", titled: true, sort: "day", cell: ({ dayBytes }) => formatBytes(dayBytes) },
+      { title: msg("Samples"), name: "number", titled: true, sort: "samples", cell: ({ samples }) => formatNumber(samples, 0) },
+      { title: msg("From – to"), name: "when", titled: true, sort: "first", cell: (use) => this.spanText(use) },
+      { title: msg("Kept"), titled: true, sort: "keep", cell: ({ keepDays }) => keepText(keepDays) },
     ];
   }
 
@@ -101,7 +102,7 @@ export class StorageTable extends LitElement {
 
 function renderSignal(use: SignalUse): TemplateResult {
   return html`<a href=${historyOf(use)}>${use.name}</a>
-    <span class="muted small">${use.site} · ${use.address}${use.described ? "" : ", no longer in the description"}</span>`;
+    <span class="muted small">${use.site} · ${use.address}${use.described ? "" : msg(", no longer in the description")}</span>`;
 }
 
 /** With a bar beside it: how much it is of the largest. */

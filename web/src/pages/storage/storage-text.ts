@@ -1,6 +1,8 @@
 /** What the forecast says, in sentences. */
 
+import { msg, str } from "@lit/localize";
 import { formatBytes } from "../../format/bytes.js";
+import { plural } from "../../format/plural.js";
 import { formatDate } from "../../format/time.js";
 import type { OutlookShape, StorageShape } from "../../generated/api.js";
 
@@ -9,34 +11,34 @@ const LONG_DAYS = 730;
 
 /** `12 days`, `3.1 years`. */
 export function durationText(days: number): string {
-  if (days >= LONG_DAYS) return `${(days / YEAR_DAYS).toFixed(1)} years`;
-  if (days < 2) return `${String(Math.max(1, Math.round(days * 24)))} hours`;
-  return `${String(Math.round(days))} days`;
+  if (days >= LONG_DAYS) return msg(str`${(days / YEAR_DAYS).toFixed(1)} years`);
+  if (days < 2) return msg(str`${String(Math.max(1, Math.round(days * 24)))} hours`);
+  return msg(str`${String(Math.round(days))} days`);
 }
 
 /** How long a signal is kept; 0 is for good. */
 export function keepText(days: number): string {
-  if (days === 0) return "for good";
+  if (days === 0) return msg("for good");
   const shown = Number(days.toFixed(2));
-  return `${String(shown)} ${shown === 1 ? "day" : "days"}`;
+  return plural(shown, msg(str`${String(shown)} day`), msg(str`${String(shown)} days`));
 }
 
 /** When the room is used up, and what is kept then. */
 export function forecastText(use: StorageShape, zone: string): string {
   const { full_us: full, limit_bytes: limit, oldest_us: oldest, kept_days: kept } = use;
-  if (use.blocks_bytes === 0) return "How fast it grows is known once the first samples are put together in blocks.";
-  if (use.day_bytes === 0) return "Nothing came in the last week, so nothing fills up.";
+  if (use.blocks_bytes === 0) return msg("How fast it grows is known once the first samples are put together in blocks.");
+  if (use.day_bytes === 0) return msg("Nothing came in the last week, so nothing fills up.");
   if (full === null) {
-    if (use.free_bytes === null && limit === 0) return "The disk of the database server is not the hub's to see: watch it there, or set a limit.";
-    return "At the last week's rate there is room for a hundred years and more.";
+    if (use.free_bytes === null && limit === 0) return msg("The disk of the database server is not the hub's to see: watch it there, or set a limit.");
+    return msg("At the last week's rate there is room for a hundred years and more.");
   }
-  const then = oldest === null ? "" : ` The oldest sample is of ${formatDate(oldest, zone)} then.`;
+  const then = oldest === null ? "" : msg(str` The oldest sample is of ${formatDate(oldest, zone)} then.`);
   if (!use.by_limit) {
-    return `At the last week's rate the disk is full on ${formatDate(full, zone)}.${then} On a full disk nothing is stored until there is room: set a limit in time.`;
+    return msg(str`At the last week's rate the disk is full on ${formatDate(full, zone)}.${then} On a full disk nothing is stored until there is room: set a limit in time.`);
   }
-  const long = kept === null ? "" : ` About ${durationText(kept)} are kept at this rate.`;
-  if (use.blocks_bytes >= limit) return `The limit of ${formatBytes(limit)} is reached: the oldest samples go as new ones come.${long}`;
-  return `At the last week's rate the limit of ${formatBytes(limit)} is reached on ${formatDate(full, zone)}.${then} From then on the oldest go.${long}`;
+  const long = kept === null ? "" : msg(str` About ${durationText(kept)} are kept at this rate.`);
+  if (use.blocks_bytes >= limit) return msg(str`The limit of ${formatBytes(limit)} is reached: the oldest samples go as new ones come.${long}`);
+  return msg(str`At the last week's rate the limit of ${formatBytes(limit)} is reached on ${formatDate(full, zone)}.${then} From then on the oldest go.${long}`);
 }
 
 export interface StorageWarningText {
@@ -46,16 +48,16 @@ export interface StorageWarningText {
 
 /** What an admin is told on every page; null while there is nothing to tell. */
 export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: OutlookShape, zone: string): StorageWarningText | null {
-  if (trouble !== "") return { kind: "bad", text: `The hub cannot store samples now (${trouble}). Gateways keep theirs until it can.` };
-  const left = free === null ? "" : ` Only ${formatBytes(free)} are free.`;
+  if (trouble !== "") return { kind: "bad", text: msg(str`The hub cannot store samples now (${trouble}). Gateways keep theirs until it can.`) };
+  const left = free === null ? "" : msg(str` Only ${formatBytes(free)} are free.`);
   const day = full === null ? "" : formatDate(full, zone);
   switch (warn) {
     case "full":
-      return { kind: "bad", text: `The hub's disk is nearly full.${left} On a full disk nothing is stored.` };
+      return { kind: "bad", text: msg(str`The hub's disk is nearly full.${left} On a full disk nothing is stored.`) };
     case "soon":
-      return { kind: "warn", text: `At the last week's rate the hub's disk is full on ${day}.` };
+      return { kind: "warn", text: msg(str`At the last week's rate the hub's disk is full on ${day}.`) };
     case "limit":
-      return { kind: "info", text: `The history reaches its limit on ${day}; from then on the oldest samples go.` };
+      return { kind: "info", text: msg(str`The history reaches its limit on ${day}; from then on the oldest samples go.`) };
     case "":
       return null;
   }

@@ -1,6 +1,7 @@
 /** The raw topics of a site that a person may follow, and one of them. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -130,18 +131,18 @@ export class PageTopics extends LitElement {
   override render(): TemplateResult {
     const name = this.sites.store?.siteRow(this.site)?.name ?? this.site;
     return html`${renderPageHead(
-        "Topics",
-        `What the robot of ${name} publishes, as it comes. It is heard for this only while you look.`,
-        html`<div class="actions"><a href=${sitePath(this.site, "scene")}>Scene</a> <a href=${sitePath(this.site, "live")}>Real-time</a></div>`,
+        msg("Topics"),
+        msg(str`What the robot of ${name} publishes, as it comes. It is heard for this only while you look.`),
+        html`<div class="actions"><a href=${sitePath(this.site, "scene")}>${msg("Scene")}</a> <a href=${sitePath(this.site, "live")}>${msg("Real-time")}</a></div>`,
       )}
-      ${this.known === undefined ? renderLoaded(this.topics, "the topics", (table) => this.renderContent(table)) : this.renderContent(this.known)}`;
+      ${this.known === undefined ? renderLoaded(this.topics, msg("the topics"), (table) => this.renderContent(table)) : this.renderContent(this.known)}`;
   }
 
   private renderContent({ topics }: TopicTable): TemplateResult {
     const chosen = this.chosenTopic();
     if (topics.length === 0 && chosen === "") return this.renderEmpty();
     const known = topics.find(({ topic }) => topic === chosen);
-    return html`${this.isOnline() ? nothing : html`<t-banner kind="warn">The robot's gateway is not connected; these are the topics that it had.</t-banner>`}
+    return html`${this.isOnline() ? nothing : html`<t-banner kind="warn">${msg("The robot's gateway is not connected; these are the topics that it had.")}</t-banner>`}
       <div class=${chosen === "" ? "both list-only" : "both"}>
         ${this.renderList(topics, chosen)}
         ${chosen === ""
@@ -149,18 +150,18 @@ export class PageTopics extends LitElement {
           : known !== undefined
             ? html`<t-topic .site=${this.site} .topic=${chosen} .type=${known.type} asked=${this.askedSignal()} .online=${this.isOnline()}></t-topic>`
             : html`<div>
-                <t-problem what=${`There is no topic ${chosen} that you may follow.`} how="The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics."></t-problem>
-                <a class="all" href=${sitePath(this.site, "topics")}>All topics</a>
+                <t-problem what=${msg(str`There is no topic ${chosen} that you may follow.`)} how=${msg("The robot does not publish it now, or it is not yours to see. An admin names topics and rights in the site's description, under topics.")}></t-problem>
+                <a class="all" href=${sitePath(this.site, "topics")}>${msg("All topics")}</a>
               </div>`}
       </div>`;
   }
 
   private renderList(topics: readonly TopicShape[], chosen: string): TemplateResult {
     const shown = filterTopics(topics, this.words);
-    return html`<section class="sheet" aria-label="All topics">
-      <input type="search" aria-label="Filter topics" placeholder="Name or type" .value=${this.words} @input=${this.onFilter} />
+    return html`<section class="sheet" aria-label=${msg("All topics")}>
+      <input type="search" aria-label=${msg("Filter topics")} placeholder=${msg("Name or type")} .value=${this.words} @input=${this.onFilter} />
       ${shown.length === 0
-        ? html`<p class="muted" role="status">No topic is called so.</p>`
+        ? html`<p class="muted" role="status">${msg("No topic is called so.")}</p>`
         : html`<ul class="rows">
             ${repeat(
               shown,
@@ -179,7 +180,7 @@ export class PageTopics extends LitElement {
         <span class="facts">
           <span>${one.type}</span>
           ${rate === "" ? nothing : html`<span>${rate}</span>`}
-          ${one.latched ? html`<span>latched</span>` : nothing}
+          ${one.latched ? html`<span>${msg("latched")}</span>` : nothing}
           <span>${whoMaySee(one, this.detail.value)}</span>
           ${one.problem === "" ? nothing : html`<span>${one.problem}</span>`}
         </span>
@@ -189,10 +190,10 @@ export class PageTopics extends LitElement {
 
   private renderEmpty(): TemplateResult {
     return this.isOnline()
-      ? html`<t-empty heading="No topics" icon="live">
-          <p>The robot publishes none that you may follow. An admin opens them in the site's description, under <code>topics:</code>.</p>
+      ? html`<t-empty heading=${msg("No topics")} icon="live">
+          <p>${msg(html`The robot publishes none that you may follow. An admin opens them in the site's description, under <code>topics:</code>.`)}</p>
         </t-empty>`
-      : html`<t-empty heading="The gateway is away" icon="unlinked"><p>The robot's topics are listed when its gateway has connected.</p></t-empty>`;
+      : html`<t-empty heading=${msg("The gateway is away")} icon="unlinked"><p>${msg("The robot's topics are listed when its gateway has connected.")}</p></t-empty>`;
   }
 
   private isOnline(): boolean {

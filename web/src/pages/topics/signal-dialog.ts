@@ -1,6 +1,7 @@
 /** Make a field of a raw topic a signal: what it is called, what becomes other in the description, and that it is applied. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -80,9 +81,9 @@ export class SignalDialog extends LitElement {
 
   override render(): TemplateResult {
     const { wanted } = this;
-    return html`<t-dialog heading="Make it a signal" ?open=${wanted !== null} @t-close=${this.closeDialog}>
-      ${wanted === null ? nothing : renderLoaded(this.described, "the description", (described) => this.renderDescribed(wanted, described))}
-      <t-button slot="actions" @click=${this.closeDialog}>${this.isApplied() ? "Close" : "Cancel"}</t-button>
+    return html`<t-dialog heading=${msg("Make it a signal")} ?open=${wanted !== null} @t-close=${this.closeDialog}>
+      ${wanted === null ? nothing : renderLoaded(this.described, msg("the description"), (described) => this.renderDescribed(wanted, described))}
+      <t-button slot="actions" @click=${this.closeDialog}>${this.isApplied() ? msg("Close") : msg("Cancel")}</t-button>
       ${wanted === null ? nothing : this.renderNext(wanted)}
     </t-dialog>`;
   }
@@ -90,9 +91,9 @@ export class SignalDialog extends LitElement {
   private renderDescribed(wanted: TopicField, { known, site }: Described): TemplateResult {
     const { change } = this;
     const already = signalOf(site, wanted);
-    if (this.isApplied()) return html`<p role="status">The gateway has it: the signal is on the site’s pages, and is kept from now on.</p>`;
-    if (already !== "") return html`<t-empty heading="It is a signal already" icon="live"><p>It is called ${already}.</p></t-empty>`;
-    if (devicesOf(site).length === 0) return html`<t-problem what="The description has no device." how="Add one under Admin, Description, first."></t-problem>`;
+    if (this.isApplied()) return html`<p role="status">${msg("The gateway has it: the signal is on the site’s pages, and is kept from now on.")}</p>`;
+    if (already !== "") return html`<t-empty heading=${msg("It is a signal already")} icon="live"><p>${msg(str`It is called ${already}.`)}</p></t-empty>`;
+    if (devicesOf(site).length === 0) return html`<t-problem what=${msg("The description has no device.")} how=${msg("Add one under Admin, Description, first.")}></t-problem>`;
     if (!known.editable) return this.renderClosed(known);
     return change === null ? this.renderForm(wanted, site) : this.renderChange(change);
   }
@@ -100,25 +101,25 @@ export class SignalDialog extends LitElement {
   private renderForm(wanted: TopicField, site: JsonObject): TemplateResult {
     const proposed = this.words ?? proposeSignal(site, wanted);
     return html`<form class="entry" novalidate @submit=${this.onSubmit}>
-      <p class="wide"><code>${wanted.field}</code> of <code>${wanted.topic}</code> is then kept in the history, and can be shown, charted and watched by alarms.</p>
-      <t-field class="wide" label="Name" .error=${this.mistake}><input name="name" type="text" autocomplete="off" maxlength="80" .value=${proposed.name} /></t-field>
-      <t-field label="Device"><select name="device">${renderOptions(devicesOf(site), proposed.device)}</select></t-field>
-      ${wanted.text ? nothing : html`<t-field label="Unit" hint="As °C, m/s or %. Empty: none."><input name="unit" type="text" autocomplete="off" maxlength="20" .value=${proposed.unit} /></t-field>`}
+      <p class="wide">${msg(html`<code>${wanted.field}</code> of <code>${wanted.topic}</code> is then kept in the history, and can be shown, charted and watched by alarms.`)}</p>
+      <t-field class="wide" label=${msg("Name")} .error=${this.mistake}><input name="name" type="text" autocomplete="off" maxlength="80" .value=${proposed.name} /></t-field>
+      <t-field label=${msg("Device")}><select name="device">${renderOptions(devicesOf(site), proposed.device)}</select></t-field>
+      ${wanted.text ? nothing : html`<t-field label=${msg("Unit")} hint=${msg("As °C, m/s or %. Empty: none.")}><input name="unit" type="text" autocomplete="off" maxlength="20" .value=${proposed.unit} /></t-field>`}
       ${renderAdvice(this.action.problem)}
     </form>`;
   }
 
   private renderChange(change: DraftChange): TemplateResult {
     const wrong = [...change.findings, ...(this.answer?.findings ?? [])];
-    const refused = change.findings.length > 0 ? { what: "It cannot be applied like this.", how: "Go back, and change what is named here." } : refusalAdvice(this.answer);
+    const refused = change.findings.length > 0 ? { what: msg("It cannot be applied like this."), how: msg("Go back, and change what is named here.") } : refusalAdvice(this.answer);
     return html`${change.findings.length > 0 ? nothing : html`<t-difference .parts=${change.parts} .lines=${change.lines}></t-difference>`}
       ${wrong.length === 0 ? nothing : html`<t-findings .findings=${wrong}></t-findings>`} ${renderAdvice(this.action.problem ?? refused)}`;
   }
 
   private renderClosed({ online }: DescriptionList): TemplateResult {
-    if (!online) return html`<t-problem what="The site’s gateway is offline." how="A signal can be added when it is back."></t-problem>`;
-    const how = "Start it with --accept-changes readings, or write the signal into its file there.";
-    return html`<t-problem what="The gateway takes no changes from here." how=${how}></t-problem>`;
+    if (!online) return html`<t-problem what=${msg("The site’s gateway is offline.")} how=${msg("A signal can be added when it is back.")}></t-problem>`;
+    const how = msg("Start it with --accept-changes readings, or write the signal into its file there.");
+    return html`<t-problem what=${msg("The gateway takes no changes from here.")} how=${how}></t-problem>`;
   }
 
   private renderNext(wanted: TopicField): TemplateResult | typeof nothing {
@@ -126,9 +127,9 @@ export class SignalDialog extends LitElement {
     if (this.isApplied() || described?.known.editable !== true || signalOf(described.site, wanted) !== "") return nothing;
     const { change } = this;
     const { busy } = this.action;
-    if (change === null) return html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.checkSignal}>Review</t-button>`;
-    return html`<t-button slot="actions" kind="quiet" ?disabled=${busy} @click=${this.changeWords}>Back</t-button>
-      <t-button slot="actions" kind="primary" ?busy=${busy} ?disabled=${change.findings.length > 0} @click=${this.applySignal}>${busy ? "The gateway changes over…" : "Apply"}</t-button>`;
+    if (change === null) return html`<t-button slot="actions" kind="primary" ?busy=${busy} @click=${this.checkSignal}>${msg("Review")}</t-button>`;
+    return html`<t-button slot="actions" kind="quiet" ?disabled=${busy} @click=${this.changeWords}>${msg("Back")}</t-button>
+      <t-button slot="actions" kind="primary" ?busy=${busy} ?disabled=${change.findings.length > 0} @click=${this.applySignal}>${busy ? msg("The gateway changes over…") : msg("Apply")}</t-button>`;
   }
 
   private isApplied(): boolean {
@@ -156,9 +157,9 @@ export class SignalDialog extends LitElement {
     const said = new FormData(form);
     const words = { device: formText(said, "device"), name: formText(said, "name"), unit: formText(said, "unit") };
     this.words = words;
-    this.mistake = words.name === "" ? "Give it a name." : "";
+    this.mistake = words.name === "" ? msg("Give it a name.") : "";
     if (words.name === "") return;
-    void this.action.run("check the signal", async () => {
+    void this.action.run(msg("check the signal"), async () => {
       this.change = await draftChange(this.api, this.site, described.from, withSignal(described.site, wanted, words));
     });
   };
@@ -172,7 +173,7 @@ export class SignalDialog extends LitElement {
     const { change } = this;
     if (change === null) return;
     this.answer = null;
-    void this.action.run("apply the signal", async () => {
+    void this.action.run(msg("apply the signal"), async () => {
       this.answer = await sendDraft(this.api, this.site, change);
     });
   };

@@ -1,5 +1,6 @@
 /** One raw topic: its newest message as a tree, or in its own form; followed while it is looked at. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -11,6 +12,7 @@ import { control } from "../../elements/forms/input-style.js";
 import type { FieldChoice } from "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { formatBytes } from "../../format/bytes.js";
+import { plural } from "../../format/plural.js";
 import type { TopicMessage } from "../../generated/wire.js";
 import { sessionContext } from "../../state/contexts.js";
 import { isSiteAdmin } from "../../state/rights.js";
@@ -162,7 +164,7 @@ export class TopicDetail extends LitElement {
     const tiled = tile !== null && this.view === "tile" && facts.state !== "forbidden";
     return html`
       <div class="head">
-        <a class="back" href=${sitePath(this.site, "topics")}>All topics</a>
+        <a class="back" href=${sitePath(this.site, "topics")}>${msg("All topics")}</a>
         <h2>${this.topic}</h2>
         ${this.renderFacts(facts)}
       </div>
@@ -182,23 +184,23 @@ export class TopicDetail extends LitElement {
       ${update === null || update.type === "" ? nothing : html`<code>${update.type}</code>`}
       ${rate === "" ? nothing : html`<span>${rate}</span>`}
       ${message === null ? nothing : html`<span>${formatBytes(message.size)}</span>`}
-      ${update?.latched === true ? html`<span title="Who comes later gets its last messages, too">latched</span>` : nothing}
-      ${update === null || update.max_rate === 0 ? nothing : html`<span>at most ${String(update.max_rate)} Hz by the description</span>`}
+      ${update?.latched === true ? html`<span title=${msg("Who comes later gets its last messages, too")}>${msg("latched")}</span>` : nothing}
+      ${update === null || update.max_rate === 0 ? nothing : html`<span>${msg(str`at most ${String(update.max_rate)} Hz by the description`)}</span>`}
     </p>`;
   }
 
   private renderTools(hasTile: boolean, tiled: boolean): TemplateResult | typeof nothing {
     if (this.follower.message === null) return nothing;
     const views: readonly ChoiceOption[] = [
-      { id: "tile", label: "Diagnostics" },
-      { id: "tree", label: "Message" },
+      { id: "tile", label: msg("Diagnostics") },
+      { id: "tree", label: msg("Message") },
     ];
-    return html`<div class="tools" role="toolbar" aria-label="Message">
-      ${hasTile ? html`<t-choice label="Shown as" .options=${views} chosen=${this.view} @t-choose=${this.chooseView}></t-choice>` : nothing}
+    return html`<div class="tools" role="toolbar" aria-label=${msg("Message")}>
+      ${hasTile ? html`<t-choice label=${msg("Shown as")} .options=${views} chosen=${this.view} @t-choose=${this.chooseView}></t-choice>` : nothing}
       ${tiled
         ? nothing
-        : html`<t-button kind=${this.held === null ? "plain" : "primary"} pressed=${this.held === null ? "false" : "true"} @click=${this.togglePause}>${this.held === null ? "Pause" : "Resume"}</t-button>
-            <input type="search" aria-label="Search a field by its path" placeholder="Field, such as header.stamp" .value=${this.search} @input=${this.onSearch} />`}
+        : html`<t-button kind=${this.held === null ? "plain" : "primary"} pressed=${this.held === null ? "false" : "true"} @click=${this.togglePause}>${this.held === null ? msg("Pause") : msg("Resume")}</t-button>
+            <input type="search" aria-label=${msg("Search a field by its path")} placeholder=${msg("Field, such as header.stamp")} .value=${this.search} @input=${this.onSearch} />`}
     </div>`;
   }
 
@@ -207,14 +209,14 @@ export class TopicDetail extends LitElement {
     const shown = this.held ?? (message === null ? null : { message, tree });
     if (shown === null || INSTEAD.includes(how)) return nothing;
     const newer = this.held === null || message === null ? 0 : Math.max(0, message.seq - this.held.message.seq);
-    return html`${this.held === null ? nothing : html`<p class="muted" role="status">Paused. ${newer === 0 ? "Nothing newer has come." : `${newer.toLocaleString("en")} newer ${newer === 1 ? "message has" : "messages have"} come.`}</p>`}
+    return html`${this.held === null ? nothing : html`<p class="muted" role="status">${newer === 0 ? msg("Paused. Nothing newer has come.") : plural(newer, msg(str`Paused. ${newer.toLocaleString("en")} newer message has come.`), msg(str`Paused. ${newer.toLocaleString("en")} newer messages have come.`))}</p>`}
       <t-field-plot .traces=${this.plots.traces} .nowMs=${performance.now()} @t-plot=${this.onPlot}></t-field-plot>
       <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search} .plotted=${this.plots.paths} ?signals=${this.mayMakeSignals()} @t-plot=${this.onPlot} @t-make-signal=${this.onMakeSignal}></t-message-tree>`;
   }
 
   private renderDefinition(): TemplateResult | typeof nothing {
     const definition = this.follower.update?.definition ?? "";
-    return definition === "" ? nothing : html`<details><summary>Definition</summary><pre tabindex="0">${definition}</pre></details>`;
+    return definition === "" ? nothing : html`<details><summary>${msg("Definition")}</summary><pre tabindex="0">${definition}</pre></details>`;
   }
 
   private facts(nowMs: number): TopicFacts {

@@ -1,27 +1,28 @@
 /** What is said of a topic in a list: who may see it, how often it comes. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { SiteShape, TopicShape } from "../../generated/api.js";
 
 /** Who may follow a topic, in words. */
 export function whoMaySee({ described, right, device }: TopicShape, detail: SiteShape | undefined): string {
   const name = device === "" ? "" : (detail?.devices.find(({ id }) => id === device)?.name ?? device);
-  const where = name === "" ? "the site" : name;
+  const where = name === "" ? msg("the site") : name;
   switch (right) {
     case "view":
-      return `who may view ${where}`;
+      return msg(str`who may view ${where}`);
     case "use":
-      return `who may use ${where}`;
+      return msg(str`who may use ${where}`);
     case "admin":
-      return "admins";
+      return msg("admins");
     case "tap":
-      return described && name !== "" ? `who may tap ${name}` : "admins, and who may tap";
+      return described && name !== "" ? msg(str`who may tap ${name}`) : msg("admins, and who may tap");
   }
 }
 
 /** How often a topic comes; empty while nobody knows. */
 export function rateText(hertz: number | null): string {
   if (hertz === null || hertz <= 0) return "";
-  if (hertz < 0.1) return `every ${String(Math.round(1 / hertz))} s`;
+  if (hertz < 0.1) return msg(str`every ${String(Math.round(1 / hertz))} s`);
   return `${hertz < 10 ? hertz.toFixed(1) : String(Math.round(hertz))} Hz`;
 }
 

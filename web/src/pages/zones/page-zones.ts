@@ -1,6 +1,7 @@
 /** Draws zones and lines over a camera's picture, and writes them into the site's description. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
@@ -107,26 +108,26 @@ export class PageZones extends LitElement {
 
   override render(): TemplateResult {
     return html`${renderPageHead(
-        "Zones and lines",
-        "Drawn over the camera’s picture; signals count at them.",
+        msg("Zones and lines"),
+        msg("Drawn over the camera’s picture; signals count at them."),
         html`<div class="actions">
           ${this.renderCameras()}
-          <a href=${sitePath(this.site, "cameras")}>Cameras</a>
+          <a href=${sitePath(this.site, "cameras")}>${msg("Cameras")}</a>
         </div>`,
       )}
-      ${this.mayDraw() ? renderLoaded(this.detail, "the cameras", (detail) => this.renderSite(detail)) : this.renderForbidden()}`;
+      ${this.mayDraw() ? renderLoaded(this.detail, msg("the cameras"), (detail) => this.renderSite(detail)) : this.renderForbidden()}`;
   }
 
   private renderForbidden(): TemplateResult {
-    return html`<t-empty heading="This page is for admins of the site" icon="lock">
-      <p>Zones and lines are a part of the site’s description, which only an admin of the site changes. You see them over the camera’s picture.</p>
+    return html`<t-empty heading=${msg("This page is for admins of the site")} icon="lock">
+      <p>${msg("Zones and lines are a part of the site’s description, which only an admin of the site changes. You see them over the camera’s picture.")}</p>
     </t-empty>`;
   }
 
   private renderCameras(): unknown {
     const cameras = this.streams();
     if (cameras.length < 2) return nothing;
-    return html`<select aria-label="Camera" @change=${this.onCamera}>
+    return html`<select aria-label=${msg("Camera")} @change=${this.onCamera}>
       ${renderOptions(cameras.map(({ address, name }): [string, string] => [address, name]), this.stream()?.address ?? "")}
     </select>`;
   }
@@ -134,15 +135,15 @@ export class PageZones extends LitElement {
   private renderSite(detail: SiteShape): unknown {
     const stream = this.stream();
     if (stream === undefined) {
-      return html`<t-empty heading="No cameras" icon="camera"><p>None of the site’s devices has a stream in its description.</p></t-empty>`;
+      return html`<t-empty heading=${msg("No cameras")} icon="camera"><p>${msg("None of the site’s devices has a stream in its description.")}</p></t-empty>`;
     }
-    return renderLoaded(this.canvas, "the description", (canvas) => this.renderCanvas(detail, stream, canvas));
+    return renderLoaded(this.canvas, msg("the description"), (canvas) => this.renderCanvas(detail, stream, canvas));
   }
 
   private renderCanvas(detail: SiteShape, stream: StreamShape, { known }: Canvas): TemplateResult {
     const { draft } = this;
     if (draft === null) {
-      return html`<t-problem what="The description cannot be read." how="Mend it under Admin, Description, first."></t-problem>`;
+      return html`<t-problem what=${msg("The description cannot be read.")} how=${msg("Mend it under Admin, Description, first.")}></t-problem>`;
     }
     const online = (this.sites.store?.siteRow(this.site)?.online ?? detail.online) && this.link.state === "open";
     const shape = draft.shapes[draft.chosen];
@@ -168,19 +169,19 @@ export class PageZones extends LitElement {
           ></t-shape-handles
         ></t-camera>
       </div>
-      <section class="sheet" aria-label="What is drawn" @keydown=${this.onKeyDown}>
+      <section class="sheet" aria-label=${msg("What is drawn")} @keydown=${this.onKeyDown}>
         <div class="actions">
-          <t-button ?disabled=${this.isFull("zone")} @click=${this.addZone}>Add zone</t-button>
-          <t-button ?disabled=${this.isFull("line")} @click=${this.addLine}>Add line</t-button>
-          <t-button kind="quiet" ?disabled=${!draft.canUndo} @click=${this.undo}>Undo</t-button>
-          <t-button kind="quiet" ?disabled=${!draft.canRedo} @click=${this.redo}>Redo</t-button>
-          <t-button kind="primary" ?disabled=${!this.canApply(known)} @click=${this.openReview}>Review and apply</t-button>
+          <t-button ?disabled=${this.isFull("zone")} @click=${this.addZone}>${msg("Add zone")}</t-button>
+          <t-button ?disabled=${this.isFull("line")} @click=${this.addLine}>${msg("Add line")}</t-button>
+          <t-button kind="quiet" ?disabled=${!draft.canUndo} @click=${this.undo}>${msg("Undo")}</t-button>
+          <t-button kind="quiet" ?disabled=${!draft.canRedo} @click=${this.redo}>${msg("Redo")}</t-button>
+          <t-button kind="primary" ?disabled=${!this.canApply(known)} @click=${this.openReview}>${msg("Review and apply")}</t-button>
         </div>
         ${draft.shapes.length === 0
-          ? html`<t-empty heading="Nothing is drawn yet" icon="camera">
-              <p>A zone counts who stands in it and for how long; a line counts who crosses it, to either side.</p>
+          ? html`<t-empty heading=${msg("Nothing is drawn yet")} icon="camera">
+              <p>${msg("A zone counts who stands in it and for how long; a line counts who crosses it, to either side.")}</p>
             </t-empty>`
-          : html`<p class="hint">Drag the points, or move them by arrow keys. What counts is where something stands: the middle of its lower edge. Draw a line where people are seen for a second on both sides.</p>
+          : html`<p class="hint">${msg("Drag the points, or move them by arrow keys. What counts is where something stands: the middle of its lower edge. Draw a line where people are seen for a second on both sides.")}</p>
               <t-shape-list
                 .shapes=${draft.shapes}
                 .chosen=${draft.chosen}
@@ -190,7 +191,7 @@ export class PageZones extends LitElement {
                 @t-shape-choose=${this.onShapeChosen}
               ></t-shape-list>`}
         ${stream.detect === null || stream.detect === undefined
-          ? html`<p class="muted">Object detection is off on this camera. What you apply here switches it on.</p>`
+          ? html`<p class="muted">${msg("Object detection is off on this camera. What you apply here switches it on.")}</p>`
           : nothing}
         ${this.findings.length === 0 ? nothing : html`<t-findings .findings=${this.findings}></t-findings>`}
       </section>
@@ -198,23 +199,23 @@ export class PageZones extends LitElement {
   }
 
   private renderClosed(known: DescriptionList): TemplateResult {
-    if (!known.online) return html`<t-problem what="The site’s gateway is offline." how="What is drawn can be applied when it is back."></t-problem>`;
-    const how = "Start it with --accept-changes readings, or write the zones into its file there.";
-    return html`<t-problem what="The gateway takes no changes from here." how=${how}></t-problem>`;
+    if (!known.online) return html`<t-problem what=${msg("The site’s gateway is offline.")} how=${msg("What is drawn can be applied when it is back.")}></t-problem>`;
+    const how = msg("Start it with --accept-changes readings, or write the zones into its file there.");
+    return html`<t-problem what=${msg("The gateway takes no changes from here.")} how=${how}></t-problem>`;
   }
 
   private renderReview(): TemplateResult {
     const { answer, change, findings } = this;
     const wrong = [...findings, ...(answer?.findings ?? [])];
     return renderQuestion(this.applying, () => ({
-      heading: "Apply these zones and lines?",
-      action: this.applying.action.runningKey === "apply what is drawn" ? "The gateway changes over…" : "Apply",
+      heading: msg("Apply these zones and lines?"),
+      action: this.applying.action.runningKey === "apply what is drawn" ? msg("The gateway changes over…") : msg("Apply"),
       kind: "primary",
-      problem: findings.length > 0 ? { what: "It cannot be applied as it is drawn.", how: "Close this, and change what is named here." } : refusalAdvice(answer),
+      problem: findings.length > 0 ? { what: msg("It cannot be applied as it is drawn."), how: msg("Close this, and change what is named here.") } : refusalAdvice(answer),
       text: html`${change === null
           ? nothing
           : html`<t-difference .parts=${change.parts} .lines=${change.lines}></t-difference>
-              <p>The gateway applies it at once. The counts of this camera begin anew.</p>`}
+              <p>${msg("The gateway applies it at once. The counts of this camera begin anew.")}</p>`}
         ${wrong.length === 0 ? nothing : html`<t-findings .findings=${wrong}></t-findings>`}`,
     }));
   }
@@ -318,7 +319,7 @@ export class PageZones extends LitElement {
     this.answer = this.change = null;
     this.findings = [];
     this.applying.opener(canvas)(event);
-    void this.applying.action.run("check what is drawn", async () => {
+    void this.applying.action.run(msg("check what is drawn"), async () => {
       this.change = await draftChange(this.api, this.site, canvas.from, draft.described());
       this.findings = this.change.findings;
     });
@@ -329,7 +330,7 @@ export class PageZones extends LitElement {
     const { change } = this;
     this.answer = null;
     if (change === null || change.findings.length > 0) return false;
-    const sent = await action.run("apply what is drawn", async () => {
+    const sent = await action.run(msg("apply what is drawn"), async () => {
       this.answer = await sendDraft(this.api, this.site, change);
     });
     const applied = sent && (this.answer as ChangeAnswer | null)?.phase === "applied";

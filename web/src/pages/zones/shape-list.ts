@@ -1,5 +1,6 @@
 /** Zones and lines of a camera below its picture: what they are called, what counts at them, and what can be done. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -56,14 +57,14 @@ export class ShapeList extends LitElement {
   @property({ attribute: false }) classes: readonly string[] = [];
 
   override render(): TemplateResult {
-    return html`<ul class="rows" aria-label="Zones and lines">
+    return html`<ul class="rows" aria-label=${msg("Zones and lines")}>
       ${map(this.shapes, (shape, index) => this.renderRow(shape, index))}
     </ul>`;
   }
 
   private renderRow(shape: DrawnShape, index: number): TemplateResult {
     const mark = this.marks.find(({ kind, id }) => kind === shape.kind && id === shape.id);
-    const kind = shape.kind === "zone" ? "Zone" : "Line";
+    const kind = shape.kind === "zone" ? msg("Zone") : msg("Line");
     const change = (changed: DrawnShape | null, along = false): void => {
       const detail: ShapeChange = { index, shape: changed, along };
       this.dispatchEvent(new CustomEvent("t-shape-change", { detail }));
@@ -84,21 +85,21 @@ export class ShapeList extends LitElement {
       change(null);
     };
     return html`<li class=${index === this.chosen ? "chosen" : ""} data-shape=${index} @focusin=${choose}>
-      <t-field label=${`${kind}, name`} .error=${shape.name.trim() === "" ? "It needs a name." : ""}>
+      <t-field label=${msg(str`${kind}, name`)} .error=${shape.name.trim() === "" ? msg("It needs a name.") : ""}>
         <input type="text" maxlength="60" autocomplete="off" .value=${settled(shape.name)} @input=${rename} />
       </t-field>
       ${mark !== undefined && mark.counts.length > 0
-        ? html`<div class="counts"><span class="muted">Now:</span> ${mark.counts.join(", ")}</div>`
-        : html`<t-field label=${shape.kind === "zone" ? "Count who is in it" : "Count who crosses it"}>
+        ? html`<div class="counts"><span class="muted">${msg("Now:")}</span> ${mark.counts.join(", ")}</div>`
+        : html`<t-field label=${shape.kind === "zone" ? msg("Count who is in it") : msg("Count who crosses it")}>
             <select @change=${count}>
-              ${renderOptions([["", "nothing yet"], ...this.classes.map((label): [string, string] => [label, label])], shape.counts)}
+              ${renderOptions([["", msg("nothing yet")], ...this.classes.map((label): [string, string] => [label, label])], shape.counts)}
             </select>
           </t-field>`}
       <div class="actions">
-        ${shape.kind === "line" ? html`<t-button label=${`Reverse the direction of ${shape.name}`} @click=${reverse}>Reverse</t-button>` : nothing}
-        <t-button label=${`Delete ${shape.name}`} @click=${remove}>Delete</t-button>
+        ${shape.kind === "line" ? html`<t-button label=${msg(str`Reverse the direction of ${shape.name}`)} @click=${reverse}>${msg("Reverse")}</t-button>` : nothing}
+        <t-button label=${msg(str`Delete ${shape.name}`)} @click=${remove}>${msg("Delete")}</t-button>
       </div>
-      ${shape.points.length < LEAST_POINTS[shape.kind] ? html`<p class="muted">It has too few points to be drawn.</p>` : nothing}
+      ${shape.points.length < LEAST_POINTS[shape.kind] ? html`<p class="muted">${msg("It has too few points to be drawn.")}</p>` : nothing}
     </li>`;
   }
 }

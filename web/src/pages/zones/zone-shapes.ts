@@ -1,5 +1,6 @@
 /** Zones and lines of a camera as a person draws them, and as the site's description has them. Pure. */
 
+import { msg } from "@lit/localize";
 import type { PicturePoint } from "../../elements/camera/mark-shapes.js";
 import { changedAt, freeName, isObject, valueAt, type Json, type JsonObject } from "../description/json-schema.js";
 
@@ -24,7 +25,7 @@ export const MOST_EACH = 32;
 const FINE = 1000;
 const MEASURES: Readonly<Record<ShapeKind, readonly (readonly [measure: string, word: string])[]>> = {
   zone: [["count", ""], ["dwell", "longest"]],
-  line: [["left", "to the left"], ["right", "to the right"]],
+  line: [["left", msg("to the left")], ["right", msg("to the right")]],
 };
 
 /** A place on the picture, and not beside it. */
@@ -42,7 +43,7 @@ export function newShape(kind: ShapeKind, counts: string, others: readonly Drawn
     kind === "zone"
       ? [placedPoint(0.35, at), placedPoint(0.65, at), placedPoint(0.7, at + 0.3), placedPoint(0.3, at + 0.3)]
       : [placedPoint(0.3, at + 0.15), placedPoint(0.7, at + 0.15)];
-  const word = kind === "zone" ? "Zone" : "Line";
+  const word = kind === "zone" ? msg("Zone") : msg("Line");
   const names = new Set(others.map(({ name }) => name));
   let number = many + 1;
   while (names.has(`${word} ${String(number)}`)) number += 1;

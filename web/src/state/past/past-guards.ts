@@ -1,5 +1,6 @@
 /** What holds for a board that looks back: no device's link of now counts, and no command goes out. */
 
+import { msg } from "@lit/localize";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import type { Reachability } from "../device-reachability.js";
 import type { Locks } from "../interlocks.js";
@@ -10,7 +11,7 @@ const NOTHING_CHANGES = (): (() => void) => () => undefined;
 export const PAST_REACH: Reachability = { subscribe: NOTHING_CHANGES, unreachableSince: () => undefined };
 
 const LOCK: InterlockUpdate = {
-  t: "interlock_news", site: "", interlock: "", name: "the board", locked: true, unsafe: true, why: "it shows a past moment, and commands go out only from now",
+  t: "interlock_news", site: "", interlock: "", name: msg("the board"), locked: true, unsafe: true, why: msg("it shows a past moment, and commands go out only from now"),
   since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
   condition: "", no_override: "", unknown: [],
 };

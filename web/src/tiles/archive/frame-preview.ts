@@ -1,5 +1,6 @@
 /** How one picture of the archive looks: drawn with a stretch, and how its values lie. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -54,16 +55,16 @@ export class FramePreview extends LitElement {
   override render(): TemplateResult {
     const path = previewPath(this.site, this.frame, this.stretch, DRAWN_PX);
     return html`<t-choice
-        label="Stretch"
+        label=${msg("Stretch")}
         .options=${STRETCH_OPTIONS}
         .chosen=${this.stretch}
         @t-choose=${this.onChoose}
       ></t-choice>
       ${this.broken === path
-        ? html`<t-problem what="The picture cannot be drawn." how="Download the file to look at it."></t-problem>`
+        ? html`<t-problem what=${msg("The picture cannot be drawn.")} how=${msg("Download the file to look at it.")}></t-problem>`
         : html`<div class="picture">
             <img
-              alt=${`The picture of ${this.target || "no named target"}, drawn with the ${this.stretch} stretch`}
+              alt=${msg(str`The picture of ${this.target || msg("no named target")}, drawn with the ${this.stretch} stretch`)}
               src=${path}
               @error=${this.onImageError}
             />
@@ -84,15 +85,14 @@ export class FramePreview extends LitElement {
 export function renderPixelValues(histogram: HistogramShape): TemplateResult {
   const valueText = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
   return html`<div>
-    <h3>Pixel values</h3>
+    <h3>${msg("Pixel values")}</h3>
     <t-histogram
       .counts=${histogram.counts}
       .low=${histogram.low ?? Number.NaN}
       .high=${histogram.high ?? Number.NaN}
     ></t-histogram>
     <p class="muted">
-      least ${valueText(histogram.minimum)}, median ${valueText(histogram.median)}, greatest ${valueText(histogram.maximum)}, deviation
-      ${valueText(histogram.deviation)}
+      ${msg(str`least ${valueText(histogram.minimum)}, median ${valueText(histogram.median)}, greatest ${valueText(histogram.maximum)}, deviation ${valueText(histogram.deviation)}`)}
     </p>
   </div>`;
 }

@@ -1,5 +1,6 @@
 /** An arm: itself in space, its joints between their ends, steps of its tool, and its named poses. */
 
+import { msg } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -21,9 +22,9 @@ import "../scene/scene-tile.js";
 import "./joint-jog.js";
 
 const STEPS = [
-  { id: "0.1", label: "Small" },
-  { id: "0.5", label: "Middle" },
-  { id: "1", label: "Full" },
+  { id: "0.1", label: msg("Small") },
+  { id: "0.5", label: msg("Middle") },
+  { id: "1", label: msg("Full") },
 ] as const;
 
 @customElement("t-arm-cockpit")
@@ -91,16 +92,16 @@ export class ArmCockpit extends DevicePart {
       <t-scene-tile class="scene" bare .site=${this.site} .detail=${this.detail} .online=${this.online}></t-scene-tile>
       <div class="side">
         ${this.seat === null
-          ? html`<section class="card" aria-label="Joints">
-              <h2>Joints</h2>
+          ? html`<section class="card" aria-label=${msg("Joints")}>
+              <h2>${msg("Joints")}</h2>
               <div class="joints">${repeat(parts.joints, ({ address }) => address, (joint) => this.renderJoint(joint))}</div>
             </section>`
-          : html`<section class="card" aria-label="Joints">
-              <h2>Joints</h2>
+          : html`<section class="card" aria-label=${msg("Joints")}>
+              <h2>${msg("Joints")}</h2>
               <t-joint-jog .site=${this.site} .device=${this.device} .seat=${this.seat} .stopped=${this.stopped}></t-joint-jog>
             </section>`}
         ${this.mayUse ? html`${this.renderPoses(parts)} ${this.renderJog(parts)}` : html`<div class="card">${this.renderLookOnly()}</div>`}
-        ${this.device?.drive ? nothing : html`<p class="note">This arm has no STOP (software) here: keep the stop on the robot in reach. What is under way can be cancelled where its controller can.</p>`}
+        ${this.device?.drive ? nothing : html`<p class="note">${msg("This arm has no STOP (software) here: keep the stop on the robot in reach. What is under way can be cancelled where its controller can.")}</p>`}
       </div>
     </div>`;
   }
@@ -121,18 +122,18 @@ export class ArmCockpit extends DevicePart {
   private renderPoses({ poses }: ArmParts): unknown {
     if (poses.length === 0) return nothing;
     const deeds = poses.map((command): CommandButton => ({ command, args: {}, label: command.name, kind: "plain" }));
-    return html`<section class="card" aria-label="Poses">
-      <h2>Poses</h2>
+    return html`<section class="card" aria-label=${msg("Poses")}>
+      <h2>${msg("Poses")}</h2>
       ${this.renderDeeds(deeds)} ${map(poses, (pose) => this.renderCancel(pose))}
     </section>`;
   }
 
   private renderJog({ jog }: ArmParts): unknown {
     if (jog === null) return nothing;
-    return html`<section class="card" aria-label="Jog">
+    return html`<section class="card" aria-label=${msg("Jog")}>
       <div class="head">
-        <h2>Jog</h2>
-        <t-choice label="Step" .options=${STEPS} .chosen=${this.step} @t-choose=${this.onStep}></t-choice>
+        <h2>${msg("Jog")}</h2>
+        <t-choice label=${msg("Step")} .options=${STEPS} .chosen=${this.step} @t-choose=${this.onStep}></t-choice>
       </div>
       <p class="note">${jog.description}</p>
       ${this.renderDeeds(jogButtons(jog, Number(this.step)))}
@@ -150,7 +151,7 @@ export class ArmCockpit extends DevicePart {
     const cancel = (): void => {
       this.line?.cancelCommand(device, id);
     };
-    return html`<t-button kind="danger" ?disabled=${!this.online} @click=${cancel}>Cancel: ${name}</t-button>`;
+    return html`<t-button kind="danger" ?disabled=${!this.online} @click=${cancel}>${msg("Cancel:")} ${name}</t-button>`;
   }
 
   private parts(): ArmParts | null {

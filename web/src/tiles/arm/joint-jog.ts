@@ -1,5 +1,6 @@
 /** Joints of an arm that move while a button is held: lease, speed, and two ways for each joint. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -83,12 +84,12 @@ export class JointJog extends LitElement {
     const refusal = state.kind === "mine" && !this.stopped ? (told?.why ?? "") : "";
     return html`
       ${renderLease(seat, { stopped: this.stopped, forces: this.device?.rights.includes("admin") ?? false })}
-      <div class="joints" role="group" aria-label="Hold to move a joint" @t-hold=${this.onHold}>
+      <div class="joints" role="group" aria-label=${msg("Hold to move a joint")} @t-hold=${this.onHold}>
         ${repeat(joints, ({ id }) => id, (joint, index) => this.renderJoint(joint, index, joints.length, !machine.mayDrive))}
       </div>
-      <p class="trouble" role="alert">${this.lockReason || seat.problem || (refusal === "" ? "" : `Gateway: ${refusal}`)}</p>
+      <p class="trouble" role="alert">${this.lockReason || seat.problem || (refusal === "" ? "" : msg(str`Gateway: ${refusal}`))}</p>
       <t-speed-limit .level=${machine.speedLevel} .means=${speedWords(joints, machine.speedLevel)} @t-level=${this.onSpeedLevel}></t-speed-limit>
-      <p class="note">A joint moves while its button is held, and comes to rest when it is let go. S halts, Escape is STOP.</p>
+      <p class="note">${msg("A joint moves while its button is held, and comes to rest when it is let go. S halts, Escape is STOP.")}</p>
     `;
   }
 
@@ -100,7 +101,7 @@ export class JointJog extends LitElement {
     const share = jointShare(joint, value);
     const unit = signal ?? { unit: joint.slides ? "m" : "rad", decimals: 2, shown: null };
     return html`<div class="joint">
-      <t-hold-button ?disabled=${idle} label=${`${joint.name}, down`} name=${`joint:${joint.id}:-`} .stick=${jointPush(index, count, -1)}>−</t-hold-button>
+      <t-hold-button ?disabled=${idle} label=${msg(str`${joint.name}, down`)} name=${`joint:${joint.id}:-`} .stick=${jointPush(index, count, -1)}>−</t-hold-button>
       <t-joint
         .name=${joint.name}
         .value=${fresh ? shownText(unit, value) : ""}
@@ -109,7 +110,7 @@ export class JointJog extends LitElement {
         .share=${share}
         ?near=${isNearEnd(share)}
       ></t-joint>
-      <t-hold-button ?disabled=${idle} label=${`${joint.name}, up`} name=${`joint:${joint.id}:+`} .stick=${jointPush(index, count, 1)}>+</t-hold-button>
+      <t-hold-button ?disabled=${idle} label=${msg(str`${joint.name}, up`)} name=${`joint:${joint.id}:+`} .stick=${jointPush(index, count, 1)}>+</t-hold-button>
     </div>`;
   }
 
@@ -139,7 +140,7 @@ function speedWords(joints: readonly DrivenJointShape[], level: number): string 
     const limits = joints.filter((joint) => joint.slides === slides).map(({ max_speed: limit }) => limit);
     if (limits.length === 0) return [];
     const text = shownText({ unit: slides ? "m/s" : "rad/s", decimals: 2, shown: null }, Math.max(...limits) * level);
-    return [new Set(limits).size > 1 ? `up to ${text}` : text];
+    return [new Set(limits).size > 1 ? msg(str`up to ${text}`) : text];
   };
   return [...ofKind(false), ...ofKind(true)].join(" · ");
 }

@@ -1,5 +1,6 @@
 /** One tile of a board: its head, what it shows, and in its place what keeps it from showing it. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -124,17 +125,17 @@ export class BoardTile extends LitElement {
   private renderInside(tile: BoardTileShape, entry: BoardTileEntry | null, context: BoardTileContext): unknown {
     if (entry === null) {
       return html`<div class="trouble" data-state="error">
-        <t-icon name="warn"></t-icon><strong>There is no tile “${tile.type}”</strong>
-        <span>This hub is older than the board, or its type is misspelt.</span>
+        <t-icon name="warn"></t-icon><strong>${msg(str`There is no tile “${tile.type}”`)}</strong>
+        <span>${msg("This hub is older than the board, or its type is misspelt.")}</span>
       </div>`;
     }
     const trouble = tileTrouble(entry, tile.settings, context);
     if (trouble !== null) return renderTrouble(trouble);
     const { result } = this.element;
-    if (result.state === "failed") return html`<div data-state="error">${renderAdvice(adviceFor(result.error, "the tile"), this.element.invalidate)}</div>`;
-    if (result.state !== "ready") return html`<t-loading what="Loading the tile"></t-loading>`;
+    if (result.state === "failed") return html`<div data-state="error">${renderAdvice(adviceFor(result.error, msg("the tile")), this.element.invalidate)}</div>`;
+    if (result.state !== "ready") return html`<t-loading what=${msg("Loading the tile")}></t-loading>`;
     if (this.arranged && entry.rests === true) {
-      return html`<div class="trouble"><t-icon name=${entry.icon}></t-icon><span>${entry.title}: at rest while the board is arranged.</span></div>`;
+      return html`<div class="trouble"><t-icon name=${entry.icon}></t-icon><span>${msg(str`${entry.title}: at rest while the board is arranged.`)}</span></div>`;
     }
     if (context.past === null || entry.past === "moves") return entry.render(tile.settings, context);
     return entry.past === undefined ? renderNotKept(entry) : entry.past(tile.settings, context);
@@ -151,19 +152,19 @@ export class BoardTile extends LitElement {
 
 function renderNotKept({ notKept }: BoardTileEntry): TemplateResult {
   return html`<div class="trouble" data-state="past">
-    <t-icon name="history"></t-icon><strong>Nothing was recorded at this moment</strong>${notKept === undefined ? nothing : html`<span>${notKept}</span>`}
+    <t-icon name="history"></t-icon><strong>${msg("Nothing was recorded at this moment")}</strong>${notKept === undefined ? nothing : html`<span>${notKept}</span>`}
   </div>`;
 }
 
 function renderTrouble({ kind, what }: TileTrouble): TemplateResult {
   if (kind === "empty") {
     return html`<div class="trouble" data-state="empty">
-      <t-icon name="info"></t-icon><strong>${what}</strong><span>Its settings are behind Arrange.</span>
+      <t-icon name="info"></t-icon><strong>${what}</strong><span>${msg("Its settings are behind Arrange.")}</span>
     </div>`;
   }
   return html`<div class="trouble" data-state="forbidden">
-    <t-icon name="lock"></t-icon><strong>Not open to you</strong>
-    <span>There is no ${what} here, or your role may not see it.</span>
+    <t-icon name="lock"></t-icon><strong>${msg("Not open to you")}</strong>
+    <span>${msg(str`There is no ${what} here, or your role may not see it.`)}</span>
   </div>`;
 }
 

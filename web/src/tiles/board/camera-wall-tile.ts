@@ -1,5 +1,6 @@
 /** Cameras of a board: one, or several side by side. When their pictures were taken, who drives by them is told. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -47,7 +48,7 @@ export class CameraWallTile extends LitElement {
 
   override render(): unknown {
     const { context, streams } = this;
-    if (streams.length === 0) return html`<t-empty heading="No camera" icon="camera"><p>This site has none that is open to you.</p></t-empty>`;
+    if (streams.length === 0) return html`<t-empty heading=${msg("No camera")} icon="camera"><p>${msg("This site has none that is open to you.")}</p></t-empty>`;
     return repeat(
       streams,
       ({ address }) => address,

@@ -1,5 +1,6 @@
 /** Several signals over time in one tile: numbers in a chart, states as bands. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -113,8 +114,8 @@ abstract class FeedTile extends LitElement {
   protected staleText(signal: SignalShape): string {
     if (!this.isStale(signal)) return "";
     const age = this.ageOf(signal);
-    if (Number.isNaN(age)) return this.isPast ? "nothing recorded" : "no data yet";
-    return `stale, ${formatAge(age)}`;
+    if (Number.isNaN(age)) return this.isPast ? msg("nothing recorded") : msg("no data yet");
+    return msg(str`stale, ${formatAge(age)}`);
   }
 }
 
@@ -181,7 +182,7 @@ export class ChartBoardTile extends FeedTile {
         .painter=${this.context?.painter ?? null}
         ?many-axes=${this.manyAxes && units.size > 1}
         zone=${this.context?.zone ?? "UTC"}
-        label=${`${this.signals.map(({ name }) => name).join(", ")}, ${this.isPast ? "up to the moment" : "live"}`}
+        label=${this.isPast ? msg(str`${this.signals.map(({ name }) => name).join(", ")}, up to the moment`) : msg(str`${this.signals.map(({ name }) => name).join(", ")}, live`)}
       ></t-chart>`;
   }
 }
@@ -229,7 +230,7 @@ export class TimelineBoardTile extends FeedTile {
       ({ address }) => address,
       (signal) => html`<div class="line">
         <div class="name"><span>${signal.name}</span><b class=${this.isStale(signal) ? "stale" : ""}>${this.newestText(signal)}</b>${this.staleText(signal)}</div>
-        <t-chart class="state" .series=${this.listOf(signal)} .follow=${this.follow} .painter=${this.context?.painter ?? null} zone=${this.context?.zone ?? "UTC"} label=${`${signal.name}, ${this.isPast ? "up to the moment" : "live"}`}></t-chart>
+        <t-chart class="state" .series=${this.listOf(signal)} .follow=${this.follow} .painter=${this.context?.painter ?? null} zone=${this.context?.zone ?? "UTC"} label=${this.isPast ? msg(str`${signal.name}, up to the moment`) : msg(str`${signal.name}, live`)}></t-chart>
       </div>`,
     )}`;
   }

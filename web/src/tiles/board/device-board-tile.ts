@@ -1,5 +1,6 @@
 /** All that is drawn of a device; its values where nothing is drawn of its kind. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -33,7 +34,7 @@ export class DeviceBoardTile extends LitElement {
     if (context === null || device === null) return nothing;
     const tile = deviceTile(device);
     if (tile === null) return html`<t-tile-table .context=${context} .signals=${device.signals}></t-tile-table>`;
-    return renderLoaded(this.element, "the device", (): TemplateResult | typeof nothing =>
+    return renderLoaded(this.element, msg("the device"), (): TemplateResult | typeof nothing =>
       tile.render({ site: context.site, device, detail: context.detail, line: context.line, online: context.online }),
     );
   }

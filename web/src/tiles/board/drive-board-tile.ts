@@ -1,6 +1,7 @@
 /** Lease, pad, speed and STOP of one device: what the page *Actuate* has, as a tile. */
 
 import { ContextConsumer } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { DriveController } from "../../controllers/drive/drive-controller.js";
@@ -93,17 +94,17 @@ export class DriveBoardTile extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const { device, controller, context } = this;
     if (device === null || context === null) return nothing;
-    if (device.drive === null) return html`<t-empty heading="Nothing to drive" icon="drive"><p>${device.name} cannot be driven.</p></t-empty>`;
-    if (!this.isFirst) return html`<t-empty heading="One drive pad at a time" icon="drive"><p>Keys drive one robot only: the first pad of this board has them.</p></t-empty>`;
-    if (controller === null) return html`<t-empty heading="Not open to you" icon="lock"><p>To see ${device.name} drive takes the right <strong>view</strong>.</p></t-empty>`;
+    if (device.drive === null) return html`<t-empty heading=${msg("Nothing to drive")} icon="drive"><p>${msg(str`${device.name} cannot be driven.`)}</p></t-empty>`;
+    if (!this.isFirst) return html`<t-empty heading=${msg("One drive pad at a time")} icon="drive"><p>${msg("Keys drive one robot only: the first pad of this board has them.")}</p></t-empty>`;
+    if (controller === null) return html`<t-empty heading=${msg("Not open to you")} icon="lock"><p>${msg(html`To see ${device.name} drive takes the right <strong>view</strong>.`)}</p></t-empty>`;
     const { seat, stop } = controller;
     // First of all: who goes by Tab comes to STOP before the hands.
     return html`<t-stop-bar .line=${stop}></t-stop-bar>
       <t-stop .line=${stop} .zone=${context.zone} .epoch=${seat?.lease.epoch ?? 0} .mayUse=${device.rights.includes("use")}></t-stop>
       ${context.past !== null
-        ? html`<p>This board shows a past moment: nothing is driven from it. Go back to now to drive. STOP works as ever.</p>`
+        ? html`<p>${msg("This board shows a past moment: nothing is driven from it. Go back to now to drive. STOP works as ever.")}</p>`
         : seat === null
-        ? html`<p>Driving ${device.name} needs the right <strong>use</strong>. STOP works for everyone who sees it.</p>`
+        ? html`<p>${msg(html`Driving ${device.name} needs the right <strong>use</strong>. STOP works for everyone who sees it.`)}</p>`
         : html`<t-drive-pad .site=${context.site} .device=${device} .seat=${seat} .stopped=${stop.desk.blocksDriving} .pictureAge=${this.pictureAge}></t-drive-pad>`}`;
   }
 

@@ -1,6 +1,7 @@
 /** Alarms and the logbook as tiles. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -72,22 +73,22 @@ export class AlarmsBoardTile extends LitElement {
 
   override render(): TemplateResult {
     if ((this.context?.past ?? null) !== null) {
-      return html`<p>What alarms did up to this moment:</p><t-tile-logbook .context=${this.context} kind="alarm"></t-tile-logbook>`;
+      return html`<p>${msg("What alarms did up to this moment:")}</p><t-tile-logbook .context=${this.context} kind="alarm"></t-tile-logbook>`;
     }
     const { store } = this.alarms;
     const mine = (store?.list ?? []).filter(({ site }) => site === this.context?.site);
     const shown = mine.filter((alarm) => this.all || alarm.phase !== "normal" || !alarm.known);
     if (this.context?.online !== true) {
-      return html`<p role="status">The site is not linked: its alarms are judged again when it is.</p>${this.renderList(shown)}`;
+      return html`<p role="status">${msg("The site is not linked: its alarms are judged again when it is.")}</p>${this.renderList(shown)}`;
     }
     if (shown.length > 0) return this.renderList(shown);
     return mine.length === 0
-      ? html`<p>This site has no alarm that is open to you.</p>`
-      : html`<p><t-status kind="ok" word=${`All ${String(mine.length)} are well`}></t-status></p>`;
+      ? html`<p>${msg("This site has no alarm that is open to you.")}</p>`
+      : html`<p><t-status kind="ok" word=${msg(str`All ${String(mine.length)} are well`)}></t-status></p>`;
   }
 
   private renderList(shown: readonly AlarmUpdate[]): TemplateResult {
-    return html`<ul aria-label="Alarms">
+    return html`<ul aria-label=${msg("Alarms")}>
       ${repeat(
         shown,
         ({ alarm }) => alarm,
@@ -153,20 +154,20 @@ export class LogbookBoardTile extends LitElement {
 
   override render(): unknown {
     const zone = this.context?.zone ?? "UTC";
-    return renderLoaded(this.events, "the logbook", ({ events }) =>
+    return renderLoaded(this.events, msg("the logbook"), ({ events }) =>
       events.length === 0
-        ? html`<p>Nothing of this kind has happened ${this.context?.past ? "up to this moment" : "yet"}.</p>`
-        : html`<ul aria-label="Logbook">
+        ? html`<p>${this.context?.past ? msg("Nothing of this kind has happened up to this moment.") : msg("Nothing of this kind has happened yet.")}</p>`
+        : html`<ul aria-label=${msg("Logbook")}>
               ${repeat(
                 events,
                 ({ id }) => id,
                 ({ time_us: time, kind, who, message, good }) => html`<li>
                   <div class="facts"><t-time short .us=${time} .zone=${zone}></t-time>${who === "" ? nothing : html`<span>${who}</span>`}</div>
-                  <div>${good ? nothing : html`<t-status kind="bad" word="look"></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
+                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
                 </li>`,
               )}
             </ul>
-            <a href=${sitePath(this.context?.site ?? "", "logbook")}>All of the logbook</a>`,
+            <a href=${sitePath(this.context?.site ?? "", "logbook")}>${msg("All of the logbook")}</a>`,
     );
   }
 }

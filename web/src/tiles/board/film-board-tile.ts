@@ -1,6 +1,7 @@
 /** Cameras of a board that looks back: the kept films at the moment, or that there is none. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -72,9 +73,9 @@ export class FilmBoardTile extends LitElement {
     const { context, streams } = this;
     if (context === null || context.past === null) return nothing;
     const { result } = this.list;
-    if (result.state === "failed") return renderAdvice(adviceFor(result.error, "the films"), this.list.invalidate);
+    if (result.state === "failed") return renderAdvice(adviceFor(result.error, msg("the films")), this.list.invalidate);
     const list = this.list.value;
-    if (list === undefined) return html`<t-loading what="Looking for films"></t-loading>`;
+    if (list === undefined) return html`<t-loading what=${msg("Looking for films")}></t-loading>`;
     const reels = new Map(filmsByCamera(list, new Map(streams.map(({ address, name }) => [address, name]))).map((reel) => [reel.stream, reel]));
     return repeat(
       streams,
@@ -89,7 +90,7 @@ export class FilmBoardTile extends LitElement {
     const found = reel === undefined ? null : filmStateAt(reel, past.us);
     if (reel === undefined || found === null || (found.kind === "none" && found.before === null && found.after === null)) {
       return html`<div class="none" data-state="past">
-        <t-icon name="camera"></t-icon><strong>Nothing was recorded at this moment</strong><span>${name}: no film was kept.</span>
+        <t-icon name="camera"></t-icon><strong>${msg("Nothing was recorded at this moment")}</strong><span>${msg(str`${name}: no film was kept.`)}</span>
       </div>`;
     }
     return html`<t-film-view

@@ -1,5 +1,6 @@
 /** A signal between its least and its greatest, live. */
 
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, css, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
@@ -50,7 +51,7 @@ export class GaugeBoardTile extends LitElement {
       .most=${toShown(signal.shown, high > low ? high : low + 1)}
       .state=${this.state(signal, channel, value)}
       .age=${this.live.ageS(channel)}
-      .missing=${this.live.isPast ? "nothing recorded" : "no data yet"}
+      .missing=${this.live.isPast ? msg("nothing recorded") : msg("no data yet")}
       .level=${value < this.warnBelow || value > this.warnAbove ? "warn" : ""}
     ></t-gauge>`;
   }

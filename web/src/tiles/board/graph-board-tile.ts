@@ -1,6 +1,7 @@
 /** A robot's nodes and topics as a tile: asked for while it is looked at. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -69,14 +70,14 @@ export class GraphBoardTile extends LitElement {
 
   override render(): TemplateResult {
     const { known } = this;
-    if (known === null && this.graph.result.state !== "ready") return html`${renderLoaded(this.graph, "the nodes", () => nothing)}`;
-    if (known === null) return html`<t-empty heading="The gateway is away" icon="unlinked"><p>The nodes appear by themselves when the robot's gateway has connected.</p></t-empty>`;
+    if (known === null && this.graph.result.state !== "ready") return html`${renderLoaded(this.graph, msg("the nodes"), () => nothing)}`;
+    if (known === null) return html`<t-empty heading=${msg("The gateway is away")} icon="unlinked"><p>${msg("The nodes appear by themselves when the robot's gateway has connected.")}</p></t-empty>`;
     if (known.nodes.length === 0) {
-      return html`<t-empty heading="No nodes to show" icon="devices">
-        <p>No node of the robot has a topic that you may follow, or its connection lists none. An admin opens topics in the site's description, under <code>topics:</code>, or gives you the right <strong>tap</strong>.</p>
+      return html`<t-empty heading=${msg("No nodes to show")} icon="devices">
+        <p>${msg(html`No node of the robot has a topic that you may follow, or its connection lists none. An admin opens topics in the site's description, under <code>topics:</code>, or gives you the right <strong>tap</strong>.`)}</p>
       </t-empty>`;
     }
-    const old = this.context?.online !== true ? html`<t-banner kind="warn">The robot's gateway is not connected: these are the nodes that it had.</t-banner>` : this.graph.result.state === "failed" ? html`<t-banner kind="warn">The hub does not answer: these are the nodes of before.</t-banner>` : nothing;
+    const old = this.context?.online !== true ? html`<t-banner kind="warn">${msg("The robot's gateway is not connected: these are the nodes that it had.")}</t-banner>` : this.graph.result.state === "failed" ? html`<t-banner kind="warn">${msg("The hub does not answer: these are the nodes of before.")}</t-banner>` : nothing;
     return html`${old}<t-node-graph .nodes=${known.nodes} around=${this.around}></t-node-graph>`;
   }
 }

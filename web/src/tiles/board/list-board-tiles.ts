@@ -1,5 +1,6 @@
 /** Tiles that are lists: signals with their values, and words with links. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -62,7 +63,7 @@ export class TableBoardTile extends LitElement {
 
   override render(): TemplateResult {
     const { signals } = this;
-    if (signals.length === 0) return html`<p>No signal is chosen, or none is open to you.</p>`;
+    if (signals.length === 0) return html`<p>${msg("No signal is chosen, or none is open to you.")}</p>`;
     return html`<dl>
       ${repeat(
         signals,
@@ -100,7 +101,7 @@ export class TextBoardTile extends LitElement {
 
   override render(): TemplateResult {
     const links = linksOf(this.links);
-    if (this.lines.length === 0 && links.length === 0) return html`<p class="muted">No words yet.</p>`;
+    if (this.lines.length === 0 && links.length === 0) return html`<p class="muted">${msg("No words yet.")}</p>`;
     return html`${this.lines.length === 0 ? nothing : html`<p>${this.lines.join("\n")}</p>`}
       ${links.length === 0
         ? nothing

@@ -1,6 +1,7 @@
 /** A robot's log: the lines that the hub keeps, and beside them those that come live on the raw topic. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -142,12 +143,12 @@ export class LogBoardTile extends LitElement {
     const live = this.log.linesFor({ level, node: this.node, words: this.words }, SHOWN);
     const lines = this.kept.shownWith(live, this.node);
     return html`<div class="tools">
-        <select aria-label="From level" @change=${this.onLevel}>${renderOptions(LOG_LEVELS.map(([value, word]) => [String(value), word] as const), String(level))}</select>
-        <input type="search" aria-label="Search the log" placeholder="Search" .value=${this.words} @input=${this.onSearch} />
+        <select aria-label=${msg("From level")} @change=${this.onLevel}>${renderOptions(LOG_LEVELS.map(([value, word]) => [String(value), word] as const), String(level))}</select>
+        <input type="search" aria-label=${msg("Search the log")} placeholder="Search" .value=${this.words} @input=${this.onSearch} />
         ${renderTopicStatus(facts)}
       </div>
       ${IN_ORDER.includes(stands) || this.kept.size > 0 ? html`<p>${this.summary(lines.length)}</p>` : html`<div>${renderTopicTrouble(facts)}</div>`}
-      <ol aria-label="Lines, the newest first" tabindex="0">
+      <ol aria-label=${msg("Lines, the newest first")} tabindex="0">
         ${repeat(
           lines,
           ({ key }) => key,
@@ -156,21 +157,21 @@ export class LogBoardTile extends LitElement {
             <span class="text" title=${line.source === "" ? nothing : line.source}><span class="node">${line.node}</span> ${line.text}</span>
           </li>`,
         )}
-        ${this.kept.next === null ? nothing : html`<li class="older"><t-button ?disabled=${this.loadingOlder} @click=${this.onOlder}>Older</t-button></li>`}
+        ${this.kept.next === null ? nothing : html`<li class="older"><t-button ?disabled=${this.loadingOlder} @click=${this.onOlder}>${msg("Older")}</t-button></li>`}
       </ol>`;
   }
 
   private summary(shown: number): string {
     const { size } = this.log;
-    if (this.newest.result.state === "failed") return `The kept lines cannot be loaded now; ${String(shown)} came live.`;
+    if (this.newest.result.state === "failed") return msg(str`The kept lines cannot be loaded now; ${String(shown)} came live.`);
     if (this.kept.size > 0) {
-      const until = this.context?.past == null ? "" : " up to this moment";
-      return `${String(shown)} lines${until}, of which ${String(this.kept.size)} are kept${this.kept.next === null ? "" : "; older ones below"}.`;
+      const until = this.context?.past == null ? "" : msg(" up to this moment");
+      return this.kept.next === null ? msg(str`${String(shown)} lines${until}, of which ${String(this.kept.size)} are kept.`) : msg(str`${String(shown)} lines${until}, of which ${String(this.kept.size)} are kept; older ones below.`);
     }
-    if (this.context?.past != null) return `${String(shown)} of ${String(size)} lines up to this moment, as far as the recording holds them.`;
-    if (this.log.size === 0) return "No line since the tile was opened; the next appears by itself.";
-    const dropped = this.log.dropped === 0 ? "" : `; ${String(this.log.dropped)} older ones are gone`;
-    return `${String(shown)} of ${String(this.log.size)} lines since the tile was opened${dropped}.`;
+    if (this.context?.past != null) return msg(str`${String(shown)} of ${String(size)} lines up to this moment, as far as the recording holds them.`);
+    if (this.log.size === 0) return msg("No line since the tile was opened; the next appears by itself.");
+    const dropped = this.log.dropped === 0 ? "" : msg(str`; ${String(this.log.dropped)} older ones are gone`);
+    return msg(str`${String(shown)} of ${String(this.log.size)} lines since the tile was opened${dropped}.`);
   }
 
   private readonly onLevel = (event: Event): void => {

@@ -1,6 +1,7 @@
 /** An observatory's night as tiles: the weather's verdict, the sky, the plan, the newest picture. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -85,9 +86,9 @@ export class VerdictBoardTile extends DevicePart {
       known: (signal) => this.readSignal(signal),
     });
     return html`<div role="status"><t-status kind=${VERDICT_KINDS[word]} word=${VERDICT_WORDS[word]}></t-status></div>
-      <p>${word === "none" ? "No interlock of this site reads this station: nothing here decides whether a roof may open." : why}</p>
-      <ul aria-label="What closes the roof">
-        ${map(lines, ({ name, now, limit, stands }) => html`<li class=${stands}><span>${name} ${now}</span><span>closes ${limit}</span></li>`)}
+      <p>${word === "none" ? msg("No interlock of this site reads this station: nothing here decides whether a roof may open.") : why}</p>
+      <ul aria-label=${msg("What closes the roof")}>
+        ${map(lines, ({ name, now, limit, stands }) => html`<li class=${stands}><span>${name} ${now}</span><span>${msg(str`closes ${limit}`)}</span></li>`)}
       </ul>`;
   }
 }
@@ -165,7 +166,7 @@ export class PlanBoardTile extends NightTile {
   }
 
   override render(): unknown {
-    return renderLoaded(this.night, "the plan", (night) => this.renderPlan(night));
+    return renderLoaded(this.night, msg("the plan"), (night) => this.renderPlan(night));
   }
 
   private renderPlan({ plan, state }: SiteNightShape): TemplateResult {
@@ -180,9 +181,9 @@ export class PlanBoardTile extends NightTile {
     );
     const zone = context?.zone ?? "UTC";
     return html`<p>
-        ${context?.online === true ? nothing : "The site is not linked: this plan may be old. "}${plan === null
-          ? html`No plan yet. <a href=${sitePath(context?.site ?? "", "night")}>The night</a>`
-          : html`Planned at <t-time short .us=${plan.made_us} .zone=${zone}></t-time>. <a href=${sitePath(context?.site ?? "", "night")}>The night</a>`}
+        ${context?.online === true ? nothing : msg("The site is not linked: this plan may be old. ")}${plan === null
+          ? html`${msg("No plan yet.")} <a href=${sitePath(context?.site ?? "", "night")}>${msg("The night")}</a>`
+          : html`${msg(html`Planned at <t-time short .us=${plan.made_us} .zone=${zone}></t-time>.`)} <a href=${sitePath(context?.site ?? "", "night")}>${msg("The night")}</a>`}
       </p>
       <t-plan-timeline .span=${span} .sky=${place === null ? null : nightSky(place, span)} .blocks=${blocks} .marks=${proposalMarks(blocks.map(({ proposal }) => proposal).filter(Boolean))} .ms=${ms} .zone=${zone}></t-plan-timeline>`;
   }
@@ -237,11 +238,11 @@ export class PictureBoardTile extends LitElement {
 
   override render(): unknown {
     const site = this.context?.site ?? "";
-    return renderLoaded(this.frames, "the newest picture", ({ frames }) => {
+    return renderLoaded(this.frames, msg("the newest picture"), ({ frames }) => {
       const [frame] = frames;
-      if (frame === undefined) return html`<p>No picture is archived, or none is open to you.</p>`;
-      const what = frame.target === "" ? frame.kind || "No target named" : frame.target;
-      return html`<img alt=${`The newest picture: ${what}`} src=${previewPath(site, frame.id, "asinh", 640)} />
+      if (frame === undefined) return html`<p>${msg("No picture is archived, or none is open to you.")}</p>`;
+      const what = frame.target === "" ? frame.kind || msg("No target named") : frame.target;
+      return html`<img alt=${msg(str`The newest picture: ${what}`)} src=${previewPath(site, frame.id, "asinh", 640)} />
         <p><a href=${`${sitePath(site, "archive")}?frame=${encodeURIComponent(frame.id)}`}>${what}</a> <t-time short .us=${frame.time_us} .zone=${this.context?.zone ?? "UTC"}></t-time></p>`;
     });
   }

@@ -1,5 +1,6 @@
 /** What a description says of a robot's nodes as tiles: their parameters, and the states of their life cycles. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -104,7 +105,7 @@ abstract class NodePartsTile extends LitElement {
     const { context } = this;
     return html`<div class="part">
       <div class="row">
-        <span>${this.devices.length > 1 ? `${device.name}: ` : ""}${signal?.name ?? "More"}</span>
+        <span>${this.devices.length > 1 ? `${device.name}: ` : ""}${signal?.name ?? msg("More")}</span>
         ${signal === null ? nothing : html`<t-signal-value bare size="s" .site=${context?.site ?? ""} .signal=${signal}></t-signal-value>`}
       </div>
       ${commands.length === 0
@@ -129,8 +130,7 @@ export class ParametersBoardTile extends NodePartsTile {
 
   protected override renderNone(): TemplateResult {
     return html`<p>
-      No parameter is open to you here. The description names them as signals, <code>source: {parameter: /node/name}</code>, and as commands,
-      <code>kind: parameter</code>.
+      ${msg(html`No parameter is open to you here. The description names them as signals, <code>source: {parameter: /node/name}</code>, and as commands, <code>kind: parameter</code>.`)}
     </p>`;
   }
 }
@@ -143,8 +143,7 @@ export class LifecycleBoardTile extends NodePartsTile {
 
   protected override renderNone(): TemplateResult {
     return html`<p>
-      No life-cycle node is open to you here. The description names them as signals, <code>source: {lifecycle: /node}</code>, and their transitions as commands,
-      <code>kind: lifecycle</code>.
+      ${msg(html`No life-cycle node is open to you here. The description names them as signals, <code>source: {lifecycle: /node}</code>, and their transitions as commands, <code>kind: lifecycle</code>.`)}
     </p>`;
   }
 }

@@ -1,5 +1,6 @@
 /** Why a tile has nothing to show: it was told nothing yet, or what it names is not there for this person. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { findCommand, findDevice, findSignal, findSignals, findStream, findStreams } from "../../boards/references.js";
 import { isUnset, settingList, settingText, type SettingField, type TileSettings } from "../../boards/tile-settings.js";
 import type { BoardTileContext, BoardTileEntry } from "./board-tile-entry.js";
@@ -10,8 +11,8 @@ export interface TileTrouble {
 }
 
 const CHOOSE: Readonly<Partial<Record<SettingField["kind"], string>>> = {
-  signal: "Choose a signal", signals: "Choose signals", device: "Choose a device", stream: "Choose a camera",
-  streams: "Choose cameras", command: "Choose a command", topic: "Choose a topic", extension: "Choose a tile",
+  signal: msg("Choose a signal"), signals: msg("Choose signals"), device: msg("Choose a device"), stream: msg("Choose a camera"),
+  streams: msg("Choose cameras"), command: msg("Choose a command"), topic: msg("Choose a topic"), extension: msg("Choose a tile"),
 };
 
 /** Null where it can be drawn. */
@@ -19,7 +20,7 @@ export function tileTrouble(entry: BoardTileEntry, settings: TileSettings, conte
   for (const field of entry.settings) {
     if (isUnset(settings, field.key)) {
       if (field.needed !== true) continue;
-      return { kind: "empty", what: CHOOSE[field.kind] ?? `Set: ${field.label.toLowerCase()}` };
+      return { kind: "empty", what: CHOOSE[field.kind] ?? msg(str`Set: ${field.label.toLowerCase()}`) };
     }
     if (!isFound(field, settings, context)) {
       return { kind: "forbidden", what: settingList(settings, field.key).join(", ") || settingText(settings, field.key) };

@@ -1,5 +1,6 @@
 /** Raw topics as tiles: the newest message as a tree, and diagnostics. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -93,8 +94,8 @@ export class TopicBoardTile extends LitElement {
     const hidden = facts.state === "forbidden" || facts.state === "unrecorded";
     const { tree } = this.follower;
     return html`<div class="tools">
-        <input type="search" aria-label=${`Search ${this.topic}`} placeholder="Search a field" .value=${this.search} @input=${this.onSearch} />
-        ${renderTopicStatus(facts)} <a href=${topicPagePath(this.context?.site ?? "", this.topic)}>Topic</a>
+        <input type="search" aria-label=${msg(str`Search ${this.topic}`)} placeholder=${msg("Search a field")} .value=${this.search} @input=${this.onSearch} />
+        ${renderTopicStatus(facts)} <a href=${topicPagePath(this.context?.site ?? "", this.topic)}>${msg("Topic")}</a>
       </div>
       ${renderTopicTrouble(facts)}
       ${hidden ? nothing : html`<t-field-plot .traces=${this.plots.traces} .nowMs=${nowMs} @t-plot=${this.onPlot}></t-field-plot>`}

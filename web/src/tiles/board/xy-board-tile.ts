@@ -1,5 +1,6 @@
 /** One number over another, the newest point marked. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { StoreController } from "../../controllers/store-controller.js";
@@ -94,15 +95,15 @@ export class XyBoardTile extends LitElement {
     const age = feed?.ageS(across.channels[0] ?? across.address) ?? Number.NaN;
     const old = this.context?.online !== true || !(age <= across.max_age);
     const last = points.at(-1);
-    return html`<svg viewBox="0 0 ${WIDE} ${HIGH}" preserveAspectRatio="none" class=${old ? "old" : ""} role="img" aria-label=${`${upwards.name} over ${across.name}`}>
+    return html`<svg viewBox="0 0 ${WIDE} ${HIGH}" preserveAspectRatio="none" class=${old ? "old" : ""} role="img" aria-label=${msg(str`${upwards.name} over ${across.name}`)}>
         <rect class="edge" width=${WIDE} height=${HIGH}></rect>
         <path d=${path}></path>
         ${newest === undefined ? nothing : svg`<circle class="newest" cx=${newest[0]} cy=${newest[1]} r="5"></circle>`}
       </svg>
       <p>
         ${last === undefined
-          ? "No point yet: both must be known at one moment."
-          : html`${across.name} ${text(across, last.x)}, ${upwards.name} ${text(upwards, last.y)}${old ? `; stale, ${formatAge(age)}` : nothing}. Across ${text(across, left)} to ${text(across, right)}, upwards ${text(upwards, low)} to ${text(upwards, high)}.`}
+          ? msg("No point yet: both must be known at one moment.")
+          : html`${msg(html`${across.name} ${text(across, last.x)}, ${upwards.name} ${text(upwards, last.y)}${old ? msg(str`; stale, ${formatAge(age)}`) : nothing}. Across ${text(across, left)} to ${text(across, right)}, upwards ${text(upwards, low)} to ${text(upwards, high)}.`)}`}
       </p>`;
   }
 }

@@ -1,11 +1,12 @@
 /** Says that a camera's picture is blurred, and shows it as it is to those who may see that. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { onPicture } from "../../elements/camera/picture-overlay.js";
 
-const EXPLAINED = "Faces, and what else the site’s description names, are blurred before the picture leaves its gateway.";
+const EXPLAINED = msg("Faces, and what else the site’s description names, are blurred before the picture leaves its gateway.");
 
 /** @fires t-unblur the button was pressed: detail is whether the picture is wanted as it is */
 @customElement("t-blur-button")
@@ -34,8 +35,8 @@ export class BlurButton extends LitElement {
   @property({ type: Boolean }) unblurred = false;
 
   override render(): TemplateResult {
-    if (!this.may) return html`<span class="badge" title=${EXPLAINED}>Blurred</span>`;
-    const label = this.unblurred ? "Show it blurred again" : "Show it unblurred; the audit log will say that you did";
+    if (!this.may) return html`<span class="badge" title=${EXPLAINED}>${msg("Blurred")}</span>`;
+    const label = this.unblurred ? msg("Show it blurred again") : msg("Show it unblurred; the audit log will say that you did");
     return html`<button
       type="button"
       class="key worded"
@@ -49,7 +50,7 @@ export class BlurButton extends LitElement {
   }
 
   private get word(): string {
-    return this.unblurred ? "Unblurred" : "Blurred";
+    return this.unblurred ? msg("Unblurred") : msg("Blurred");
   }
 
   private readonly toggle = (): void => {

@@ -4,6 +4,7 @@
  * Long, because a picture's whole way through the page is read together.
  */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
@@ -189,7 +190,7 @@ export class CameraTile extends LitElement {
     const lost = connection !== undefined && connection.state !== "open";
     return html`<t-camera-view
       .link=${this.linkNow()}
-      .why=${this.why || (lost ? "The connection to the hub is lost." : "")}
+      .why=${this.why || (lost ? msg("The connection to the hub is lost.") : "")}
       .name=${this.name}
       .age=${this.takenAt === null ? Number.NaN : now - this.takenAt}
       .rate=${this.frameRate(now)}
@@ -204,15 +205,9 @@ export class CameraTile extends LitElement {
       ?earlier=${this.seen?.standing === "earlier"}
       ?editing=${this.editing}
       @t-fullscreen=${this.onFullScreenRequest}
-        ><slot name="over" slot="over"></slot><slot name="hud" slot="hud"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${this.modelled.renderStrip(now)}${
-          this.marked.renderButton()
-        }${
-          this.blurred && this.stream !== ""
+        ><slot name="over" slot="over"></slot><slot name="hud" slot="hud"></slot>${this.objects.renderOverlay(things, heard === null ? null : now - heard, this.driving)}${this.modelled.renderStrip(now)}${this.marked.renderButton()}${this.blurred && this.stream !== ""
             ? html`<t-blur-button slot="tool" ?may=${this.unblurrable && this.online} ?unblurred=${this.unblurred} @t-unblur=${this.onUnblur}></t-blur-button>`
-            : nothing
-        }${
-          this.online ? html`<t-film-button slot="tool" site=${this.site} stream=${this.stream}></t-film-button>` : nothing
-        }</t-camera-view
+            : nothing}${this.online ? html`<t-film-button slot="tool" site=${this.site} stream=${this.stream}></t-film-button>` : nothing}</t-camera-view
       >${this.objects.renderBelow(this.driving)}`;
   }
 
@@ -243,7 +238,7 @@ export class CameraTile extends LitElement {
       failed: (shot) => {
         if (shot.format in MIME) return;
         this.media = "unsupported";
-        this.why = `It comes as ${shot.format}; this page can show ${Object.keys(MIME).join(", ")}.`;
+        this.why = msg(str`It comes as ${shot.format}; this page can show ${Object.keys(MIME).join(", ")}.`);
       },
     });
     this.newest = newest;
@@ -281,7 +276,7 @@ export class CameraTile extends LitElement {
         },
         onState: (state, why) => {
           this.media = state === "open" || state === "refused" ? state : "connecting";
-          this.why = state === "lost" ? "The picture's connection is lost; trying again." : why;
+          this.why = state === "lost" ? msg("The picture's connection is lost; trying again.") : why;
         },
       },
     );
@@ -345,7 +340,7 @@ export class CameraTile extends LitElement {
       // The last good one stays and grows old: it turns grey, and the vehicle slows down.
       picture.close();
       this.media = "bad";
-      this.why = "The picture shows nothing: no contrast at all. Is the lens covered, or the line too narrow?";
+      this.why = msg("The picture shows nothing: no contrast at all. Is the lens covered, or the line too narrow?");
       return;
     }
     this.view.drawPicture(picture);

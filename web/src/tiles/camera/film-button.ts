@@ -1,6 +1,7 @@
 /** Begins and ends the film of a camera; not there for who may not. */
 
 import { consume } from "@lit/context";
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
@@ -70,11 +71,11 @@ export class FilmButton extends LitElement {
     const { list } = this.filming;
     if (list?.may_film !== true || this.stream === "") return nothing;
     const on = list.filming.includes(this.stream);
-    const label = on ? "End the film" : "Film this camera";
+    const label = on ? msg("End the film") : msg("Film this camera");
     const { problem } = this.action;
     return html`<button type="button" class="key ${on ? "worded" : ""}" aria-label=${label} title=${label} aria-pressed=${on ? "true" : "false"} aria-busy=${this.asked === null ? "false" : "true"} @click=${this.toggleRecording}>
         <svg viewBox="0 0 24 24" aria-hidden="true"><path d=${on ? BLOCK : DOT} fill="currentColor"></path></svg>
-        ${on ? html`<span class="word">Filming</span>` : nothing}
+        ${on ? html`<span class="word">${msg("Filming")}</span>` : nothing}
       </button>
       ${problem === null ? nothing : html`<span class="problem" role="alert">${problem.what} ${problem.how}</span>`}`;
   }
@@ -83,7 +84,7 @@ export class FilmButton extends LitElement {
     const { api, site, stream } = this;
     if (api === undefined) return;
     const on = this.filming.list?.filming.includes(stream) !== true;
-    void this.action.run(on ? "begin the film" : "end the film", () => new FilmsApi(api).setRecording(site, stream, on)).then((done) => {
+    void this.action.run(on ? msg("begin the film") : msg("end the film"), () => new FilmsApi(api).setRecording(site, stream, on)).then((done) => {
       this.asked = done ? on : null;
       // The gateway tells it a moment later.
       setTimeout(() => {

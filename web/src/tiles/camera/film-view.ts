@@ -5,6 +5,7 @@
  * in it, how fast, and what to say while there is no picture.
  */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -177,14 +178,14 @@ export class FilmView extends LitElement {
         preload="auto"
         disablepictureinpicture
         ?hidden=${!plays}
-        aria-label=${`Film of ${name}${plays && this.shownUs > 0 ? `, picture of ${this.moment(this.shownUs)}` : ""}`}
+        aria-label=${plays && this.shownUs > 0 ? msg(str`Film of ${name}, picture of ${this.moment(this.shownUs)}`) : msg(str`Film of ${name}`)}
         @seeked=${this.onMediaReady}
         @loadeddata=${this.onMediaReady}
         @error=${this.onMediaError}
       ></video>
       ${plays
         ? html`<div class="tint"></div>
-            <a class="key get" href=${filmPath(this.site, showing.film.id)} download title="Download this film" aria-label=${`Download this film of ${name}`}>
+            <a class="key get" href=${filmPath(this.site, showing.film.id)} download title=${msg("Download this film")} aria-label=${msg(str`Download this film of ${name}`)}>
               <svg viewBox="0 0 24 24" aria-hidden="true">
                 <path d="M12 4v11M7 10l5 5 5-5M5 20h14" fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
               </svg>
@@ -197,38 +198,38 @@ export class FilmView extends LitElement {
     switch (showing.kind) {
       case "film":
         return html`<div class="veil">
-          <h3>This film cannot be played</h3>
+          <h3>${msg("This film cannot be played")}</h3>
           <p role="alert">${this.broken}</p>
           <div class="ways">
-            <t-button @click=${this.retry}>Try again</t-button>
-            <a href=${filmPath(this.site, showing.film.id)} download>Download the film</a>
+            <t-button @click=${this.retry}>${msg("Try again")}</t-button>
+            <a href=${filmPath(this.site, showing.film.id)} download>${msg("Download the film")}</a>
           </div>
         </div>`;
       case "coming": {
         const { size, have } = showing.film;
         return html`<div class="veil">
-          <h3>This film is still being uploaded</h3>
-          <p>${formatNumber(size > 0 ? (100 * have) / size : 0, 0)} % of it has come from the gateway.</p>
+          <h3>${msg("This film is still being uploaded")}</h3>
+          <p>${msg(str`${formatNumber(size > 0 ? (100 * have) / size : 0, 0)} % of it has come from the gateway.`)}</p>
         </div>`;
       }
       case "failed":
         return html`<div class="veil">
-          <h3>This film is lost</h3>
+          <h3>${msg("This film is lost")}</h3>
           <p>${showing.film.note}</p>
         </div>`;
       case "raw":
         return html`<div class="veil">
-          <h3>Not as a film</h3>
-          <p>The pictures of this time are messages in a recording (MCAP), for Foxglove or Lichtblick.</p>
-          <a href=${recordingPath(this.site, showing.recording)} download>Download the recording</a>
+          <h3>${msg("Not as a film")}</h3>
+          <p>${msg("The pictures of this time are messages in a recording (MCAP), for Foxglove or Lichtblick.")}</p>
+          <a href=${recordingPath(this.site, showing.recording)} download>${msg("Download the recording")}</a>
         </div>`;
       case "none":
         return html`<div class="veil">
-          <h3>No film of this moment</h3>
-          ${showing.filming ? html`<p>It is being filmed now; the film comes when it has ended.</p>` : nothing}
+          <h3>${msg("No film of this moment")}</h3>
+          ${showing.filming ? html`<p>${msg("It is being filmed now; the film comes when it has ended.")}</p>` : nothing}
           <div class="ways">
-            ${showing.before === null ? nothing : this.renderFilmLink("Before", showing.before.end_us)}
-            ${showing.after === null ? nothing : this.renderFilmLink("Next", showing.after.begin_us)}
+            ${showing.before === null ? nothing : this.renderFilmLink(msg("Before"), showing.before.end_us)}
+            ${showing.after === null ? nothing : this.renderFilmLink(msg("Next"), showing.after.begin_us)}
           </div>
         </div>`;
     }
@@ -352,8 +353,8 @@ export class FilmView extends LitElement {
     const { error } = this.video;
     if (this.film === null || error === null) return;
     this.broken = error.code === MediaError.MEDIA_ERR_SRC_NOT_SUPPORTED || error.code === MediaError.MEDIA_ERR_DECODE
-      ? "This browser cannot play it, or the hub does not give it any more."
-      : "The hub does not answer.";
+      ? msg("This browser cannot play it, or the hub does not give it any more.")
+      : msg("The hub does not answer.");
   };
 
   private readonly retry = (): void => {

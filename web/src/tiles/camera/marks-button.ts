@@ -1,5 +1,6 @@
 /** Beside a picture's other buttons: its zones and lines, shown or not. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -22,8 +23,8 @@ export class MarksButton extends LitElement {
   @property({ type: Boolean }) on = false;
 
   override render(): TemplateResult {
-    const title = this.on ? "Hide zones and lines" : "Show zones and lines";
-    return html`<button type="button" class="key" aria-label="Zones and lines" title=${title} aria-pressed=${this.on ? "true" : "false"}>
+    const title = this.on ? msg("Hide zones and lines") : msg("Show zones and lines");
+    return html`<button type="button" class="key" aria-label=${msg("Zones and lines")} title=${title} aria-pressed=${this.on ? "true" : "false"}>
       <svg viewBox="0 0 24 24" aria-hidden="true">
         <path d="M4 9l7-5 9 4-3 11-11 1zM4 9h.01M11 4h.01M20 8h.01M17 19h.01M6 20h.01" fill="none" stroke="currentColor" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"></path>
       </svg>

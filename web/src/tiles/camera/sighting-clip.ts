@@ -1,5 +1,6 @@
 /** One sighting, large: the film around its beginning where there is one, its picture where not. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base, quietText } from "../../elements/base/base-style.js";
@@ -72,7 +73,7 @@ export class SightingClip extends LitElement {
           playsinline
           preload="auto"
           .muted=${true}
-          aria-label=${`Clip of ${this.what}`}
+          aria-label=${msg(str`Clip of ${this.what}`)}
           @loadedmetadata=${this.onLoaded}
           @error=${this.onBroken}
         ></video>
@@ -80,10 +81,10 @@ export class SightingClip extends LitElement {
     }
     const coming = film !== null && film.state !== "complete" && film.state !== "failed";
     return html`${this.picture === "" || (this.broken && film === null)
-        ? html`<div class="veil"><t-icon name="camera"></t-icon><p>No picture of it is kept</p></div>`
+        ? html`<div class="veil"><t-icon name="camera"></t-icon><p>${msg("No picture of it is kept")}</p></div>`
         : html`<img src=${this.picture} alt=${this.what} @error=${this.onBroken} /><div class="tint"></div>`}
-      ${coming ? html`<span class="badge note">The clip is still on its way</span>` : nothing}
-      ${film !== null && this.broken ? html`<span class="badge note">This browser cannot play the clip</span>` : nothing}`;
+      ${coming ? html`<span class="badge note">${msg("The clip is still on its way")}</span>` : nothing}
+      ${film !== null && this.broken ? html`<span class="badge note">${msg("This browser cannot play the clip")}</span>` : nothing}`;
   }
 
   /** Plays or pauses; gives whether there is something to play. */

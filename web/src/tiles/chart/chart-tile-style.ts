@@ -1,5 +1,6 @@
 /** Style of a chart's tile, and how the parts of a position are written. */
 
+import { msg } from "@lit/localize";
 import { css } from "lit";
 import { raisedBox, quietText } from "../../elements/base/base-style.js";
 import { formatNumber } from "../../format/number.js";
@@ -12,12 +13,12 @@ export interface PositionPart {
 }
 
 const NAMES: Readonly<Record<string, string>> = {
-  x: "East",
-  y: "North",
-  yaw: "Heading",
-  lat: "Latitude",
-  lon: "Longitude",
-  alt: "Altitude",
+  x: msg("East"),
+  y: msg("North"),
+  yaw: msg("Heading"),
+  lat: msg("Latitude"),
+  lon: msg("Longitude"),
+  alt: msg("Altitude"),
 };
 /** Six digits of a degree are about a tenth of a metre. */
 const DEGREE_DIGITS = 6;

@@ -4,6 +4,7 @@
  * Long, because chart and strips below it share one window, one pause and one set of marks.
  */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -139,17 +140,17 @@ export class ChartTile extends LitElement {
     const age = this.feed?.ageS(this.signal?.channels[0] ?? "") ?? NaN;
     switch (this.freshness()) {
       case "live":
-        return html`<t-status kind="online" word="live"></t-status>`;
+        return html`<t-status kind="online" word=${msg("live")}></t-status>`;
       case "outside":
-        return html`<t-status kind="warn" word="out of range"></t-status>`;
+        return html`<t-status kind="warn" word=${msg("out of range")}></t-status>`;
       case "stale":
-        return html`<t-status kind="stale" word="stale, ${formatAge(age)}"></t-status>`;
+        return html`<t-status kind="stale" word=${msg(str`stale, ${formatAge(age)}`)}></t-status>`;
       case "unknown":
-        return html`<t-status kind="unknown" word="no data yet"></t-status>`;
+        return html`<t-status kind="unknown" word=${msg("no data yet")}></t-status>`;
       case "unreached":
-        return html`<t-status kind="unknown" word="not reached"></t-status>`;
+        return html`<t-status kind="unknown" word=${msg("not reached")}></t-status>`;
       case "forbidden":
-        return html`<t-status kind="unknown" word="not yours to see"></t-status>`;
+        return html`<t-status kind="unknown" word=${msg("not yours to see")}></t-status>`;
     }
   }
 
@@ -160,7 +161,7 @@ export class ChartTile extends LitElement {
       class="pause"
       ?disabled=${this.paused}
       pressed=${still ? "true" : "false"}
-      label=${`Pause the chart of ${signal.name}`}
+      label=${msg(str`Pause the chart of ${signal.name}`)}
       @click=${this.togglePause}
       ><svg viewBox="0 0 16 16" aria-hidden="true">
         <path d=${still ? "M4 2.5v11l9-5.5z" : "M4 3h3v10H4zM9 3h3v10H9z"} fill="currentColor"></path></svg
@@ -184,7 +185,7 @@ export class ChartTile extends LitElement {
         </dl>`;
       case "text":
         return html`<p class="text ${messageLevel(held.text ?? "")}">${this.renderMessage(freshness, held.text)}</p>
-          <p class="range">${Number.isNaN(held.timeUs) ? nothing : `at ${formatClock(held.timeUs, this.zone)}`}</p>`;
+          <p class="range">${Number.isNaN(held.timeUs) ? nothing : msg(str`at ${formatClock(held.timeUs, this.zone)}`)}</p>`;
       case "state":
         return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${stateLevel(signal, held.trace.newest)}></t-value>`;
       case "number":
@@ -214,10 +215,10 @@ export class ChartTile extends LitElement {
     const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     if (samples === undefined || span === undefined) return nothing;
     const seen = summarize(samples.columnsAt(this.chartColumn(span)), span.fromUs, span.toUs);
-    if (seen.count === 0) return html`nothing in this window`;
+    if (seen.count === 0) return html`${msg("nothing in this window")}`;
     const decimals = digitsOf(signal);
     return html`<span>min <b>${formatNumber(seen.min, decimals)}</b></span>
-      <span>max <b>${formatNumber(seen.max, decimals)}</b></span>`;
+      <span>${msg(html`max <b>${formatNumber(seen.max, decimals)}</b>`)}</span>`;
   }
 
   /** What the newest of the marks in the chart is of. */
@@ -225,7 +226,7 @@ export class ChartTile extends LitElement {
     const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     const newest = this.marks.filter(({ timeUs }) => span !== undefined && span.fromUs <= timeUs && timeUs <= span.toUs).at(-1);
     if (newest === undefined) return nothing;
-    return html`<p class="outliers">Alarm at ${formatClock(newest.timeUs, this.zone)}: ${newest.said}</p>`;
+    return html`<p class="outliers">${msg(str`Alarm at ${formatClock(newest.timeUs, this.zone)}:`)} ${newest.said}</p>`;
   }
 
   /** The newest anomaly of a group in the chart that this signal had a part in. */
@@ -234,7 +235,7 @@ export class ChartTile extends LitElement {
     const newest = this.anomalies.filter(({ title, fromUs, toUs }) => title !== "" && span !== undefined && fromUs <= span.toUs && toUs >= span.fromUs).at(-1);
     if (newest === undefined) return nothing;
     const share = `${formatNumber(shareOf(newest, address) * 100, 0)} %`;
-    return html`<p class="outliers">Anomaly of ${newest.title} at ${formatClock(newest.fromUs, this.zone)}, ${share} of it by this signal.</p>`;
+    return html`<p class="outliers">${msg(str`Anomaly of ${newest.title} at ${formatClock(newest.fromUs, this.zone)}, ${share} of it by this signal.`)}</p>`;
   }
 
   // The chart's own columns are asked for where there is one: two resolutions would thin twice.
@@ -259,15 +260,13 @@ export class ChartTile extends LitElement {
         .marks=${this.drawnMarks}
         .painter=${this.painter}
         zone=${this.zone}
-        label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
+        label=${this.frozen === null ? msg(str`${signal.name}, live`) : msg(str`${signal.name}, paused`)}
       ></t-chart>
       ${this.renderNewestMark()} ${this.renderNewestGroup(signal)}
       ${this.found === null ? nothing : html`<p class="outliers">${outlierText(this.found, shownUnit(signal).unit, digitsOf(signal), false)}</p>`}
-      ${
-        this.frozen === null
+      ${this.frozen === null
           ? nothing
-          : html`<p class="still">Chart paused at ${formatClock(this.frozen.span.toUs, this.zone)}; the value goes on.</p>`
-      }`;
+          : html`<p class="still">${msg(str`Chart paused at ${formatClock(this.frozen.span.toUs, this.zone)}; the value goes on.`)}</p>`}`;
   }
 
   /** What the detectors say, below the chart and over the same window. */
@@ -354,7 +353,7 @@ export class ChartTile extends LitElement {
         const before = this.scores.get(scores);
         const { trace, gaps } = feed.channelOf(scores);
         if (before?.samples === trace) return [scores, before];
-        const plain = { address: scores, name: "Score", unit: "", decimals: 2, states: [], stale: false };
+        const plain = { address: scores, name: msg("Score"), unit: "", decimals: 2, states: [], stale: false };
         return [scores, { ...plain, colour: this.colour, samples: trace, gaps }];
       }),
     );

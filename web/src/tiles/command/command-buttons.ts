@@ -1,5 +1,6 @@
 /** Commands as a row of buttons: what each became of, and why one is locked, stands below them. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -83,10 +84,10 @@ export class CommandButtons extends LitElement {
 
   override render(): TemplateResult | typeof nothing {
     if (this.deeds.length === 0) return nothing;
-    return html`<div class="row" role="group" aria-label="Commands">
+    return html`<div class="row" role="group" aria-label=${msg("Commands")}>
         ${repeat(this.deeds, ({ label }) => label, (deed) => this.renderButton(deed))}
       </div>
-      ${this.online ? nothing : html`<t-status kind="offline" word="not connected: nothing can be asked"></t-status>`}
+      ${this.online ? nothing : html`<t-status kind="offline" word=${msg("not connected: nothing can be asked")}></t-status>`}
       <div role="status">
         <ul>
           ${repeat(this.recentRequests(), ({ id }) => id, (asked) => this.renderOutcome(asked))}
@@ -141,7 +142,7 @@ export class CommandButtons extends LitElement {
       <t-status kind=${kind} .word=${`${name}: ${word}`}></t-status>
       ${asked.message === "" ? nothing : html`<span>${asked.message}</span>`}
       ${asked.phase === "running" && asked.progress > 0
-        ? html`<progress max="1" .value=${asked.progress} aria-label="Progress of ${name}"></progress>`
+        ? html`<progress max="1" .value=${asked.progress} aria-label=${msg(str`Progress of ${name}`)}></progress>`
         : nothing}
     </li>`;
   }
@@ -152,12 +153,12 @@ export class CommandButtons extends LitElement {
       heading="${name}?"
       action=${name}
       kind="primary"
-      keep="Do not send"
+      keep=${msg("Do not send")}
       ?open=${this.asking !== null}
       @t-close=${this.onCancel}
       @t-confirm=${this.onConfirm}
     >
-      <p>${this.asking?.command.description || "This is sent to the robot once."}</p>
+      <p>${this.asking?.command.description || msg("This is sent to the robot once.")}</p>
     </t-confirm>`;
   }
 

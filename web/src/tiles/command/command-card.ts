@@ -1,5 +1,6 @@
 /** One command as a form, tied to the connection: locks, rights and what became of it. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { CommandArguments, CommandClient } from "../../controllers/drive/command-client.js";
@@ -65,7 +66,7 @@ export class CommandCard extends LitElement {
   private stateText({ needs }: CommandShape): string {
     if (!needs || this.live.freshnessOf(needs.channel, needs.max_age) !== "live") return "";
     const word = stateWord(needs.states, this.live.readingOf(needs.channel)?.value ?? Number.NaN);
-    return needs.among.includes(word) ? "" : `Not possible now: it is ${word}`;
+    return needs.among.includes(word) ? "" : msg(str`Not possible now: it is ${word}`);
   }
 }
 

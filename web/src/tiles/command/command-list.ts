@@ -1,5 +1,6 @@
 /** The one-shot commands of a site's devices, tied to the connection. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -40,7 +41,7 @@ export class CommandList extends LitElement {
   @property({ attribute: false }) devices: readonly DeviceShape[] = [];
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
-  @property() heading = "Commands";
+  @property() heading = msg("Commands");
   /** Ids of commands that the page shows elsewhere. */
   @property({ attribute: false }) shownElsewhere: ReadonlySet<string> = new Set();
 
@@ -63,7 +64,7 @@ export class CommandList extends LitElement {
       ${policies.length === 0
         ? nothing
         : html`<div class="without">
-            <strong>When the hub is out of reach</strong> the gateway acts by itself:
+            ${msg(html`<strong>When the hub is out of reach</strong> the gateway acts by itself:`)}
             <ul>
               ${repeat(
                 policies,

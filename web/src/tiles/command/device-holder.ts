@@ -1,5 +1,6 @@
 /** Who acts on a device now and since when, calmly, in the words of the refusal. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -41,7 +42,7 @@ export class DeviceHolderLine extends LitElement {
     // Not spoken each second: it is looked up, and the dialog asks where it matters.
     return found.map(
       ({ words, since }) =>
-        html`<span role="note">${words} (since ${formatDuration((performance.now() - since) / 1000)})</span>`,
+        html`<span role="note">${msg(str`${words} (since ${formatDuration((performance.now() - since) / 1000)})`)}</span>`,
     );
   }
 }

@@ -1,5 +1,6 @@
 /** Somebody else acts on the device: interrupt them, or leave them to it. */
 
+import { msg } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
 import type { CommandRequest } from "../../controllers/drive/command-machine.js";
@@ -14,7 +15,7 @@ export function renderInterruptDialog(asked: readonly (CommandRequest | null)[],
   const onInterrupt = (): void => {
     if (blocked !== null) line?.interruptOther(blocked);
   };
-  return html`<t-confirm heading="Interrupt?" action="Interrupt" keep="Leave it" ?open=${blocked !== null} @t-close=${onLeave} @t-confirm=${onInterrupt}>
-    <p>${blocked === null ? nothing : blocked.message}. What you ask for would act against it.</p>
+  return html`<t-confirm heading=${msg("Interrupt?")} action=${msg("Interrupt")} keep=${msg("Leave it")} ?open=${blocked !== null} @t-close=${onLeave} @t-confirm=${onInterrupt}>
+    <p>${msg(html`${blocked === null ? nothing : blocked.message}. What you ask for would act against it.`)}</p>
   </t-confirm>`;
 }

@@ -1,5 +1,6 @@
 /** Everything to drive with, tied to the seat: lease, pad, arrows, speed and what comes of it. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { padsFound } from "../../controllers/drive/gamepad.js";
@@ -30,8 +31,8 @@ const HAND_KEY = "talaia.hand";
 type DrivingHand = "both" | "left" | "right";
 
 const PAD_WAYS = [
-  { id: "turn", label: "Turn" },
-  { id: "move", label: "Move" },
+  { id: "turn", label: msg("Turn") },
+  { id: "move", label: msg("Move") },
 ] as const;
 
 function sidePadStick(right: number, down: number, radius: number): Stick {
@@ -39,9 +40,9 @@ function sidePadStick(right: number, down: number, radius: number): Stick {
 }
 
 const HANDS = [
-  { id: "both", label: "Both" },
-  { id: "left", label: "Left" },
-  { id: "right", label: "Right" },
+  { id: "both", label: msg("Both") },
+  { id: "left", label: msg("Left") },
+  { id: "right", label: msg("Right") },
 ] as const;
 
 @customElement("t-drive-pad")
@@ -232,21 +233,18 @@ export class DrivePad extends LitElement {
         .refusal=${state.kind === "mine" && !this.stopped ? (told?.why ?? "") : ""}
       ></t-drive-readout>
       <div class="hand">
-        <span>Thumb</span><t-choice label="Thumb that drives" .options=${HANDS} .chosen=${this.hand} @t-choose=${this.onHand}></t-choice>
+        <span>${msg("Thumb")}</span><t-choice label=${msg("Thumb that drives")} .options=${HANDS} .chosen=${this.hand} @t-choose=${this.onHand}></t-choice>
       </div>
       <div class="foot">
       <details class="hint">
-        <summary>Keys and gamepad</summary>
+        <summary>${msg("Keys and gamepad")}</summary>
         <p>
-          Hold W&nbsp;A&nbsp;D&nbsp;X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, +
-          and − change the speed, Escape is STOP.${steers ? " A and D steer, also while it stands; let go, the wheels stay turned until you drive on." : ""}${sideways ? " Q and E move to the left and right without turning." : ""}
-          Gamepad: hold a shoulder button and push the left stick or the cross${sideways ? ", the right stick for sideways" : ""};
-          the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.
+          ${steers ? sideways ? msg("Hold W\u00a0A\u00a0D\u00a0X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, + and \u2212 change the speed, Escape is STOP. A and D steer, also while it stands; let go, the wheels stay turned until you drive on. Q and E move to the left and right without turning. Gamepad: hold a shoulder button and push the left stick or the cross, the right stick for sideways; the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.") : msg("Hold W\u00a0A\u00a0D\u00a0X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, + and \u2212 change the speed, Escape is STOP. A and D steer, also while it stands; let go, the wheels stay turned until you drive on. Gamepad: hold a shoulder button and push the left stick or the cross; the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.") : sideways ? msg("Hold W\u00a0A\u00a0D\u00a0X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, + and \u2212 change the speed, Escape is STOP. Q and E move to the left and right without turning. Gamepad: hold a shoulder button and push the left stick or the cross, the right stick for sideways; the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.") : msg("Hold W\u00a0A\u00a0D\u00a0X or the arrow keys to drive, several at once for a curve; let go to halt. S halts, + and \u2212 change the speed, Escape is STOP. Gamepad: hold a shoulder button and push the left stick or the cross; the right thumb's lowest button halts, the right one is STOP, the left and the top one change the speed.")}
         </p>
       </details>
       ${this.renderPads()}
-      <span class="loop" title="From this page to the gateway and back, measured while you have control"
-        >Round trip ${formatMs(told && told.loop_ms > 0 ? told.loop_ms : Number.NaN)}</span
+      <span class="loop" title=${msg("From this page to the gateway and back, measured while you have control")}
+        >${msg(str`Round trip ${formatMs(told && told.loop_ms > 0 ? told.loop_ms : Number.NaN)}`)}</span
       >
       </div>
     `;
@@ -255,8 +253,8 @@ export class DrivePad extends LitElement {
   /** On a pad, left and right are either a turn or a move. */
   private renderAside(): TemplateResult {
     return html`<div class="aside">
-      <span>Left and right on the pad</span>
-      <t-choice label="Left and right on the pad" .options=${PAD_WAYS} .chosen=${this.aside ? "move" : "turn"} @t-choose=${this.onAside}></t-choice>
+      <span>${msg("Left and right on the pad")}</span>
+      <t-choice label=${msg("Left and right on the pad")} .options=${PAD_WAYS} .chosen=${this.aside ? "move" : "turn"} @t-choose=${this.onAside}></t-choice>
     </div>`;
   }
 
@@ -265,7 +263,7 @@ export class DrivePad extends LitElement {
     const pads = navigator.getGamepads().filter((pad) => pad !== null);
     const found = padsFound(pads.map(({ mapping }) => mapping));
     if (found === "none") return nothing;
-    return html`<span class="pads">${found === "ready" ? "Gamepad ready" : "This gamepad has a layout of its own: no driving by it"}</span>`;
+    return html`<span class="pads">${found === "ready" ? msg("Gamepad ready") : msg("This gamepad has a layout of its own: no driving by it")}</span>`;
   }
 
   /** Why an interlock refuses driving now; empty when none does. */

@@ -1,5 +1,6 @@
 /** Where a vehicle is: on the map, in space, or both where there is room. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -14,8 +15,8 @@ type Surroundings = "map" | "scene";
 
 const KEY = "talaia.surroundings";
 const OPTIONS = [
-  { id: "map", label: "Map" },
-  { id: "scene", label: "Scene" },
+  { id: "map", label: msg("Map") },
+  { id: "scene", label: msg("Scene") },
 ] as const;
 /** There is room for both beside a large picture. */
 const WIDE = "(min-width: 110rem)";
@@ -74,11 +75,11 @@ export class VehicleSurroundings extends LitElement {
 
   override render(): TemplateResult {
     const shows = (which: Surroundings): boolean => this.wide || this.chosen === which;
-    return html`${this.wide ? nothing : html`<t-choice label="Surroundings" .options=${OPTIONS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>`}
+    return html`${this.wide ? nothing : html`<t-choice label=${msg("Surroundings")} .options=${OPTIONS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>`}
       ${shows("map") ? html`<div class="box"><t-map class="map" .site=${this.site} .signal=${this.signal} .online=${this.online}></t-map></div>` : nothing}
       ${shows("scene")
         ? html`<div class="box">
-            ${renderLoaded(this.sceneElement, "the scene", () => html`<t-scene-tile bare .site=${this.site} .detail=${this.detail} .online=${this.online}></t-scene-tile>`)}
+            ${renderLoaded(this.sceneElement, msg("the scene"), () => html`<t-scene-tile bare .site=${this.site} .detail=${this.detail} .online=${this.online}></t-scene-tile>`)}
           </div>`
         : nothing}`;
   }

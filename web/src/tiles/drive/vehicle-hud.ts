@@ -1,5 +1,6 @@
 /** A vehicle's speed, heading and battery over its picture, from its live values and the driver's seat. */
 
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -84,7 +85,7 @@ export class VehicleHud extends LitElement {
   }
 
   private obstacle({ id }: DeviceShape): string {
-    if (this.stopped) return "STOP is on";
+    if (this.stopped) return msg("STOP is on");
     const lock = this.interlocks.store?.lockOf(this.site, id, "drive") ?? null;
     if (lock !== null) return lockText(lock);
     const { seat } = this;

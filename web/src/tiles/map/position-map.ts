@@ -4,6 +4,7 @@
  */
 
 import { ContextConsumer } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
@@ -123,9 +124,9 @@ export class PositionMap extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const note = this.signal
       ? this.online
-        ? (this.past.store === undefined ? "Waiting for the first position" : "No position was recorded at this moment")
-        : "The site is offline: no position"
-      : "The description names no position for this device";
+        ? (this.past.store === undefined ? msg("Waiting for the first position") : msg("No position was recorded at this moment"))
+        : msg("The site is offline: no position")
+      : msg("The description names no position for this device");
     // Which of the two maps it is waits for the site's description: neither flashes up for the other.
     if (!this.degrees && sitesLoading(this.detail.result.state)) return nothing;
     if (this.degrees || frameOf(this.detail.value?.map ?? null) !== null) return this.renderEarth(note);
@@ -177,7 +178,7 @@ export class PositionMap extends LitElement {
     const ghost = turned ? this.ghostPose() : null;
     if (ghost === null || !turned) return [robot];
     // Drawn as what is old is: it is not the robot.
-    return [{ ...robot, id: `${robot.id} twin`, name: "", place: placeOfLocal(ghost, frame), heading: headingOfYaw(ghost.yaw, frame.heading), stale: true }, robot];
+    return [{ ...robot, id: msg(str`${robot.id} twin`), name: "", place: placeOfLocal(ghost, frame), heading: headingOfYaw(ghost.yaw, frame.heading), stale: true }, robot];
   }
 
   /** Where the digital twin of this position's device says it is. */
@@ -216,8 +217,8 @@ export class PositionMap extends LitElement {
     if (!this.sample) return "";
     const [first = Number.NaN, second = Number.NaN, third = Number.NaN] = this.sample.numbers;
     if (this.degrees) return `${formatNumber(first, 6)}°, ${formatNumber(second, 6)}° (WGS 84)`;
-    const heading = Number.isFinite(third) ? `, heading ${formatNumber((third * 180) / Math.PI, 0)}°` : "";
-    return `x ${formatNumber(first, 2)} m, y ${formatNumber(second, 2)} m${heading}`;
+    const heading = Number.isFinite(third) ? msg(str`, heading ${formatNumber((third * 180) / Math.PI, 0)}°`) : "";
+    return msg(str`x ${formatNumber(first, 2)} m, y ${formatNumber(second, 2)} m${heading}`);
   }
 
   private receiveBatch(batch: Batch): void {
@@ -292,7 +293,7 @@ export class PositionMap extends LitElement {
   private readonly updateAge = (): void => {
     if (!this.sample || !this.signal) return;
     const seconds = (this.nowMs() - this.freshAt) / 1000;
-    this.stale = seconds > this.signal.max_age ? `Stale: from ${formatAge(seconds)}` : "";
+    this.stale = seconds > this.signal.max_age ? msg(str`Stale: from ${formatAge(seconds)}`) : "";
   };
 
   private closeFeed(): void {

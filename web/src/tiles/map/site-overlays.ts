@@ -1,5 +1,6 @@
 /** What a site draws on its map: zones, plans of floors and the robot's own map, each at its place on Earth. */
 
+import { msg } from "@lit/localize";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { DrawnPicture, DrawnZone } from "../../elements/map/geo-painter.js";
 import { placeOfLocal, type MapFrame } from "../../elements/map/geodesy.js";
@@ -102,7 +103,7 @@ export class SiteOverlays implements ReactiveController {
     const found = await Promise.allSettled(asked.plans.map((plan) => loadPlan(site, plan, frame)));
     if (this.asked !== asked) return;
     this.plans = found.flatMap((settled) => (settled.status === "fulfilled" ? [settled.value] : []));
-    this.trouble = found.some(({ status }) => status === "rejected") ? "A floor plan could not be had." : "";
+    this.trouble = found.some(({ status }) => status === "rejected") ? msg("A floor plan could not be had.") : "";
     this.host.requestUpdate();
   }
 
@@ -111,7 +112,7 @@ export class SiteOverlays implements ReactiveController {
     try {
       grid = readGrid(new MessageReader(message.data, message.encoding));
     } catch {
-      this.trouble = "The robot's map is no OccupancyGrid.";
+      this.trouble = msg("The robot's map is no OccupancyGrid.");
       this.host.requestUpdate();
       return;
     }

@@ -1,6 +1,7 @@
 /** A camera that takes exposures: the form, how far it is, the newest picture, its cooler. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -162,7 +163,7 @@ export class CameraPart extends DevicePart {
     const { device } = this;
     if (device === null) return nothing;
     if (this.compact) return this.renderGlance(device);
-    return html`<section class="two" aria-label="Camera">
+    return html`<section class="two" aria-label=${msg("Camera")}>
       <div class="card">${this.renderPicture()}</div>
       <div class="card exposure">${this.renderExposure()}</div>
       ${this.renderCooler()} ${this.renderSettings()}
@@ -175,23 +176,23 @@ export class CameraPart extends DevicePart {
     return html`<div class="readings">${map([state, temperature], (signal) => this.renderReading(signal, "m"))}</div>
       ${this.renderProgress(remaining)}
       ${frame === undefined
-        ? html`<p class="note">No picture is archived, or none is open to you.</p>`
+        ? html`<p class="note">${msg("No picture is archived, or none is open to you.")}</p>`
         : html`<a class="newest" href=${archivePath(this.site, device.id)}
-            ><img alt=${`The newest picture: ${frame.target === "" ? frame.kind || "no target named" : frame.target}`} src=${previewPath(this.site, frame.id, "asinh", 320)} />
-            <span>${frame.target === "" ? "Newest picture" : frame.target}, <t-time short .us=${frame.time_us} .zone=${this.detail?.zone ?? "UTC"}></t-time></span></a
+            ><img alt=${msg(str`The newest picture: ${frame.target === "" ? frame.kind || msg("no target named") : frame.target}`)} src=${previewPath(this.site, frame.id, "asinh", 320)} />
+            <span>${frame.target === "" ? msg("Newest picture") : frame.target}, <t-time short .us=${frame.time_us} .zone=${this.detail?.zone ?? "UTC"}></t-time></span></a
           >`}`;
   }
 
   private renderPicture(): unknown {
     const found = this.newest.value;
     if (found === undefined) {
-      return this.newest.result.state === "failed" ? this.renderStreams() : html`<t-loading what="Loading the newest picture"></t-loading>`;
+      return this.newest.result.state === "failed" ? this.renderStreams() : html`<t-loading what=${msg("Loading the newest picture")}></t-loading>`;
     }
     if (found === null) return this.renderStreams();
     const { frame, histogram } = found;
     const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`;
     return html`<div>
-        <h2>${frame.target === "" ? "Newest picture" : frame.target}</h2>
+        <h2>${frame.target === "" ? msg("Newest picture") : frame.target}</h2>
         <div class="facts">
           <span><t-time .us=${frame.time_us} .zone=${this.detail?.zone ?? "UTC"}></t-time></span>
           <span>${[frame.kind, frame.filter, exposure].filter(Boolean).join(" · ")}</span>
@@ -204,8 +205,8 @@ export class CameraPart extends DevicePart {
       <t-frame-look .site=${this.site} .frame=${frame.id} .target=${frame.target}></t-frame-look>
       ${renderPixelValues(histogram)}
       <div class="ways">
-        <a download=${frame.name} href=${filePath(this.site, frame.id)}>Download FITS (${formatBytes(frame.bytes)})</a>
-        <a href=${archivePath(this.site, frame.device)}>All its pictures</a>
+        <a download=${frame.name} href=${filePath(this.site, frame.id)}>${msg(str`Download FITS (${formatBytes(frame.bytes)})`)}</a>
+        <a href=${archivePath(this.site, frame.device)}>${msg("All its pictures")}</a>
       </div>`;
   }
 
@@ -213,13 +214,13 @@ export class CameraPart extends DevicePart {
   private renderStreams(): unknown {
     const streams = this.device?.streams ?? [];
     if (streams.length === 0) {
-      return html`<t-empty heading="No picture yet" icon="camera">
-        <p>A picture comes here by itself after an exposure, and into the archive.</p>
+      return html`<t-empty heading=${msg("No picture yet")} icon="camera">
+        <p>${msg("A picture comes here by itself after an exposure, and into the archive.")}</p>
       </t-empty>`;
     }
     return html`<div>
-        <h2>Newest picture</h2>
-        <p class="note">None of its files is in the archive; this is what it shows itself.</p>
+        <h2>${msg("Newest picture")}</h2>
+        <p class="note">${msg("None of its files is in the archive; this is what it shows itself.")}</p>
       </div>
       ${map(
         streams,
@@ -242,7 +243,7 @@ export class CameraPart extends DevicePart {
     const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
     const { expose, abort } = cameraCommands(this.device ?? NO_DEVICE);
     const stops = abort.map((deed): CommandButton => ({ ...deed, kind: this.under ? "danger" : "plain" }));
-    return html`<h2>Exposure</h2>
+    return html`<h2>${msg("Exposure")}</h2>
       <div class="readings">${map([state, filter], (signal) => this.renderReading(signal, "l"))}</div>
       ${this.renderProgress(remaining)} ${this.renderLookOnly()}
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${stops} .online=${this.online}></t-deeds>
@@ -252,11 +253,11 @@ export class CameraPart extends DevicePart {
   private renderProgress(remaining: SignalShape | undefined): unknown {
     const { fresh, value } = this.readSignal(remaining);
     if (remaining === undefined) return nothing;
-    if (!fresh) return html`<t-status kind="unknown" word="How far it is, is not known"></t-status>`;
-    if (!this.under) return html`<t-status kind="ok" word="No exposure under way"></t-status>`;
+    if (!fresh) return html`<t-status kind="unknown" word=${msg("How far it is, is not known")}></t-status>`;
+    if (!this.under) return html`<t-status kind="ok" word=${msg("No exposure under way")}></t-status>`;
     return html`<div class="progress">
-      <t-status kind="busy" .word=${`Exposing, ${formatDuration(Math.ceil(value))} left`}></t-status>
-      <progress max=${this.longest} .value=${this.longest - value} aria-label="Exposure"></progress>
+      <t-status kind="busy" .word=${msg(str`Exposing, ${formatDuration(Math.ceil(value))} left`)}></t-status>
+      <progress max=${this.longest} .value=${this.longest - value} aria-label=${msg("Exposure")}></progress>
     </div>`;
   }
 
@@ -265,7 +266,7 @@ export class CameraPart extends DevicePart {
     const { cool, cooler: deeds } = cameraCommands(this.device ?? NO_DEVICE);
     if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
     return html`<div class="card">
-      <h2>Cooler</h2>
+      <h2>${msg("Cooler")}</h2>
       <div class="readings">${map([temperature, cooler, power], (signal) => this.renderReading(signal, "l"))}</div>
       <t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>
       ${map(cool, (command) => this.renderForm(command))}
@@ -277,7 +278,7 @@ export class CameraPart extends DevicePart {
     const { settings } = cameraCommands(this.device ?? NO_DEVICE);
     if (settings.length === 0) return nothing;
     return html`<div class="card">
-      <h2>For the next exposure</h2>
+      <h2>${msg("For the next exposure")}</h2>
       <div class="readings">${map([filter, binning, gain], (signal) => this.renderReading(signal, "l"))}</div>
       ${map(settings, (command) => this.renderForm(command))}
     </div>`;

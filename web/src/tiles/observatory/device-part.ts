@@ -1,5 +1,6 @@
 /** What every drawn part of a device is given, and how it reads the device's signals. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing } from "lit";
 import { property } from "lit/decorators.js";
 import { raisedBox, quietText } from "../../elements/base/base-style.js";
@@ -91,6 +92,6 @@ export abstract class DevicePart extends LitElement {
 
   /** Said in the place of the buttons to whoever may only look. */
   protected renderLookOnly(): unknown {
-    return this.mayUse ? nothing : html`<p class="note">You can view this device. Its commands are shown to users with the right to use it.</p>`;
+    return this.mayUse ? nothing : html`<p class="note">${msg("You can view this device. Its commands are shown to users with the right to use it.")}</p>`;
   }
 }

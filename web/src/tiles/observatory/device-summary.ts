@@ -1,5 +1,6 @@
 /** What tells most of a device, at a glance: a few values, and of the weather the verdict. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -87,9 +88,9 @@ export class DeviceSummaryValues extends DevicePart {
     if (outlets.length === 0) return nothing;
     const on = outlets.map(({ signal }) => this.isOn(signal));
     const unknown = on.filter((closed) => closed === null).length;
-    const text = `${String(on.filter((closed) => closed === true).length)} of ${String(outlets.length)} on`;
+    const text = msg(str`${String(on.filter((closed) => closed === true).length)} of ${String(outlets.length)} on`);
     return html`<span class="one"
-      ><span class="name">Outlets</span
+      ><span class="name">${msg("Outlets")}</span
       ><t-value bare .size=${this.size} .state=${unknown === outlets.length ? "unknown" : "live"} .text=${unknown === 0 ? text : `${text}, ${String(unknown)} ?`}></t-value
     ></span>`;
   }

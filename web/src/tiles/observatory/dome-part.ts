@@ -1,5 +1,6 @@
 /** A dome or a sliding roof: drawn, in words, and what it can be asked. */
 
+import { msg } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -19,13 +20,13 @@ import "../command/command-buttons.js";
 import "../signal-value.js";
 
 const SAID: Readonly<Record<RoofState, { kind: StatusKind; word: string }>> = {
-  open: { kind: "warn", word: "Open" },
-  closed: { kind: "ok", word: "Closed" },
-  opening: { kind: "busy", word: "Opening" },
-  closing: { kind: "busy", word: "Closing" },
-  partial: { kind: "warn", word: "Partly open" },
-  error: { kind: "bad", word: "In error" },
-  unknown: { kind: "unknown", word: "Unknown" },
+  open: { kind: "warn", word: msg("Open") },
+  closed: { kind: "ok", word: msg("Closed") },
+  opening: { kind: "busy", word: msg("Opening") },
+  closing: { kind: "busy", word: msg("Closing") },
+  partial: { kind: "warn", word: msg("Partly open") },
+  error: { kind: "bad", word: msg("In error") },
+  unknown: { kind: "unknown", word: msg("Unknown") },
 };
 
 @customElement("t-part-dome")
@@ -77,24 +78,24 @@ export class DomePart extends DevicePart {
       .segments=${this.segmentOpenings()}
       ?turning=${this.isOn(signals.turning) === true}
     ></t-dome-drawing>`;
-    const word = html`<t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? "Says closed" : SAID[roof].word}></t-status>`;
+    const word = html`<t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? msg("Says closed") : SAID[roof].word}></t-status>`;
     if (this.compact) return html`<div class="head" role="status">${word}</div>${drawing}${this.renderSensorProof(roof)}`;
-    return html`<section class="two" aria-label="Dome">
+    return html`<section class="two" aria-label=${msg("Dome")}>
       <div class="card">
         ${drawing}
         ${!turns
           ? nothing
           : html`<p class="note">
-              Seen from the south and from a little above; the plan beside it from straight above.${telescope.fresh ? " The line in the plan is where the telescope looks." : ""}
+              ${telescope.fresh ? msg("Seen from the south and from a little above; the plan beside it from straight above. The line in the plan is where the telescope looks.") : msg("Seen from the south and from a little above; the plan beside it from straight above.")}
             </p>`}
       </div>
       <div class="card">
-        <h2 class="visually-hidden">Shutter and rotation</h2>
+        <h2 class="visually-hidden">${msg("Shutter and rotation")}</h2>
         <div class="head">
           ${word}
           ${!turns
             ? nothing
-            : html`<span>looking to <strong>${azimuth.fresh ? formatAzimuth(azimuth.value) : "an unknown azimuth"}</strong></span>`}
+            : html`<span>${msg(html`looking to <strong>${azimuth.fresh ? formatAzimuth(azimuth.value) : msg("an unknown azimuth")}</strong>`)}</span>`}
         </div>
         ${this.renderSensorProof(roof)}
         <div class="readings">
@@ -120,14 +121,14 @@ export class DomePart extends DevicePart {
   private renderSensorProof(roof: RoofState): unknown {
     const judged = this.shutterVerdict();
     if (judged === undefined) return nothing;
-    if (judged.closed) return html`<t-status kind="ok" word="Every sensor says closed"></t-status>`;
+    if (judged.closed) return html`<t-status kind="ok" word=${msg("Every sensor says closed")}></t-status>`;
     if (judged.disagree) {
-      return html`<t-status kind="bad" word="Its sensors disagree: it counts as not closed"></t-status>
+      return html`<t-status kind="bad" word=${msg("Its sensors disagree: it counts as not closed")}></t-status>
         <p class="note">${judged.said}</p>`;
     }
     return html`<t-status
         kind=${roof === "closed" || roof === "unknown" ? "warn" : "unknown"}
-        word=${roof === "closed" ? "Not every sensor says closed" : "Not closed by its sensors"}
+        word=${roof === "closed" ? msg("Not every sensor says closed") : msg("Not closed by its sensors")}
       ></t-status>
       <p class="note">${judged.said}</p>`;
   }
@@ -150,7 +151,7 @@ export class DomePart extends DevicePart {
     const found = this.signalAt(sighting.signal);
     const { fresh, word, value } = this.readSignal(found);
     const name = found?.name ?? sighting.signal;
-    if (!fresh) return { name, word: "unknown", closed: null };
+    if (!fresh) return { name, word: msg("unknown"), closed: null };
     if (found?.type !== "number") return { name, word, closed: sighting.states.includes(word) };
     const inside = (sighting.above === null || value > sighting.above) && (sighting.below === null || value < sighting.below);
     return { name, word: shownText(found, value), closed: inside };

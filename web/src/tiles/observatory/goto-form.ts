@@ -1,6 +1,7 @@
 /** Where the telescope shall look: by name or by coordinates, how it stands tonight, and the way there. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -30,12 +31,12 @@ import "../../elements/observatory/night-curve.js";
 import "../command/command-buttons.js";
 
 const WAYS = [
-  { id: "name", label: "By name" },
-  { id: "place", label: "By coordinates" },
+  { id: "name", label: msg("By name") },
+  { id: "place", label: msg("By coordinates") },
 ] as const;
 const EQUINOXES = [
   { id: "j2000", label: "J2000" },
-  { id: "date", label: "of date" },
+  { id: "date", label: msg("of date") },
 ] as const;
 const EVERY_MS = 60_000;
 
@@ -160,12 +161,12 @@ export class GotoForm extends LitElement {
 
   override render(): TemplateResult {
     return html`<section class="card" aria-labelledby="to">
-      <h2 id="to">Go to</h2>
+      <h2 id="to">${msg("Go to")}</h2>
       <form novalidate @submit=${this.onSubmit}>
-        <t-choice label="How to say where to" .options=${WAYS} .chosen=${this.way} @t-choose=${this.onMethodChange}></t-choice>
+        <t-choice label=${msg("How to say where to")} .options=${WAYS} .chosen=${this.way} @t-choose=${this.onMethodChange}></t-choice>
         ${this.way === "name" ? this.renderNameForm() : this.renderCoordinatesForm()}
       </form>
-      ${this.failure === null ? nothing : renderAdvice(adviceFor(this.failure, "the catalogue of names"))} ${this.renderChoices()}
+      ${this.failure === null ? nothing : renderAdvice(adviceFor(this.failure, msg("the catalogue of names")))} ${this.renderChoices()}
       ${this.target === null ? nothing : this.renderTarget(this.target)}
     </section>`;
   }
@@ -176,31 +177,31 @@ export class GotoForm extends LitElement {
 
   private renderNameForm(): TemplateResult {
     return html`<div class="one">
-      <t-field label="Name" hint="M 31, NGC 7000, Orion Nebula, Vega, α Lyr, Moon" .error=${this.problemOf("name")}>
+      <t-field label=${msg("Name")} hint=${msg("M 31, NGC 7000, Orion Nebula, Vega, α Lyr, Moon")} .error=${this.problemOf("name")}>
         <input name="name" autocomplete="off" autocapitalize="off" spellcheck="false" maxlength="60" />
       </t-field>
-      <t-button type="submit" ?busy=${this.busy}>Find</t-button>
+      <t-button type="submit" ?busy=${this.busy}>${msg("Find")}</t-button>
     </div>`;
   }
 
   private renderCoordinatesForm(): TemplateResult {
     return html`<div class="pair">
-        <t-field label="Right ascension" hint="05:34:32 or 5.5756 (h)" .error=${this.problemOf("ra")}>
+        <t-field label=${msg("Right ascension")} hint=${msg("05:34:32 or 5.5756 (h)")} .error=${this.problemOf("ra")}>
           <input name="ra" autocomplete="off" spellcheck="false" maxlength="40" />
         </t-field>
-        <t-field label="Declination" hint="−05:23:28 or −5.39 (°)" .error=${this.problemOf("dec")}>
+        <t-field label=${msg("Declination")} hint=${msg("\u221205:23:28 or \u22125.39 (°)")} .error=${this.problemOf("dec")}>
           <input name="dec" autocomplete="off" spellcheck="false" maxlength="40" />
         </t-field>
-        <t-button type="submit">Look</t-button>
+        <t-button type="submit">${msg("Look")}</t-button>
       </div>
-      <t-choice label="Equinox" .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.onEquinoxChange}></t-choice>`;
+      <t-choice label=${msg("Equinox")} .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.onEquinoxChange}></t-choice>`;
   }
 
   private renderChoices(): unknown {
     const { found } = this;
     if (found === null || found.length < 2) return nothing;
     return html`<fieldset>
-      <legend>Which one?</legend>
+      <legend>${msg("Which one?")}</legend>
       ${map(
         found,
         (target, i) => html`<label
@@ -225,12 +226,12 @@ export class GotoForm extends LitElement {
       </div>
       <dl>
         ${target.j2000 === null ? nothing : html`<dt>J2000</dt><dd>${formatRa(target.j2000.ra)} ${formatDec(target.j2000.dec)}</dd>`}
-        <dt>Of date</dt>
+        <dt>${msg("Of date")}</dt>
         <dd>${formatRa(dated.ra)} ${formatDec(dated.dec)}</dd>
-        ${aim === null ? nothing : html`<dt>Now</dt><dd>${formatNumber(aim.alt, 1)}° high, azimuth ${formatAzimuth(aim.az)}</dd>`}
+        ${aim === null ? nothing : html`<dt>${msg("Now")}</dt><dd>${msg(str`${formatNumber(aim.alt, 1)}° high, azimuth ${formatAzimuth(aim.az)}`)}</dd>`}
       </dl>
       ${night === null
-        ? html`<p class="note">Visibility tonight needs the site's position, which you may not see.</p>`
+        ? html`<p class="note">${msg("Visibility tonight needs the site's position, which you may not see.")}</p>`
         : html`<p>${words}</p>
             <t-night-curve
               .night=${night.night}
@@ -246,7 +247,7 @@ export class GotoForm extends LitElement {
 
   private renderSendButton(target: SkyTarget, { ra, dec }: { ra: number; dec: number }): unknown {
     const { slew } = this;
-    if (slew === null) return html`<p class="note">You may look, but not send the telescope there.</p>`;
+    if (slew === null) return html`<p class="note">${msg("You may look, but not send the telescope there.")}</p>`;
     const others = slew.command.arguments.filter(({ id }) => id !== slew.ra && id !== slew.dec);
     const inDegrees = slew.command.arguments.find(({ id }) => id === slew.ra)?.unit === "°";
     const args: Record<string, ArgumentValue> = { [slew.ra]: inDegrees ? ra * 15 : ra, [slew.dec]: dec };
@@ -304,7 +305,7 @@ export class GotoForm extends LitElement {
 
   private async searchCatalogue(name: string): Promise<void> {
     if (name === "") {
-      this.problem = { field: "name", text: "Write a name." };
+      this.problem = { field: "name", text: msg("Write a name.") };
       return;
     }
     this.busy = true;
@@ -314,8 +315,8 @@ export class GotoForm extends LitElement {
       this.found = [...own, ...objects.map(catalogueTarget)];
       if (this.found.length === 0) {
         const text = available
-          ? `Nothing goes by the name ${name}. Planets and comets are not in the catalogue: give their coordinates.`
-          : `This hub knows the bright stars and the Moon only: install talaia[observatory] on it for NGC, IC and Messier.`;
+          ? msg(str`Nothing goes by the name ${name}. Planets and comets are not in the catalogue: give their coordinates.`)
+          : msg("This hub knows the bright stars and the Moon only: install talaia[observatory] on it for NGC, IC and Messier.");
         this.problem = { field: "name", text };
       }
     } catch (error) {

@@ -1,5 +1,6 @@
 /** An observatory's night at a glance: weather, dome, sky, telescope with its target, camera. Only to look at. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -80,15 +81,15 @@ export class NightGlance extends LitElement {
     if (detail === null) return nothing;
     const first = (kind: DeviceShape["kind"]): DeviceShape | undefined => detail.devices.find((device) => device.kind === kind);
     const [weather, dome, telescope, camera] = [first("weather"), first("dome"), first("telescope"), first("camera")];
-    return html`${this.renderPart("Weather", weather, (device) => html`<t-tile-verdict .site=${this.site} .device=${device} .detail=${detail} ?online=${this.online}></t-tile-verdict>`)}
-      ${this.renderPart("Dome", dome, (device) => html`<t-part-dome compact .site=${this.site} .device=${device} .detail=${detail} ?online=${this.online}></t-part-dome>`)}
+    return html`${this.renderPart(msg("Weather"), weather, (device) => html`<t-tile-verdict .site=${this.site} .device=${device} .detail=${detail} ?online=${this.online}></t-tile-verdict>`)}
+      ${this.renderPart(msg("Dome"), dome, (device) => html`<t-part-dome compact .site=${this.site} .device=${device} .detail=${detail} ?online=${this.online}></t-part-dome>`)}
       ${this.renderPart(
-        "Sky now",
+        msg("Sky now"),
         telescope,
         (device) => html`<t-night-sky .site=${this.site} .detail=${detail} .device=${device} .planned=${this.planned} .ms=${this.ms} ?online=${this.online}></t-night-sky>`,
       )}
-      ${this.renderPart("Target", telescope, (device) => this.renderTarget(device))}
-      ${this.renderPart("Camera", camera, (device) => html`<t-part-camera compact .site=${this.site} .device=${device} .detail=${detail} ?online=${this.online}></t-part-camera>`)}`;
+      ${this.renderPart(msg("Target"), telescope, (device) => this.renderTarget(device))}
+      ${this.renderPart(msg("Camera"), camera, (device) => html`<t-part-camera compact .site=${this.site} .device=${device} .detail=${detail} ?online=${this.online}></t-part-camera>`)}`;
   }
 
   /** What is not there, or not open to the person, leaves no hole. */
@@ -102,7 +103,7 @@ export class NightGlance extends LitElement {
 
   private renderTarget(device: DeviceShape): TemplateResult {
     const { state, tracking, ra, dec, alt, az } = telescopeSignals(device);
-    return html`<p class="target">${this.target === "" ? html`<span class="muted">Nothing is observed</span>` : this.target}</p>
+    return html`<p class="target">${this.target === "" ? html`<span class="muted">${msg("Nothing is observed")}</span>` : this.target}</p>
       ${this.step === "" ? nothing : html`<p>${this.step}</p>`}
       <div class="readings">${map([state ?? tracking, ra, dec, alt, az], (signal) => this.renderReading(signal))}</div>`;
   }

@@ -1,5 +1,6 @@
 /** The sky over the site: where the telescope looks now, and what the night still looks at. */
 
+import { msg } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
@@ -33,10 +34,10 @@ export class NightSkyView extends DevicePart {
 
   override render(): TemplateResult {
     const place = this.detail?.place ?? null;
-    if (place === null) return html`<p class="note">The chart of the sky needs the site's place. It is not described, or not open to you.</p>`;
+    if (place === null) return html`<p class="note">${msg("The chart of the sky needs the site's place. It is not described, or not open to you.")}</p>`;
     const telescope = this.telescopeAim(place);
     return html`<t-sky-chart .place=${place} .ms=${this.ms} .telescope=${telescope} .planned=${this.planned} .limit=${this.device?.pointing?.horizon ?? 0}></t-sky-chart>
-      ${telescope === null ? html`<p class="note">Where the telescope looks is not known now.</p>` : nothing}`;
+      ${telescope === null ? html`<p class="note">${msg("Where the telescope looks is not known now.")}</p>` : nothing}`;
   }
 
   /** What it says itself, or what follows from its coordinates. */

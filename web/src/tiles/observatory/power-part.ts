@@ -1,5 +1,6 @@
 /** Outlets as switches. One whose state is not known has two buttons in its place. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -142,9 +143,9 @@ export class PowerPart extends DevicePart {
     return html`<section class="card" aria-labelledby="outlets">
       <div class="readings">
         <div>
-          <h2 id="outlets">Outlets</h2>
+          <h2 id="outlets">${msg("Outlets")}</h2>
           <p class="note">
-            ${states.filter((on) => on === true).length} of ${outlets.length} on${unknown === 0 ? "" : `, ${String(unknown)} unknown`}
+            ${unknown === 0 ? msg(str`${states.filter((on) => on === true).length} of ${outlets.length} on`) : msg(str`${states.filter((on) => on === true).length} of ${outlets.length} on, ${String(unknown)} unknown`)}
           </p>
         </div>
         ${map(this.readings, (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
@@ -155,19 +156,19 @@ export class PowerPart extends DevicePart {
       </ul>
       <t-confirm
         heading="${this.asking?.label ?? ""}?"
-        action="Switch"
+        action=${msg("Switch")}
         ?open=${this.asking !== null}
         @t-confirm=${this.onConfirm}
         @t-close=${this.onCancel}
       >
-        <p>${this.asking?.command.description || "What hangs on this outlet gains or loses its power at once."}</p>
+        <p>${this.asking?.command.description || msg("What hangs on this outlet gains or loses its power at once.")}</p>
       </t-confirm>
     </section>`;
   }
 
   private renderRow(outlet: Outlet): TemplateResult {
     const on = this.isOn(outlet.signal);
-    const word = on === null ? "unknown" : on ? "on" : "off";
+    const word = on === null ? msg("unknown") : on ? msg("on") : msg("off");
     return html`<li class=${on === null ? "unknown" : ""}>
       <div>
         <div class="name">${outlet.signal.name}</div>
@@ -185,7 +186,7 @@ export class PowerPart extends DevicePart {
           deed === undefined
             ? nothing
             : html`<t-button label=${deed.label} ?disabled=${!this.isAllowed(deed)} @click=${this.switchAction(deed)}
-                >${deed === turnOn ? "On" : "Off"}</t-button
+                >${deed === turnOn ? msg("On") : msg("Off")}</t-button
               >`,
         )}
       </div>`;

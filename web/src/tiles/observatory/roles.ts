@@ -3,6 +3,7 @@
  * or what Python proposed. Nothing here reads an id, a name or a state's word. Pure.
  */
 
+import { msg, str } from "@lit/localize";
 import type { ArgumentValue } from "../../elements/command/argument-check.js";
 import type { RoofState } from "../../elements/observatory/dome-drawing.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
@@ -147,7 +148,7 @@ export function telescopeCommands(device: DeviceShape): readonly CommandButton[]
   const track = commandWith(device, "telescope.track");
   const tracking: readonly CommandButton[] =
     track?.arguments[0]?.type === "boolean"
-      ? switchButtons(track, "Track", "Stop tracking")
+      ? switchButtons(track, msg("Track"), msg("Stop tracking"))
       : [...commandButton(track), ...commandButton(commandWith(device, "telescope.untrack"))];
   return [
     ...commandButton(commandWith(device, "telescope.unpark")),
@@ -203,7 +204,7 @@ export function cameraCommands(device: DeviceShape): CameraCommands {
     cooler:
       cooler === undefined
         ? [...commandButton(commandWith(device, "camera.cooler_on")), ...commandButton(commandWith(device, "camera.cooler_off"))]
-        : switchButtons(cooler, "Cooler on", "Cooler off"),
+        : switchButtons(cooler, msg("Cooler on"), msg("Cooler off")),
     settings: (["camera.filter", "camera.binning", "camera.gain"] as const).flatMap((role) => commandsWith(device, role)),
   };
 }
@@ -229,7 +230,7 @@ export function outletsOf(device: DeviceShape): readonly Outlet[] {
       const own = commandsWith(device, on ? "power.on" : "power.off").find(({ id }) => id === `${signal.id}_${on ? "on" : "off"}`);
       const command = both ?? own;
       const args = both === undefined ? {} : switchArguments(both, on);
-      return command === undefined ? undefined : { command, args, label: `${signal.name}: ${on ? "on" : "off"}`, kind: "plain" };
+      return command === undefined ? undefined : { command, args, label: on ? msg(str`${signal.name}: on`) : msg(str`${signal.name}: off`), kind: "plain" };
     };
     return { signal, on: makeButton(true), off: makeButton(false) };
   });

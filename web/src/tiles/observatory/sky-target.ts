@@ -1,5 +1,6 @@
 /** A target of the telescope: by name or by coordinates, with what is to be said of it. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { SkyObject } from "../../generated/api.js";
 import { parseDec, parseRa } from "../../format/sexagesimal.js";
 import { moonAt, moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
@@ -25,10 +26,10 @@ export interface CoordinateProblem {
 /** A place as it was typed, or why it is none. */
 export function typedTarget(ra: string, dec: string, dated: boolean): SkyTarget | CoordinateProblem {
   const place = { ra: parseRa(ra), dec: parseDec(dec) };
-  if (Number.isNaN(place.ra)) return { field: "ra", text: "Right ascension: write 5h 34m 32s, 05:34:32, 5.5756 (hours), or 83.63° ." };
-  if (Number.isNaN(place.dec)) return { field: "dec", text: "Declination: write −5° 23′ 28″, -05:23:28 or -5.39 (degrees), −90 to 90." };
+  if (Number.isNaN(place.ra)) return { field: "ra", text: msg("Right ascension: write 5h 34m 32s, 05:34:32, 5.5756 (hours), or 83.63° .") };
+  if (Number.isNaN(place.dec)) return { field: "dec", text: msg("Declination: write \u22125° 23′ 28″, -05:23:28 or -5.39 (degrees), \u221290 to 90.") };
   const at = dated ? (): Equatorial => place : (ms: number): Equatorial => precessedFromJ2000(place, ms);
-  return { name: "Coordinates", about: dated ? "as typed, of date" : "as typed, J2000", j2000: dated ? null : place, at };
+  return { name: msg("Coordinates"), about: dated ? msg("as typed, of date") : msg("as typed, J2000"), j2000: dated ? null : place, at };
 }
 
 /** Bright stars and the Moon that go by a name; stars by Bayer's letter too. */
@@ -36,14 +37,14 @@ export function ownTargets(name: string): readonly SkyTarget[] {
   const asked = plainName(name);
   if (asked === "") return [];
   const moon: readonly SkyTarget[] =
-    asked === "moon" || asked === "the moon" ? [{ name: "Moon", about: "moves by its own breadth in an hour", j2000: null, at: moonAt }] : [];
+    asked === "moon" || asked === "the moon" ? [{ name: msg("Moon"), about: msg("moves by its own breadth in an hour"), j2000: null, at: moonAt }] : [];
   const stars = STARS.filter((star) => plainName(star.name).startsWith(asked) || plainName(star.bayer) === asked);
   return [
     ...moon,
     ...stars.slice(0, 4).map((star): SkyTarget => {
       const j2000 = { ra: star.raDeg / 15, dec: star.decDeg };
       const bayer = star.bayer === star.name ? "" : `${star.bayer}, `;
-      return { name: star.name, about: `star, ${bayer}magnitude ${star.magnitude.toFixed(1)}`, j2000, at: (ms) => precessedFromJ2000(j2000, ms) };
+      return { name: star.name, about: msg(str`star, ${bayer}magnitude ${star.magnitude.toFixed(1)}`), j2000, at: (ms) => precessedFromJ2000(j2000, ms) };
     }),
   ];
 }
@@ -56,8 +57,8 @@ export function catalogueTarget(found: SkyObject): SkyTarget {
   const own = name === null ? found.name : `${name[1] ?? ""} ${name[2] ?? ""}`;
   const common = found.also.filter((address) => !/^M\d+$/.test(address));
   const also = [...(messier === undefined ? [] : [own]), ...common.slice(0, 2)];
-  const magnitude = found.magnitude === null ? "" : `, magnitude ${found.magnitude.toFixed(1)}`;
-  const where = found.constellation === "" ? "" : ` in ${found.constellation}`;
+  const magnitude = found.magnitude === null ? "" : msg(str`, magnitude ${found.magnitude.toFixed(1)}`);
+  const where = found.constellation === "" ? "" : msg(str` in ${found.constellation}`);
   return {
     name: messier === undefined ? own : `M ${messier}`,
     about: `${[...also, found.kind].filter(Boolean).join(", ")}${where}${magnitude}`,
@@ -81,12 +82,12 @@ export interface PointingLimits {
 /** Why the gateway will refuse to go there now; empty when nothing is known against it. */
 export function refusalOf(aim: Horizontal, place: GeoPlace, ms: number, limits: PointingLimits): string {
   if (aim.alt < limits.horizon) {
-    return `It stands ${aim.alt.toFixed(1).replace("-", "−")}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`;
+    return msg(str`It stands ${aim.alt.toFixed(1).replace("-", "−")}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`);
   }
   const sun = sunFrom(place, ms);
   const apart = separation(aim, sun);
   if (limits.sun > 0 && sun.alt > -6 && apart < limits.sun) {
-    return `It is ${apart.toFixed(0)}° from the Sun; at least ${limits.sun.toFixed(0)}° are needed. The gateway will refuse it.`;
+    return msg(str`It is ${apart.toFixed(0)}° from the Sun; at least ${limits.sun.toFixed(0)}° are needed. The gateway will refuse it.`);
   }
   return "";
 }

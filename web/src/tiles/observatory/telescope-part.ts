@@ -1,5 +1,6 @@
 /** A telescope: where it looks, drawn on the sky, and what it can be asked. */
 
+import { msg } from "@lit/localize";
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -88,7 +89,7 @@ export class TelescopePart extends DevicePart {
     const looks = this.pointingOf(place, ms);
     const scope: TelescopeAim | null = looks.horizontal === null ? null : { ...looks.horizontal, name: device.name };
     const target = this.target === null || place === null ? null : { ...aimOf(this.target, place, ms), name: this.target.name };
-    return html`<section class="two" aria-label="Telescope">
+    return html`<section class="two" aria-label=${msg("Telescope")}>
       <div class="side">
         <div class="card">
           ${this.renderReadings(looks)} ${this.renderLookOnly()}
@@ -102,7 +103,7 @@ export class TelescopePart extends DevicePart {
         </div>
         <div class="card">
           ${place === null
-            ? html`<p class="note">The chart of the sky needs the site's place. It is not described, or not open to you.</p>`
+            ? html`<p class="note">${msg("The chart of the sky needs the site's place. It is not described, or not open to you.")}</p>`
             : html`<t-sky-chart .place=${place} .ms=${ms} .telescope=${scope} .target=${target} .limit=${device.pointing?.horizon ?? 0}></t-sky-chart>
                 ${this.renderSkyWords(place, ms)}`}
         </div>
@@ -135,16 +136,16 @@ export class TelescopePart extends DevicePart {
         <dd class="large ${old}">${formatRa(equatorial?.ra ?? Number.NaN)}</dd>
         <dt>Dec</dt>
         <dd class="large ${old}">${formatDec(equatorial?.dec ?? Number.NaN)}</dd>
-        <dt>Altitude</dt>
+        <dt>${msg("Altitude")}</dt>
         <dd class=${at === null ? "old" : ""}>${at === null ? "–" : `${at.alt.toFixed(2)}°`}</dd>
-        <dt>Azimuth</dt>
+        <dt>${msg("Azimuth")}</dt>
         <dd class=${at === null ? "old" : ""}>${at === null ? "–" : formatAzimuth(at.az, 2)}</dd>
       </dl>
       </div>
       <p class="note">
         ${equatorial === null && at === null
-          ? "Where it looks is not known now."
-          : "Right ascension and declination are of date, as the telescope says them."}
+          ? msg("Where it looks is not known now.")
+          : msg("Right ascension and declination are of date, as the telescope says them.")}
       </p>`;
   }
 
@@ -153,8 +154,7 @@ export class TelescopePart extends DevicePart {
     const dark = DARKNESS.find(({ id }) => id === darknessOf(sun.alt));
     const { lit, waxing } = moonPhase(ms);
     return html`<p class="note">
-      ${formatClock(ms * 1000, this.detail?.zone ?? "UTC").slice(0, 5)}: ${dark?.name}, the Sun ${formatNumber(sun.alt, 1)}° high; Moon
-      ${(lit * 100).toFixed(0)}% lit, ${waxing ? "waxing" : "waning"}. As one looks up: north at the top, east to the left.
+      ${waxing ? msg(html`${formatClock(ms * 1000, this.detail?.zone ?? "UTC").slice(0, 5)}: ${dark?.name}, the Sun ${formatNumber(sun.alt, 1)}° high; Moon ${(lit * 100).toFixed(0)}% lit, waxing. As one looks up: north at the top, east to the left.`) : msg(html`${formatClock(ms * 1000, this.detail?.zone ?? "UTC").slice(0, 5)}: ${dark?.name}, the Sun ${formatNumber(sun.alt, 1)}° high; Moon ${(lit * 100).toFixed(0)}% lit, waning. As one looks up: north at the top, east to the left.`)}
     </p>`;
   }
 

@@ -1,5 +1,6 @@
 /** Whether the weather lets the roof open, in large words, with the rule that decides and its numbers. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -19,10 +20,10 @@ import "../signal-value.js";
 /** How a station's own word is shown, by what it means. */
 const OWN_KINDS: Readonly<Partial<Record<StateMeaning, StatusKind>>> = { safe: "ok", warning: "warn", unsafe: "bad" };
 const STANDS: Readonly<Record<LimitLine["stands"], { kind: StatusKind; word: string }>> = {
-  fine: { kind: "ok", word: "within" },
-  beyond: { kind: "bad", word: "beyond" },
-  returning: { kind: "warn", word: "near" },
-  unknown: { kind: "unknown", word: "unknown" },
+  fine: { kind: "ok", word: msg("within") },
+  beyond: { kind: "bad", word: msg("beyond") },
+  returning: { kind: "warn", word: msg("near") },
+  unknown: { kind: "unknown", word: msg("unknown") },
 };
 /** Each verdict has a shape of its own, so that it reads without colour. */
 const SHAPES: Readonly<Record<VerdictWord, SVGTemplateResult>> = {
@@ -36,11 +37,11 @@ const SHAPES: Readonly<Record<VerdictWord, SVGTemplateResult>> = {
 };
 
 const COLUMNS: readonly TableColumn<LimitLine>[] = [
-  { title: "Value", heads: true, cell: ({ name }) => html`<strong>${name}</strong>` },
-  { title: "Now", cell: ({ now }) => now },
-  { title: "Unsafe", cell: ({ limit }) => limit },
-  { title: "It is", cell: ({ stands }) => html`<t-status kind=${STANDS[stands].kind} .word=${STANDS[stands].word}></t-status>` },
-  { title: "Rule", name: "muted", cell: ({ rule }) => rule },
+  { title: msg("Value"), heads: true, cell: ({ name }) => html`<strong>${name}</strong>` },
+  { title: msg("Now"), cell: ({ now }) => now },
+  { title: msg("Unsafe"), cell: ({ limit }) => limit },
+  { title: msg("It is"), cell: ({ stands }) => html`<t-status kind=${STANDS[stands].kind} .word=${STANDS[stands].word}></t-status>` },
+  { title: msg("Rule"), name: "muted", cell: ({ rule }) => rule },
 ];
 
 @customElement("t-part-weather")
@@ -133,7 +134,7 @@ export class WeatherPart extends DevicePart {
     });
     const left = rules.map(({ id }) => store?.interlockOf(this.site, id)).filter((interlock) => interlock?.news.locked === true && !interlock.news.unsafe);
     const clears = Math.max(0, ...left.map((interlock) => (interlock === undefined ? 0 : (store?.remainingMs(interlock, interlock.news.clears_ms) ?? 0))));
-    return html`<section class="card verdict ${verdict.word}" aria-label="Verdict" role="status">
+    return html`<section class="card verdict ${verdict.word}" aria-label=${msg("Verdict")} role="status">
         <svg viewBox="0 0 48 48" aria-hidden="true">${SHAPES[verdict.word]}</svg>
         <div>
           <p class="word">${VERDICT_WORDS[verdict.word]}</p>
@@ -145,13 +146,13 @@ export class WeatherPart extends DevicePart {
 
   private renderReason({ word, why, since_us, rule }: WeatherVerdict, clears: number): TemplateResult {
     if (word === "none") {
-      return html`<p class="note">No interlock of this site reads this station, so that nothing here decides whether a roof may open.</p>`;
+      return html`<p class="note">${msg("No interlock of this site reads this station, so that nothing here decides whether a roof may open.")}</p>`;
     }
-    const until = word === "wait" ? ` Released in ${formatDuration(Math.ceil(clears / 1000))} if it stays so.` : "";
+    const until = word === "wait" ? msg(str` Released in ${formatDuration(Math.ceil(clears / 1000))} if it stays so.`) : "";
     return html`<p>${why}${until}</p>
       <p class="note">
-        ${rule === "" ? (word === "safe" ? "All its rules agree." : nothing) : html`Decided by the rule <strong>${rule}</strong>.`}
-        ${since_us === 0 ? nothing : html` Since <t-time short .us=${since_us} .zone=${this.detail?.zone ?? "UTC"}></t-time>.`}
+        ${rule === "" ? (word === "safe" ? msg("All its rules agree.") : nothing) : html`${msg(html`Decided by the rule <strong>${rule}</strong>.`)}`}
+        ${since_us === 0 ? nothing : html` ${msg(html`Since <t-time short .us=${since_us} .zone=${this.detail?.zone ?? "UTC"}></t-time>.`)}`}
       </p>`;
   }
 
@@ -161,14 +162,14 @@ export class WeatherPart extends DevicePart {
     if (own === undefined) return nothing;
     const { fresh, word, value } = this.readSignal(own);
     const kind = (fresh ? OWN_KINDS[meaningOf(own, value)] : undefined) ?? "unknown";
-    return html`<t-status kind=${kind} .word=${`The station itself says: ${fresh ? word : "unknown"}`}></t-status>`;
+    return html`<t-status kind=${kind} .word=${msg(str`The station itself says: ${fresh ? word : msg("unknown")}`)}></t-status>`;
   }
 
   private renderTable(lines: readonly LimitLine[]): TemplateResult {
     return html`<section class="card" aria-labelledby="limits">
-      <h2 id="limits">What closes the roof</h2>
-      ${renderTable({ label: "What closes the roof", columns: COLUMNS, rows: lines, key: ({ rule, signal, limit }) => `${rule} ${signal} ${limit}` })}
-      <p class="note">A value that is unknown or too old counts as unsafe. The gateway beside the roof decides, also without this hub.</p>
+      <h2 id="limits">${msg("What closes the roof")}</h2>
+      ${renderTable({ label: msg("What closes the roof"), columns: COLUMNS, rows: lines, key: ({ rule, signal, limit }) => `${rule} ${signal} ${limit}` })}
+      <p class="note">${msg("A value that is unknown or too old counts as unsafe. The gateway beside the roof decides, also without this hub.")}</p>
     </section>`;
   }
 }

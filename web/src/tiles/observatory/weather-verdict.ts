@@ -3,6 +3,7 @@
  * numbers. It is never kinder than what is known: what is missing or old makes it *unknown*. Pure.
  */
 
+import { msg, str } from "@lit/localize";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import { differenceToShown, formatWithUnit, shownDifferenceText, shownText, shownUnit, toShown } from "../../format/unit.js";
 import type { LimitShape, RuleShape, SignalShape } from "../../generated/api.js";
@@ -10,13 +11,13 @@ import type { LimitShape, RuleShape, SignalShape } from "../../generated/api.js"
 export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";
 
 export const VERDICT_WORDS: Readonly<Record<VerdictWord, string>> = {
-  safe: "Safe",
-  warn: "Warning",
-  wait: "Wait",
-  unsafe: "Unsafe",
-  overridden: "Overridden",
-  unknown: "Unknown",
-  none: "No rule",
+  safe: msg("Safe"),
+  warn: msg("Warning"),
+  wait: msg("Wait"),
+  unsafe: msg("Unsafe"),
+  overridden: msg("Overridden"),
+  unknown: msg("Unknown"),
+  none: msg("No rule"),
 };
 /** The shape and colour that a status shows it with. */
 export const VERDICT_KINDS: Readonly<Record<VerdictWord, "ok" | "warn" | "bad" | "unknown">> = {
@@ -100,11 +101,11 @@ export function limitLines(
           if (signal === undefined) return [];
           const other = signals.find(({ address }) => address === (limit.minus || limit.humidity));
           const now = limit.minus + limit.humidity === "" ? known(signal) : valueDifference(known(signal), other && known(other), limit.humidity !== "");
-          const less = limit.humidity !== "" ? "dew point" : other?.name;
+          const less = limit.humidity !== "" ? msg("dew point") : other?.name;
           return [
             {
               rule: rule.name,
-              name: less === undefined ? signal.name : `${signal.name} minus ${less}`,
+              name: less === undefined ? signal.name : msg(str`${signal.name} minus ${less}`),
               signal: signal.address,
               stands: doubted ? "unknown" : standsOf(limit, now),
               now: now.fresh ? (signal.type === "state" ? now.word : (less === undefined ? shownText : shownDifferenceText)(signal, now.value)) : "unknown",
@@ -156,12 +157,12 @@ function limitText(limit: LimitShape, signal: SignalShape, lasting: number, apar
     return formatWithUnit(shown, unit, Number.isInteger(shown) ? 0 : decimals);
   };
   const parts = [
-    limit.above === null ? "" : `above ${numberText(limit.above)}${limit.until_below === null ? "" : ` until below ${numberText(limit.until_below)}`}`,
-    limit.below === null ? "" : `below ${numberText(limit.below)}${limit.until_above === null ? "" : ` until above ${numberText(limit.until_above)}`}`,
-    limit.states.length === 0 ? "" : `when ${limit.states.join(" or ")}`,
-    limit.safe_states.length === 0 ? "" : `unless ${limit.safe_states.join(" or ")}`,
+    limit.above === null ? "" : limit.until_below === null ? msg(str`above ${numberText(limit.above)}`) : msg(str`above ${numberText(limit.above)} until below ${numberText(limit.until_below)}`),
+    limit.below === null ? "" : limit.until_above === null ? msg(str`below ${numberText(limit.below)}`) : msg(str`below ${numberText(limit.below)} until above ${numberText(limit.until_above)}`),
+    limit.states.length === 0 ? "" : msg(str`when ${limit.states.join(" or ")}`),
+    limit.safe_states.length === 0 ? "" : msg(str`unless ${limit.safe_states.join(" or ")}`),
   ].filter((part) => part !== "");
-  return (parts.length === 0 ? "when unknown" : parts.join(", ")) + (lasting > 0 ? ` for ${String(lasting)} s` : "");
+  return (parts.length === 0 ? msg("when unknown") : parts.join(", ")) + (lasting > 0 ? msg(str` for ${String(lasting)} s`) : "");
 }
 
 /** What decides, of these rules' news, and the lines by which. */
@@ -169,7 +170,7 @@ export function verdictOf(
   online: boolean, rules: readonly RuleShape[], news: (rule: RuleShape) => InterlockUpdate | undefined, lines: readonly LimitLine[],
 ): WeatherVerdict {
   const none = { why: "", since_us: 0, rule: "" };
-  if (!online) return { ...none, word: "unknown", why: "No data from the site: the weather is unknown." };
+  if (!online) return { ...none, word: "unknown", why: msg("No data from the site: the weather is unknown.") };
   if (rules.length === 0) return { ...none, word: "none" };
   const missing = lines.find(({ stands }) => stands === "unknown");
   const told = rules.map((rule) => ({ rule, said: news(rule) }));
@@ -180,36 +181,36 @@ export function verdictOf(
   }
   const over = told.find(({ said }) => (said?.overridden_by ?? "") !== "");
   if (over?.said !== undefined) {
-    const why = `${over.said.overridden_by} has overridden ${over.rule.name}.`;
+    const why = msg(str`${over.said.overridden_by} has overridden ${over.rule.name}.`);
     return { word: "overridden", why, since_us: 0, rule: over.rule.name };
   }
   if (missing !== undefined) {
-    return { ...none, word: "unknown", why: `${missing.name} is unknown, and that counts as unsafe.`, rule: missing.rule };
+    return { ...none, word: "unknown", why: msg(str`${missing.name} is unknown, and that counts as unsafe.`), rule: missing.rule };
   }
   const silent = told.find(({ said }) => said === undefined);
   if (silent !== undefined) {
-    return { ...none, word: "unknown", why: `The gateway has not said yet how ${silent.rule.name} stands.`, rule: silent.rule.name };
+    return { ...none, word: "unknown", why: msg(str`The gateway has not said yet how ${silent.rule.name} stands.`), rule: silent.rule.name };
   }
   const waits = told.find(({ said }) => said?.locked === true);
   if (waits?.said !== undefined) {
-    return { word: "wait", why: "Safe now, but not for long enough yet.", since_us: waits.said.since_us, rule: waits.rule.name };
+    return { word: "wait", why: msg("Safe now, but not for long enough yet."), since_us: waits.said.since_us, rule: waits.rule.name };
   }
   const beyond = lines.find(({ stands }) => stands === "beyond");
   if (beyond !== undefined) {
-    return { ...none, word: "warn", why: `${beyond.name} is ${beyond.now}, beyond its limit (${beyond.limit}).`, rule: beyond.rule };
+    return { ...none, word: "warn", why: msg(str`${beyond.name} is ${beyond.now}, beyond its limit (${beyond.limit}).`), rule: beyond.rule };
   }
   const nearest = lines.filter(({ part }) => part > 0).sort((a, b) => b.part - a.part)[0];
-  const near = nearest === undefined ? "" : ` Nearest to its limit: ${nearest.name}, ${nearest.now} (unsafe ${nearest.limit}).`;
-  return { ...none, word: "safe", why: `Every value is within its limits.${near}` };
+  const near = nearest === undefined ? "" : msg(str` Nearest to its limit: ${nearest.name}, ${nearest.now} (unsafe ${nearest.limit}).`);
+  return { ...none, word: "safe", why: msg(str`Every value is within its limits.${near}`) };
 }
 
 /** The number behind a reason that names a limit only. */
 function currentNumber(why: string, lines: readonly LimitLine[]): string {
   const line = lines.find(({ name, part }) => why.startsWith(name) && !Number.isNaN(part));
-  return line === undefined || why.includes(line.now) ? "" : ` Now ${line.now}.`;
+  return line === undefined || why.includes(line.now) ? "" : msg(str` Now ${line.now}.`);
 }
 
 function causeOf(lines: readonly LimitLine[]): string {
   const worst = lines[0];
-  return worst === undefined || worst.stands === "fine" ? "" : `${worst.name}: ${worst.now} (closes ${worst.limit}).`;
+  return worst === undefined || worst.stands === "fine" ? "" : msg(str`${worst.name}: ${worst.now} (closes ${worst.limit}).`);
 }

@@ -1,5 +1,6 @@
 /** Everything to turn a camera with: lease, buttons to hold, speed, and its presets. */
 
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -102,7 +103,7 @@ export class PtzPad extends LitElement {
     const away = this.reach.store?.unreachableSince(this.site, device.id);
     return html`${away === undefined
         ? nothing
-        : html`<div role="status"><t-status kind="unknown" word="The camera does not answer"></t-status> <span class="note">${away.why}</span></div>`}
+        : html`<div role="status"><t-status kind="unknown" word=${msg("The camera does not answer")}></t-status> <span class="note">${away.why}</span></div>`}
       ${seat === null ? nothing : this.renderHands(device, seat, away !== undefined)} ${this.renderPlace(device)} ${this.renderPresets(device, away !== undefined)}`;
   }
 
@@ -118,16 +119,16 @@ export class PtzPad extends LitElement {
         @t-hold=${this.onHold}
         @t-halt=${this.onHalt}
       ></t-aim-pad>
-      <p class="trouble" role="alert">${this.lockReason || seat.problem || (refusal === "" ? "" : `Gateway: ${refusal}`)}</p>
-      <t-speed-limit .level=${machine.speedLevel} means="of what is allowed" @t-level=${this.onSpeedLevel}></t-speed-limit>
+      <p class="trouble" role="alert">${this.lockReason || seat.problem || (refusal === "" ? "" : msg(str`Gateway: ${refusal}`))}</p>
+      <t-speed-limit .level=${machine.speedLevel} means=${msg("of what is allowed")} @t-level=${this.onSpeedLevel}></t-speed-limit>
       ${slow === "" ? nothing : html`<p class="note">${slow}</p>`}
-      <p class="note">It turns while a button or key is held: W A D X or the arrows, E and Q to zoom. S halts, Escape is STOP.</p>`;
+      <p class="note">${msg("It turns while a button or key is held: W A D X or the arrows, E and Q to zoom. S halts, Escape is STOP.")}</p>`;
   }
 
   private renderPlace(device: DeviceShape): unknown {
     const told = device.signals.filter(({ type, id }) => type === "number" && device.drive?.joints.some((joint) => joint.id === id) === true);
     if (told.length === 0) return nothing;
-    return html`<dl class="place" aria-label="Where it looks">
+    return html`<dl class="place" aria-label=${msg("Where it looks")}>
       ${repeat(
         told,
         ({ id }) => id,
@@ -141,14 +142,14 @@ export class PtzPad extends LitElement {
     if (parts.goto === undefined && parts.home === undefined && parts.stop === undefined) return nothing;
     // What a silent camera had is not known to be there now.
     const names = silent ? null : this.namesOf(parts);
-    return html`<section aria-label="Presets">
-      <h2>Presets</h2>
-      ${parts.goto !== undefined && parts.presets !== undefined && names !== null && names.length === 0 ? html`<p class="note">The camera has no presets yet.</p>` : nothing}
-      ${names === null && parts.presets !== undefined ? html`<t-status kind="unknown" word="Its presets are not known now"></t-status>` : nothing}
+    return html`<section aria-label=${msg("Presets")}>
+      <h2>${msg("Presets")}</h2>
+      ${parts.goto !== undefined && parts.presets !== undefined && names !== null && names.length === 0 ? html`<p class="note">${msg("The camera has no presets yet.")}</p>` : nothing}
+      ${names === null && parts.presets !== undefined ? html`<t-status kind="unknown" word=${msg("Its presets are not known now")}></t-status>` : nothing}
       ${device.rights.includes("use")
         ? html`<t-deeds .site=${this.site} .device=${device} .line=${this.line} .deeds=${ptzButtons(parts, names ?? [])} .online=${this.online && !silent}></t-deeds>
             ${this.renderCancel(device, parts)} ${this.renderForms(device, parts)}`
-        : html`<p class="note">${names === null || names.length === 0 ? "" : `${names.join(", ")}. `}Turning this camera needs the right <strong>use</strong>; an admin can give it to you.</p>`}
+        : html`<p class="note">${msg(html`${names === null || names.length === 0 ? "" : `${names.join(", ")}. `}Turning this camera needs the right <strong>use</strong>; an admin can give it to you.`)}</p>`}
     </section>`;
   }
 
@@ -160,7 +161,7 @@ export class PtzPad extends LitElement {
       const cancel = (): void => {
         this.line?.cancelCommand(device.id, command.id);
       };
-      return html`<t-button kind="danger" ?disabled=${!this.online} @click=${cancel}>Cancel: ${command.name}</t-button>`;
+      return html`<t-button kind="danger" ?disabled=${!this.online} @click=${cancel}>${msg("Cancel:")} ${command.name}</t-button>`;
     });
   }
 
@@ -168,7 +169,7 @@ export class PtzPad extends LitElement {
     const forms = [keep, remove].filter((command) => command !== undefined);
     if (forms.length === 0) return nothing;
     return html`<details>
-      <summary>Change presets</summary>
+      <summary>${msg("Change presets")}</summary>
       ${repeat(
         forms,
         ({ id }) => id,
@@ -188,7 +189,7 @@ export class PtzPad extends LitElement {
     const channel = signal.channels[0];
     const fresh = this.online && channel !== undefined && this.live.freshnessOf(channel, signal.max_age) === "live";
     const value = fresh ? (this.live.readingOf(channel)?.value ?? Number.NaN) : Number.NaN;
-    return Number.isNaN(value) ? "unknown" : shownText(signal, value);
+    return Number.isNaN(value) ? msg("unknown") : shownText(signal, value);
   }
 
   private get lockReason(): string {

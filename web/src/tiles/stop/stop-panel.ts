@@ -1,5 +1,6 @@
 /** STOP (software) tied to its line: `t-stop` is the panel, `t-stop-bar` the button alone. */
 
+import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { StopClient } from "../../controllers/drive/stop-client.js";
@@ -82,9 +83,9 @@ export class StopPanel extends StopElement {
   }
 
   private releaseObstacle(): string {
-    if (!this.mayUse) return "Only people who may use this device can release STOP.";
-    if (this.line?.online !== true) return "The site is offline: STOP stays latched.";
-    return this.epoch === 0 ? "Take control first: the person who releases STOP is responsible for what moves next." : "";
+    if (!this.mayUse) return msg("Only people who may use this device can release STOP.");
+    if (this.line?.online !== true) return msg("The site is offline: STOP stays latched.");
+    return this.epoch === 0 ? msg("Take control first: the person who releases STOP is responsible for what moves next.") : "";
   }
 
   private readonly askReset = (): void => {

@@ -1,5 +1,6 @@
 /** A robot's diagnostics as they come on a raw topic: followed while the tile is looked at. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { TickerController } from "../../controllers/ticker.js";
@@ -82,7 +83,7 @@ export class DiagnosticsTile extends LitElement {
       ${this.bare
         ? nothing
         : html`<div class="head">
-            <h3><a href=${topicPagePath(this.site, this.topic)}>Diagnostics</a> <code class="muted">${this.topic}</code></h3>
+            <h3><a href=${topicPagePath(this.site, this.topic)}>${msg("Diagnostics")}</a> <code class="muted">${this.topic}</code></h3>
             ${renderTopicStatus(facts)}
           </div>`}
       ${this.bare ? nothing : renderTopicTrouble(facts)}

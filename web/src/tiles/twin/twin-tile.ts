@@ -1,6 +1,7 @@
 /** A digital twin: how far it is from the robot, what is driven in it, its rehearsal, and STOP of the robot. */
 
 import { ContextConsumer } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { keyed } from "lit/directives/keyed.js";
@@ -89,13 +90,13 @@ export class TwinTile extends LitElement {
     const { device, controller, twin } = this;
     const real = this.realDevice;
     if (device === null) return nothing;
-    if (real === undefined) return html`<t-empty heading="Not open to you" icon="lock"><p>You may not see the robot that this is the twin of.</p></t-empty>`;
+    if (real === undefined) return html`<t-empty heading=${msg("Not open to you")} icon="lock"><p>${msg("You may not see the robot that this is the twin of.")}</p></t-empty>`;
     return html`<section aria-labelledby="difference">
-        <h2 id="difference">Difference to ${real.name}</h2>
+        <h2 id="difference">${msg(str`Difference to ${real.name}`)}</h2>
         <div class="values">
           ${map(SHOWN, (id) => html`<t-signal-value .site=${this.site} .signal=${this.signalOf(id)} size="l"></t-signal-value>`)}
         </div>
-        <p class="muted">The robot less its twin. A twin that is too far away for too long is put where the robot is.</p>
+        <p class="muted">${msg("The robot less its twin. A twin that is too far away for too long is put where the robot is.")}</p>
       </section>
       ${controller === null || twin === null ? nothing : html`<div class="columns">${this.renderHands(real, controller, twin)} ${this.renderRehearsal(real, twin)}</div>`}`;
   }
@@ -103,11 +104,11 @@ export class TwinTile extends LitElement {
   private renderHands(real: DeviceShape, controller: DriveController, twin: TwinLink): TemplateResult {
     const { seat, stop } = controller;
     return html`<section class="hands" aria-labelledby="drive">
-      <h2 id="drive">Drive</h2>
+      <h2 id="drive">${msg("Drive")}</h2>
       <t-stop-bar .line=${stop}></t-stop-bar>
       <t-stop .line=${stop} .zone=${this.detail?.zone ?? "UTC"} .epoch=${seat?.lease.epoch ?? 0} .mayUse=${real.rights.includes("use")}></t-stop>
       ${seat === null
-        ? html`<p>Driving the twin needs the right <strong>use</strong> for ${real.name}. STOP works for everyone who sees it.</p>`
+        ? html`<p>${msg(html`Driving the twin needs the right <strong>use</strong> for ${real.name}. STOP works for everyone who sees it.`)}</p>`
         : html`${this.renderSwitch(real, seat.lease.epoch, twin)}
             <t-drive-pad .site=${this.site} .device=${real} .seat=${seat} .stopped=${stop.desk.blocksDriving} ?rehearsing=${!twin.isLive}></t-drive-pad>`}
     </section>`;
@@ -123,36 +124,36 @@ export class TwinTile extends LitElement {
       twin.setLive(checked, epoch);
     };
     return html`<div class="switch ${isLive ? "live" : ""}">
-        <label><input type="checkbox" role="switch" .checked=${isLive} ?disabled=${epoch === 0} @change=${change} /> Live</label>
-        <t-status kind=${isLive ? "warn" : "ok"} word=${isLive ? `${real.name} moves` : "only the twin moves"}></t-status>
+        <label><input type="checkbox" role="switch" .checked=${isLive} ?disabled=${epoch === 0} @change=${change} /> ${msg("Live")}</label>
+        <t-status kind=${isLive ? "warn" : "ok"} word=${isLive ? msg(str`${real.name} moves`) : msg("only the twin moves")}></t-status>
       </div>
       <p class="muted">
         ${epoch === 0
-          ? "Take control first: there is one lease for both."
+          ? msg("Take control first: there is one lease for both.")
           : isLive
-            ? `What you drive here goes to ${real.name}, and the twin follows it.`
-            : `What you drive here moves the twin alone. Live sends it to ${real.name}, too.`}
+            ? msg(str`What you drive here goes to ${real.name}, and the twin follows it.`)
+            : msg(str`What you drive here moves the twin alone. Live sends it to ${real.name}, too.`)}
       </p>
-      <p class="trouble" role="status">${told?.live === true && !isLive ? `Live for ${told.who}, in another window` : (told?.why ?? "")}</p>`;
+      <p class="trouble" role="status">${told?.live === true && !isLive ? msg(str`Live for ${told.who}, in another window`) : (told?.why ?? "")}</p>`;
   }
 
   private renderRehearsal(real: DeviceShape, twin: TwinLink): TemplateResult {
     const { told } = twin;
     const poses = pathPoses(told?.path ?? [], FRAME);
     if (told === null || poses.length === 0) {
-      return html`<section aria-labelledby="rehearsal"><h2 id="rehearsal">Rehearsal</h2>
-        <t-empty heading="Nothing rehearsed yet" icon="drive"><p>Drive the twin with live switched off: its path stands here, with what interlocks would have said.</p></t-empty></section>`;
+      return html`<section aria-labelledby="rehearsal"><h2 id="rehearsal">${msg("Rehearsal")}</h2>
+        <t-empty heading=${msg("Nothing rehearsed yet")} icon="drive"><p>${msg("Drive the twin with live switched off: its path stands here, with what interlocks would have said.")}</p></t-empty></section>`;
     }
     const lines = verdictLines(told);
-    const summary = `${told.metres.toFixed(2)} m in ${told.seconds.toFixed(0)} s`;
+    const summary = msg(str`${told.metres.toFixed(2)} m in ${told.seconds.toFixed(0)} s`);
     return html`<section aria-labelledby="rehearsal">
-      <h2 id="rehearsal">Rehearsal</h2>
-      <t-rehearsal-map .poses=${poses} .verdicts=${told.verdicts} label="Path of the rehearsal: ${summary}"></t-rehearsal-map>
+      <h2 id="rehearsal">${msg("Rehearsal")}</h2>
+      <t-rehearsal-map .poses=${poses} .verdicts=${told.verdicts} label=${msg(str`Path of the rehearsal: ${summary}`)}></t-rehearsal-map>
       <p>${summary}</p>
       ${lines.length === 0
-        ? html`<p><t-status kind="ok" word="Nothing would have been refused"></t-status></p>`
+        ? html`<p><t-status kind="ok" word=${msg("Nothing would have been refused")}></t-status></p>`
         : html`<ul>${map(lines, (line) => html`<li>${line}</li>`)}</ul>`}
-      <p class="muted">By what is so now: weather, batteries and people may be others when ${real.name} drives there.</p>
+      <p class="muted">${msg(str`By what is so now: weather, batteries and people may be others when ${real.name} drives there.`)}</p>
       ${this.renderDeeds(real)}
     </section>`;
   }
@@ -165,10 +166,10 @@ export class TwinTile extends LitElement {
     const { epoch } = seat.lease;
     return html`<div class="deeds">
         ${command === undefined
-          ? html`<p class="muted">${real.name} has no command of the role <code>vehicle.goal</code>: the path cannot be sent to it.</p>`
-          : html`<t-button kind="primary" @click=${this.openGoal}>Send as a goal…</t-button>`}
-        ${follow === undefined ? nothing : html`<t-button ?disabled=${this.line === null} @click=${this.followRobot}>Follow the robot again</t-button>`}
-        <t-button ?disabled=${epoch === 0} @click=${this.forgetPath}>Forget the path</t-button>
+          ? html`<p class="muted">${msg(html`${real.name} has no command of the role <code>vehicle.goal</code>: the path cannot be sent to it.`)}</p>`
+          : html`<t-button kind="primary" @click=${this.openGoal}>${msg("Send as a goal…")}</t-button>`}
+        ${follow === undefined ? nothing : html`<t-button ?disabled=${this.line === null} @click=${this.followRobot}>${msg("Follow the robot again")}</t-button>`}
+        <t-button ?disabled=${epoch === 0} @click=${this.forgetPath}>${msg("Forget the path")}</t-button>
       </div>
       ${this.goal === null || command === undefined
         ? nothing

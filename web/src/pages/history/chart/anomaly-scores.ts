@@ -1,6 +1,7 @@
 /** The anomaly detectors of the chosen signals: score under the charts, why in words, "not an anomaly". */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
@@ -102,19 +103,19 @@ export class AnomalyScores extends LitElement {
 
   override render(): unknown {
     if (this.detectors.state === "failed") {
-      const advice = adviceFor(this.detectors.renderError, "the anomaly detectors");
-      return html`<h2>Anomalies</h2>
+      const advice = adviceFor(this.detectors.renderError, msg("the anomaly detectors"));
+      return html`<h2>${msg("Anomalies")}</h2>
         ${renderAdvice(advice, this.retry)}`;
     }
-    if (!this.detectors.hasList) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
+    if (!this.detectors.hasList) return html`<t-loading what=${msg("Loading the anomaly detectors")}></t-loading>`;
     const shown = this.shownDetectors();
     if (shown.length === 0) {
       // A site without any detector need not be told so below every chart.
       if (this.detectors.book.list.length === 0) return nothing;
-      return html`<p class="said">No anomaly detector watches these signals.</p>`;
+      return html`<p class="said">${msg("No anomaly detector watches these signals.")}</p>`;
     }
     const { problem, doneText: done } = this.action;
-    return html`${this.bare ? nothing : html`<h2>Anomalies</h2>`}
+    return html`${this.bare ? nothing : html`<h2>${msg("Anomalies")}</h2>`}
       <p role="status" class="said">${done}</p>
       ${renderAdvice(problem)}
       ${this.scores.result.state === "failed" ? this.renderNoScores(this.scores.result.error) : nothing}
@@ -126,7 +127,7 @@ export class AnomalyScores extends LitElement {
   }
 
   private renderNoScores(error: unknown): TemplateResult {
-    return renderAdvice(adviceFor(error, "the scores of before"), this.retryScores);
+    return renderAdvice(adviceFor(error, msg("the scores of before")), this.retryScores);
   }
 
   private renderDetector(detector: Detector): TemplateResult {
@@ -159,7 +160,7 @@ export class AnomalyScores extends LitElement {
     this.series = new Map(
       (history?.series ?? []).map((series, colour): [string, ChartSeries] => {
         const { trace, gaps } = loadedSeries(series, WRITTEN_US);
-        const plain = { address: series.address, name: "Score", unit: "", decimals: 2, states: [], stale: false };
+        const plain = { address: series.address, name: msg("Score"), unit: "", decimals: 2, states: [], stale: false };
         return [series.address, { ...plain, colour, samples: trace, gaps }];
       }),
     );
@@ -175,7 +176,7 @@ export class AnomalyScores extends LitElement {
     const { site } = this;
     const api = this.hub ?? this.api;
     if (api === undefined) return;
-    const done = await this.action.run("tell the detector", () => api.dismissAnomaly(site, address, detector), `Noted: ${subjectOf(said)} is as usual for “${name}”.`);
+    const done = await this.action.run(msg("tell the detector"), () => api.dismissAnomaly(site, address, detector), msg(str`Noted: ${subjectOf(said)} is as usual for “${name}”.`));
     if (done) this.retry();
   }
 

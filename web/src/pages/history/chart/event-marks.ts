@@ -1,5 +1,6 @@
 /** What happened, as marks on the time axis. */
 
+import { msg } from "@lit/localize";
 import type { EventShape } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 
@@ -30,16 +31,16 @@ export interface MarkCluster {
 
 /** The most serious first. */
 export const KINDS: readonly { readonly kind: MarkKind; readonly name: string }[] = [
-  { kind: "alarm", name: "Alarms" },
+  { kind: "alarm", name: msg("Alarms") },
   { kind: "stop", name: "STOP" },
-  { kind: "command", name: "Commands" },
-  { kind: "driving", name: "Driving" },
-  { kind: "anomaly", name: "Anomalies" },
-  { kind: "sighting", name: "Sightings" },
-  { kind: "recording", name: "Recordings" },
-  { kind: "note", name: "Notes" },
-  { kind: "link", name: "Connection" },
-  { kind: "other", name: "Other events" },
+  { kind: "command", name: msg("Commands") },
+  { kind: "driving", name: msg("Driving") },
+  { kind: "anomaly", name: msg("Anomalies") },
+  { kind: "sighting", name: msg("Sightings") },
+  { kind: "recording", name: msg("Recordings") },
+  { kind: "note", name: msg("Notes") },
+  { kind: "link", name: msg("Connection") },
+  { kind: "other", name: msg("Other events") },
 ];
 
 const WORDS: Readonly<Record<string, MarkKind>> = { alarm: "alarm", stop: "stop", command: "command", lease: "driving", drive: "driving", anomaly: "anomaly", sighting: "sighting", recording: "recording", gateway: "link" };

@@ -1,5 +1,6 @@
 /** One chart of the history page with what its lines are and say: values at the cursor, least, mean, greatest. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -100,7 +101,7 @@ export class HistoryChart extends LitElement {
           .outliers=${this.points}
           .painter=${this.painter}
           zone=${this.zone}
-          label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
+          label=${msg(str`History of ${group.rows.map(({ name }) => name).join(", ")}`)}
         ></t-chart>
         ${this.loaded && this.series.every((series) => !this.hasAny(series)) ? this.renderEmpty(group) : nothing}
       </div>
@@ -127,7 +128,7 @@ export class HistoryChart extends LitElement {
   private renderOutlierList(): unknown {
     const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
     if (numbers.length === 0) return nothing;
-    return html`<ul class="outliers" role="status" aria-label="Outliers">
+    return html`<ul class="outliers" role="status" aria-label=${msg("Outliers")}>
       ${map(numbers, (series) => html`<li><strong>${series.name}</strong> ${this.outlierLine(series)}</li>`)}
     </ul>`;
   }
@@ -139,14 +140,14 @@ export class HistoryChart extends LitElement {
 
   private outlierLine({ address, unit, decimals }: ChartSeries): string {
     const found = this.points.get(address);
-    if (found === undefined) return "All samples of the window are being counted…";
+    if (found === undefined) return msg("All samples of the window are being counted…");
     const whole = this.data.get(address)?.exact === true;
     const fences = this.fenceOf(address);
     const places = decimalsFor(unit, decimals);
     if (whole) return `${outlierText(found, unit, places, true)}.`;
     if (!this.unfenced && fences !== undefined) return `${outlierText(found, unit, places, fences.exact || fences.stored)}.`;
     const counted = this.numbers.get(address)?.count;
-    const more = counted === undefined ? "" : ` The window has ${formatNumber(counted, 0)} samples, and the hub could not count them now.`;
+    const more = counted === undefined ? "" : msg(str` The window has ${formatNumber(counted, 0)} samples, and the hub could not count them now.`);
     return `${outlierText(found, unit, places, false)}.${more}`;
   }
 
@@ -156,9 +157,9 @@ export class HistoryChart extends LitElement {
       <table>
         <thead>
           <tr>
-            <th scope="col">${group.type === "number" ? group.title || "without unit" : group.type}</th>
+            <th scope="col">${group.type === "number" ? group.title || msg("without unit") : group.type}</th>
             <th scope="col" class="at">
-              ${cursorUs === null ? "newest shown" : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
+              ${cursorUs === null ? msg("newest shown") : momentText(cursorUs, knownZone(this.zone), lengthOf(this.span))}
               ${this.ghostName === "" ? nothing : html`<span class="then">${this.ghostName}</span>`}
             </th>
             ${renderStatisticsHead(group.type === "number")}
@@ -179,7 +180,7 @@ export class HistoryChart extends LitElement {
     const series = this.series.find(({ address }) => address === row.address);
     const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
     return html`<tr>
-      <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}${row.former ? ", no longer in the description" : ""}</span></th>
+      <th scope="row">${swatch}${row.name} <span class="muted">${row.device.name}${row.former ? msg(", no longer in the description") : ""}</span></th>
       <td class="at">${series === undefined ? NOTHING : html`${this.renderValue(series)} ${this.renderGhostValue(series)}`}</td>
       ${renderStatisticsCells(row, this.numbers.get(row.address), series && this.drawn(series))}
     </tr>
@@ -191,10 +192,10 @@ export class HistoryChart extends LitElement {
     const { rms, count } = compareRuns(series.samples, samples, shiftUs, this.span);
     const places = decimalsFor(row.unit, row.decimals) + 1;
     const whole = this.data.get(row.address)?.exact === true && this.ghost.get(row.address)?.exact === true;
-    const words = count === 0 ? "no moment in common" : `RMS difference ${formatNumber(rms, places)}`;
+    const words = count === 0 ? msg("no moment in common") : msg(str`RMS difference ${formatNumber(rms, places)}`);
     return html`<tr class="other">
-      <th scope="row"><span class="muted">${this.ghostName || "the other run"}</span></th>
-      <td class="at" title=${whole ? "Of every sample" : "Of what is drawn: zoom in for every sample"}><span class="rms">${words}</span></td>
+      <th scope="row"><span class="muted">${this.ghostName || msg("the other run")}</span></th>
+      <td class="at" title=${whole ? msg("Of every sample") : msg("Of what is drawn: zoom in for every sample")}><span class="rms">${words}</span></td>
       ${renderStatisticsCells(row, this.ghostNumbers.get(row.address), undefined)}
     </tr>`;
   }
@@ -235,8 +236,8 @@ export class HistoryChart extends LitElement {
     const newest = Math.max(...group.rows.map(({ address }) => this.newest.get(address) ?? 0));
     const now = Date.now() * 1000;
     return html`<div class="none">
-      <strong>No samples in this window</strong>
-      ${newest > 0 ? html`<span>The newest is of ${timeText(newest, knownZone(this.zone), now).local}.</span>` : nothing}
+      <strong>${msg("No samples in this window")}</strong>
+      ${newest > 0 ? html`<span>${msg(str`The newest is of ${timeText(newest, knownZone(this.zone), now).local}.`)}</span>` : nothing}
     </div>`;
   }
 
@@ -247,7 +248,7 @@ export class HistoryChart extends LitElement {
     const texts = held.filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);
     if (texts.length === 0) return null;
     return html`<details>
-      <summary>${texts.length > TEXTS ? `The last ${String(TEXTS)} texts` : "All texts"}</summary>
+      <summary>${texts.length > TEXTS ? msg(str`The last ${String(TEXTS)} texts`) : msg("All texts")}</summary>
       <ol>
         ${map(
           texts.slice(-TEXTS).reverse(),

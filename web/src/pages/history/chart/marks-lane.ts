@@ -1,5 +1,6 @@
 /** What happened in the window: a lane of marks above the charts, each with what it says. */
 
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -68,10 +69,10 @@ export class MarksLane extends LitElement {
     const at = shown.findIndex(({ timeUs }) => timeUs === this.open);
     return html`
       <div class="head" @change=${this.onFilterChange}>
-        <strong>Events</strong> ${map(KINDS, (kind) => this.renderFilter(kind))}
-        ${shown.length === 0 && this.problem === "" ? html`<span class="muted">none to show in this window</span>` : nothing}
+        <strong>${msg("Events")}</strong> ${map(KINDS, (kind) => this.renderFilter(kind))}
+        ${shown.length === 0 && this.problem === "" ? html`<span class="muted">${msg("none to show in this window")}</span>` : nothing}
         ${this.problem === "" ? nothing : html`<span role="alert">${this.problem}</span>`}
-        ${this.more ? html`<span class="muted">Only the newest 1000 are shown: zoom in for more.</span>` : nothing}
+        ${this.more ? html`<span class="muted">${msg("Only the newest 1000 are shown: zoom in for more.")}</span>` : nothing}
       </div>
       <div
         class="track"
@@ -80,7 +81,7 @@ export class MarksLane extends LitElement {
         @pointerleave=${this.closeTip}
         @focusout=${this.closeTip}
       >
-        <div class="place" role="toolbar" aria-label="Events in the window">
+        <div class="place" role="toolbar" aria-label=${msg("Events in the window")}>
           ${repeat(
             shown,
             ({ timeUs }) => timeUs,
@@ -104,7 +105,7 @@ export class MarksLane extends LitElement {
 
   private renderButton({ timeUs, marks, kind, good }: MarkCluster, index: number, count: number): TemplateResult {
     const first = marks[0];
-    const name = marks.length > 1 ? `${String(marks.length)} events, first ${first?.title ?? ""}` : (first?.title ?? "");
+    const name = marks.length > 1 ? msg(str`${String(marks.length)} events, first ${first?.title ?? ""}`) : (first?.title ?? "");
     const part = (timeUs - this.span.fromUs) / lengthOf(this.span);
     const tab = index === Math.min(this.stop, count - 1) ? 0 : -1;
     return html`<button
@@ -132,12 +133,12 @@ export class MarksLane extends LitElement {
     const rest = cluster.marks.length - TOLD;
     return html`<div id="tip" class="tip" role="tooltip" ${styled(style)}>
       ${map(cluster.marks.slice(0, TOLD), (mark) => this.renderDetails(mark))}
-      ${rest > 0 ? html`<span class="muted">and ${rest} more: zoom in to tell them apart</span>` : nothing}
+      ${rest > 0 ? html`<span class="muted">${msg(str`and ${rest} more: zoom in to tell them apart`)}</span>` : nothing}
     </div>`;
   }
 
   private renderDetails({ timeUs, kind, title, device, who, message, good }: EventMark): TemplateResult {
-    const about = [device, who === "" ? "" : `by ${who}`].filter(Boolean).join(", ");
+    const about = [device, who === "" ? "" : msg(str`by ${who}`)].filter(Boolean).join(", ");
     return html`<p>
       <svg viewBox="0 0 16 16" class=${good ? kind : "bad"}>${renderMarkShape(kind)}</svg>
       <span><time>${this.moment(timeUs)}</time> <strong>${title}</strong></span>

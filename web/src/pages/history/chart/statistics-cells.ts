@@ -1,5 +1,6 @@
 /** The statistics of one channel over the shown window, as cells of a chart's table. */
 
+import { msg } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { decimalsFor, formatNumber, NOTHING } from "../../../format/number.js";
 import { differenceToShown, limitToShown } from "../../../format/unit.js";
@@ -10,11 +11,11 @@ import type { ChannelRow } from "../data/channel-rows.js";
 export function renderStatisticsHead(numbers: boolean): TemplateResult {
   return html`${numbers
       ? html`<th scope="col">min</th>
-          <th scope="col">mean</th>
-          <th scope="col">max</th>
-          <th scope="col" class="roomy" title="Standard deviation">std</th>`
+          <th scope="col">${msg("mean")}</th>
+          <th scope="col">${msg("max")}</th>
+          <th scope="col" class="roomy" title=${msg("Standard deviation")}>${msg("std")}</th>`
       : nothing}
-    <th scope="col" class="roomy">samples</th>`;
+    <th scope="col" class="roomy">${msg("samples")}</th>`;
 }
 
 /**

@@ -1,5 +1,6 @@
 /** The channels of a site that have a history, and how they share charts. */
 
+import { msg, str } from "@lit/localize";
 import { shownUnit } from "../../../format/unit.js";
 import type { DeviceShape, ShownUnitShape, SignalShape, SiteShape, StoredShape } from "../../../generated/api.js";
 
@@ -72,7 +73,7 @@ export function firstChoice(rows: readonly ChannelRow[]): string[] {
 export function groupChannels(rows: readonly ChannelRow[], axes = 1): ChartGroup[] {
   const found = new Map<string, { title: string; type: ChannelRow["type"]; rows: ChannelRow[] }>();
   for (const row of rows) {
-    const key = row.type === "number" && row.unit !== "" ? `unit ${row.unit}` : row.address;
+    const key = row.type === "number" && row.unit !== "" ? msg(str`unit ${row.unit}`) : row.address;
     const group = found.get(key) ?? { title: row.type === "number" ? row.unit : row.name, type: row.type, rows: [] };
     found.set(key, group);
     group.rows.push(row);
@@ -93,7 +94,7 @@ function joinGroups(groups: readonly ChartGroup[], axes: number): ChartGroup[] {
   const charts = Array.from({ length: Math.ceil(units.length / axes) }, (_, i): ChartGroup => {
     const own = units.slice(i * axes, (i + 1) * axes);
     const rows = numbers.filter(({ unit }) => own.includes(unit));
-    return { key: `units ${own.join(" ")}`, title: own.map((unit) => unit || "no unit").join(", "), type: "number", rows };
+    return { key: msg(str`units ${own.join(" ")}`), title: own.map((unit) => unit || msg("no unit")).join(", "), type: "number", rows };
   });
   return [...charts, ...groups.filter(({ type }) => type !== "number")];
 }

@@ -1,5 +1,6 @@
 /** All that is loaded for the window that is shown: samples, those of another day, events, statistics. */
 
+import { msg } from "@lit/localize";
 import type { EventList } from "../../../generated/api.js";
 import { panned } from "../../../series/time-window.js";
 import { EventsLoader, type EventsSource } from "./events-loader.js";
@@ -46,8 +47,8 @@ export class WindowData {
 
   /** What happened, or what was on the other day, could not be loaded. */
   get missingText(): string {
-    if (this.then.state === "failed") return "The other day cannot be loaded now.";
-    return this.happened.failed ? "What happened cannot be loaded now." : "";
+    if (this.then.state === "failed") return msg("The other day cannot be loaded now.");
+    return this.happened.failed ? msg("What happened cannot be loaded now.") : "";
   }
 
   loadWindow({ ghostUs, moving, following, outliers, ...question }: WantedWindow): void {

@@ -1,11 +1,13 @@
 /** The films beside the charts: each camera's, and what plays them. */
 
+import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, panelBox, quietText } from "../../../elements/base/base-style.js";
 import { momentText } from "../../../elements/chart/cursor-values.js";
+import { plural } from "../../../format/plural.js";
 import { formatClock, knownZone } from "../../../format/time.js";
 import type { FilmController } from "./film-controller.js";
 import type { FilmView } from "../../../tiles/camera/film-view.js";
@@ -200,7 +202,7 @@ export class FilmPanel extends LitElement {
   override render(): TemplateResult {
     const shown = this.shown();
     return html`<div class="head">
-        <h2>${this.reels.length === 1 ? "Film" : "Films"}</h2>
+        <h2>${plural(this.reels.length, msg("Film"), msg("Films"))}</h2>
         ${this.reels.length > 1 ? this.reels.map(({ stream, name }) => this.renderBox(stream, name, shown.includes(stream))) : nothing}
       </div>
       <div class="views">
@@ -221,23 +223,23 @@ export class FilmPanel extends LitElement {
         )}
       </div>
       ${this.renderTools()}
-      <p class="hint">Keys: space plays, comma and point step a picture, &lt; and &gt; change the speed, F fills the screen.</p>`;
+      <p class="hint">${msg("Keys: space plays, comma and point step a picture, < and > change the speed, F fills the screen.")}</p>`;
   }
 
   private renderTools(): TemplateResult {
     const { playing, speed, us } = this;
-    return html`<div class="tools" role="group" aria-label="Films">
-      ${this.renderTool("A picture back", BACK, () => {
+    return html`<div class="tools" role="group" aria-label=${msg("Films")}>
+      ${this.renderTool(msg("A picture back"), BACK, () => {
         this.step(-1);
       })}
-      ${this.renderTool(playing ? "Pause" : "Play", playing ? PAUSE : PLAY, () => this.control?.toggle(), "main")}
-      ${this.renderTool("A picture on", ON, () => {
+      ${this.renderTool(playing ? msg("Pause") : msg("Play"), playing ? PAUSE : PLAY, () => this.control?.toggle(), "main")}
+      ${this.renderTool(msg("A picture on"), ON, () => {
         this.step(1);
       })}
-      <select aria-label="Speed" @change=${this.onSpeedChange}>
+      <select aria-label=${msg("Speed")} @change=${this.onSpeedChange}>
         ${map(SPEEDS, (number) => html`<option value=${number} .selected=${number === speed}>${number === 0.5 ? "½" : number}×</option>`)}
       </select>
-      ${this.renderTool(this.full ? "Leave full screen" : "Full screen", this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5", this.toggleFullScreen, "line")}
+      ${this.renderTool(this.full ? msg("Leave full screen") : msg("Full screen"), this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5", this.toggleFullScreen, "line")}
       <span class="moment"><strong>${momentText(us, knownZone(this.zone), 0)}</strong><span>${formatClock(us, "UTC")} UTC</span></span>
     </div>`;
   }

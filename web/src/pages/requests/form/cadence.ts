@@ -1,5 +1,6 @@
 /** A cadence: one request for each visit, so far apart, each somewhere within its window. Pure. */
 
+import { msg } from "@lit/localize";
 import { HOUR_US } from "../../../series/zone-clock.js";
 import { MOST_REQUESTS, type RequestDraft } from "./draft.js";
 import { FieldReader } from "./field-reader.js";
@@ -25,10 +26,10 @@ export function readCadence(draft: CadenceDraft, momentOf: (text: string) => num
   const fields = new FieldReader<CadenceField>();
   const first = momentOf(draft.first);
   if (!(first > 0)) fields.problems.set("first", "Write a date and a time.");
-  const every = fields.number("every", draft.every, [0.05, 8760], "Hours between visits");
-  const within = fields.number("within", draft.within, [0.01, 4380], "Hours earlier or later");
+  const every = fields.number("every", draft.every, [0.05, 8760], msg("Hours between visits"));
+  const within = fields.number("within", draft.within, [0.01, 4380], msg("Hours earlier or later"));
   if (within > every / 2) fields.problems.set("within", "More than half of what is between visits: their windows would overlap.");
-  const visits = fields.whole("visits", draft.visits, [2, MOST_REQUESTS - others], "Visits");
+  const visits = fields.whole("visits", draft.visits, [2, MOST_REQUESTS - others], msg("Visits"));
   if (fields.problems.size > 0) return { windows: [], problems: fields.problems };
   const windows = Array.from({ length: visits }, (_, i) => {
     const middle = first + i * every * HOUR_US;

@@ -1,8 +1,9 @@
 /** A request group as it is typed: what a form holds, begins with, and what one change makes of it. Pure. */
 
+import { msg } from "@lit/localize";
 import type { GroupOperator, Guiding, ImageType, SolarSystemBody, Urgency } from "../../../generated/api.js";
 
-export const IMAGE_WORDS: Readonly<Record<ImageType, string>> = { LIGHT: "light", SKY_FLAT: "twilight flat", DARK: "dark", BIAS: "bias" };
+export const IMAGE_WORDS: Readonly<Record<ImageType, string>> = { LIGHT: msg("light"), SKY_FLAT: msg("twilight flat"), DARK: msg("dark"), BIAS: msg("bias") };
 export const IMAGE_TYPES = ["LIGHT", "SKY_FLAT", "DARK", "BIAS"] as const satisfies readonly ImageType[];
 export const GUIDINGS = ["OFF", "OPTIONAL", "ON"] as const satisfies readonly Guiding[];
 export const URGENCIES = ["NORMAL", "TIME_CRITICAL", "RAPID_RESPONSE"] as const satisfies readonly Urgency[];

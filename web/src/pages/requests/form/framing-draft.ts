@@ -1,5 +1,6 @@
 /** Framing as it is typed: the size of the field where nobody has described it, panels and their overlap. Pure. */
 
+import { msg, str } from "@lit/localize";
 import type { FieldShape } from "../../../generated/api.js";
 import { formatDec, formatRa, writeDec, writeRa } from "../../../format/sexagesimal.js";
 import { mosaicOf, type FieldSize, type Mosaic } from "../../../sky/mosaic.js";
@@ -41,12 +42,12 @@ export interface ReadFraming {
  */
 export function readFraming(draft: FramingDraft, centre: SkyPoint, described: FieldShape | null, angle: number | null): ReadFraming {
   const fields = new FieldReader<FramingField>();
-  const across = fields.whole("across", draft.across, [1, MOST_PANELS], "Panels across");
-  const down = fields.whole("down", draft.down, [1, MOST_PANELS], "Panels down");
-  const overlap = fields.number("overlap", draft.overlap, [0, 90], "Overlap in %") / 100;
+  const across = fields.whole("across", draft.across, [1, MOST_PANELS], msg("Panels across"));
+  const down = fields.whole("down", draft.down, [1, MOST_PANELS], msg("Panels down"));
+  const overlap = fields.number("overlap", draft.overlap, [0, 90], msg("Overlap in %")) / 100;
   const isTyped = described === null && draft.width.trim() !== "" && draft.height.trim() !== "";
   const typed = isTyped
-    ? { width: fields.number("width", draft.width, [0.001, 60], "Width in °"), height: fields.number("height", draft.height, [0.001, 60], "Height in °") }
+    ? { width: fields.number("width", draft.width, [0.001, 60], msg("Width in °")), height: fields.number("height", draft.height, [0.001, 60], msg("Height in °")) }
     : null;
   const field = described ?? (fields.problems.has("width") || fields.problems.has("height") ? null : typed);
   const rotates = described?.rotates ?? false;
@@ -71,7 +72,7 @@ export function panelRequests(request: RequestDraft, { panels }: Mosaic, rotates
   const name = request.target.trim().slice(0, 80);
   return panels.map(({ centre, angle, row, column }) => ({
     ...request,
-    target: `${name}${name === "" ? "" : " "}panel ${String(row)}-${String(column)}`,
+    target: msg(str`${name}${name === "" ? "" : " "}panel ${String(row)}-${String(column)}`),
     ...placeTexts(centre),
     angle: rotates ? angleText(angle) : "",
   }));

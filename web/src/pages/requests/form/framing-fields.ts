@@ -1,5 +1,6 @@
 /** Part of the form: the framing of a target among the stars, once somebody opens it. */
 
+import { msg } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import type { RequestShape } from "../../../generated/api.js";
 import type { SkyFrame } from "../../../elements/observatory/framing-view.js";
@@ -29,9 +30,9 @@ export function renderFraming(view: FormView, editor: DraftEditor, site: string,
     editor.makePanels(event.detail, described?.rotates === true);
   };
   return html`<fieldset>
-    <legend>Framing</legend>
+    <legend>${msg("Framing")}</legend>
     <details class="wide" ?open=${isOpen} @toggle=${onToggle}>
-      <summary>What the camera shows, and mosaics</summary>
+      <summary>${msg("What the camera shows, and mosaics")}</summary>
       ${isOpen
         ? html`<t-framing-panel
             .site=${site}

@@ -1,6 +1,7 @@
 /** Part of the form: what the camera shows about the target, moved by hand, turned, or as the panels of a mosaic. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { LoadController } from "../../../controllers/load.js";
@@ -110,7 +111,7 @@ export class FramingPanel extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const { anchor, framing } = this;
     const centre = this.heldAt ?? this.centre;
-    if (centre === null || anchor === null || framing === null) return html`<p class="muted">The sky is drawn once the target has coordinates.</p>`;
+    if (centre === null || anchor === null || framing === null) return html`<p class="muted">${msg("The sky is drawn once the target has coordinates.")}</p>`;
     const result = this.sky.result;
     return html`<div class="beside">
       <div>
@@ -125,40 +126,40 @@ export class FramingPanel extends LitElement {
           .name=${this.name}
           @t-frame-moved=${this.onMoved}
         ></t-framing-view>
-        <p class="small muted">Stars of Hipparcos${this.sky.value?.available === false ? "; the hub has no catalogue of nebulae and galaxies" : " and objects of OpenNGC"}. Drag the frame, or move it by the arrow keys.</p>
-        ${result.state === "failed" ? renderAdvice(adviceFor(result.error, "load the stars")) : nothing}
+        <p class="small muted">${this.sky.value?.available === false ? msg("Stars of Hipparcos; the hub has no catalogue of nebulae and galaxies. Drag the frame, or move it by the arrow keys.") : msg("Stars of Hipparcos and objects of OpenNGC. Drag the frame, or move it by the arrow keys.")}</p>
+        ${result.state === "failed" ? renderAdvice(adviceFor(result.error, msg("load the stars"))) : nothing}
       </div>
       <div class="numbers">${this.renderField(framing)} ${this.renderAngle()} ${this.renderPanels(framing, centre)}</div>
     </div>`;
   }
 
   private renderField({ field, problems }: ReadFraming): TemplateResult {
-    if (this.described !== null) return html`<p>The camera shows ${sizeText(this.described)}.</p>`;
-    return html`<p>The site's description does not say how much its camera shows (<code>night.field</code>). ${field === null ? "Write it here to see it:" : ""}</p>
-      ${this.renderNumber("width", "Width (°)", problems)} ${this.renderNumber("height", "Height (°)", problems)}`;
+    if (this.described !== null) return html`<p>${msg(str`The camera shows ${sizeText(this.described)}.`)}</p>`;
+    return html`<p>${field === null ? msg(html`The site's description does not say how much its camera shows (<code>night.field</code>). Write it here to see it:`) : msg(html`The site's description does not say how much its camera shows (<code>night.field</code>). `)}</p>
+      ${this.renderNumber("width", msg("Width (°)"), problems)} ${this.renderNumber("height", msg("Height (°)"), problems)}`;
   }
 
   private renderAngle(): TemplateResult | typeof nothing {
     const { described } = this;
     if (described === null) return nothing;
     const stands = angleText(described.position_angle);
-    if (!described.rotates) return html`<p>Its position angle is ${stands}°, and fixed: no rotator is described.</p>`;
-    return html`<t-field label="Position angle (°)" hint=${`Of the top, from north through east; empty: ${stands}`} .error=${this.angleProblem}
+    if (!described.rotates) return html`<p>${msg(str`Its position angle is ${stands}°, and fixed: no rotator is described.`)}</p>`;
+    return html`<t-field label=${msg("Position angle (°)")} hint=${msg(str`Of the top, from north through east; empty: ${stands}`)} .error=${this.angleProblem}
       ><input name="angle" inputmode="decimal" autocomplete="off" maxlength="10" .value=${settled(this.angle)} @input=${this.onAngle}
     /></t-field>`;
   }
 
   private renderPanels({ mosaic, problems, field }: ReadFraming, centre: SkyPoint): TemplateResult {
-    return html`${this.renderNumber("across", "Panels across", problems)} ${this.renderNumber("down", "Panels down", problems)}
-      ${this.renderNumber("overlap", "Overlap (%)", problems)}
+    return html`${this.renderNumber("across", msg("Panels across"), problems)} ${this.renderNumber("down", msg("Panels down"), problems)}
+      ${this.renderNumber("overlap", msg("Overlap (%)"), problems)}
       <p role="status">${this.words(mosaic, centre)}</p>
       <div class="actions">
-        <t-button kind="quiet" ?disabled=${field === null} @click=${this.onCloser}>Closer</t-button>
-        <t-button kind="quiet" ?disabled=${field === null} @click=${this.onFarther}>Farther</t-button>
+        <t-button kind="quiet" ?disabled=${field === null} @click=${this.onCloser}>${msg("Closer")}</t-button>
+        <t-button kind="quiet" ?disabled=${field === null} @click=${this.onFarther}>${msg("Farther")}</t-button>
         ${mosaic === null || mosaic.panels.length < 2
           ? nothing
-          : html`<t-button ?disabled=${mosaic.panels.length > this.room} @click=${this.onPanels}>Make ${mosaic.panels.length} requests, one for each panel</t-button>`}
-        ${this.made ? html`<t-button kind="quiet" @click=${this.onUndo}>Back to before the panels</t-button>` : nothing}
+          : html`<t-button ?disabled=${mosaic.panels.length > this.room} @click=${this.onPanels}>${msg(str`Make ${mosaic.panels.length} requests, one for each panel`)}</t-button>`}
+        ${this.made ? html`<t-button kind="quiet" @click=${this.onUndo}>${msg("Back to before the panels")}</t-button>` : nothing}
       </div>`;
   }
 
@@ -167,12 +168,12 @@ export class FramingPanel extends LitElement {
   }
 
   private words(mosaic: Mosaic | null, centre: SkyPoint): string {
-    const middle = `In the middle ${placeText(centre)} (J2000).`;
+    const middle = msg(str`In the middle ${placeText(centre)} (J2000).`);
     if (mosaic === null) return middle;
     const many = mosaic.panels.length;
     if (many === 1) return middle;
-    const whole = `${String(many)} panels show ${sizeText(mosaic.size)}: open shutter ${formatDuration(this.shutterS * many)} in all. What they are charged stands below once they are made.`;
-    return `${middle} ${whole}${twistText(mosaic)}${many > this.room ? ` A group has room for ${String(this.room)}.` : ""}`;
+    const whole = msg(str`${String(many)} panels show ${sizeText(mosaic.size)}: open shutter ${formatDuration(this.shutterS * many)} in all. What they are charged stands below once they are made.`);
+    return many > this.room ? msg(str`${middle} ${whole}${twistText(mosaic)} A group has room for ${String(this.room)}.`) : `${middle} ${whole}${twistText(mosaic)}`;
   }
 
   private readonly onMoved = (event: CustomEvent<FrameMove>): void => {
@@ -214,7 +215,7 @@ export class FramingPanel extends LitElement {
 /** Near a pole a camera that does not turn needs its panels closer. */
 function twistText({ twist, scale }: Mosaic): string {
   if (twist < STRAIGHT || scale > 0.995) return "";
-  return ` The camera does not turn with the meridians, which run together here: its panels are turned against each other by up to ${twist.toFixed(0)}°, and stand ${((1 - scale) * 100).toFixed(0)} % closer, so that nothing is left out.`;
+  return msg(str` The camera does not turn with the meridians, which run together here: its panels are turned against each other by up to ${twist.toFixed(0)}°, and stand ${((1 - scale) * 100).toFixed(0)} % closer, so that nothing is left out.`);
 }
 
 declare global {

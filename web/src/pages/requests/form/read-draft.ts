@@ -1,5 +1,6 @@
 /** Reads a form, field by field, into what the hub is asked. Pure. */
 
+import { msg } from "@lit/localize";
 import type { AbilitiesShape, ConstraintsShape, GroupAsk, RequestAsk, RequestShape, WindowShape } from "../../../generated/api.js";
 import { parseMoment } from "../../../format/julian-date.js";
 import { parseDec, parseRa, wrapped } from "../../../format/sexagesimal.js";
@@ -47,7 +48,7 @@ export interface ReadGroup {
 export function readGroup(draft: GroupDraft, reading: DraftReading): ReadGroup {
   const fields = new FieldReader<GroupField>();
   if (draft.proposal === "") fields.problems.set("proposal", "Choose the proposal that pays for it.");
-  const priority = fields.number("priority", draft.priority, [0.001, 1000], "Priority");
+  const priority = fields.number("priority", draft.priority, [0.001, 1000], msg("Priority"));
   if (draft.requests.length === 0) fields.problems.set("requests", "A group has at least one request.");
   const requests = draft.requests.map((request) => readRequest(request, reading));
   const isWhole = fields.problems.size === 0 && requests.every(({ problems }) => problems.size === 0);
@@ -87,8 +88,8 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
     case "body":
       return { type: "SOLAR_SYSTEM", name, body: draft.body };
     case "fixed": {
-      const altitude = fields.number("altitude", draft.altitude, [0, 90], "Altitude in °");
-      const azimuth = fields.number("azimuth", draft.azimuth, [0, 359.999], "Azimuth in °");
+      const altitude = fields.number("altitude", draft.altitude, [0, 90], msg("Altitude in °"));
+      const azimuth = fields.number("azimuth", draft.azimuth, [0, 359.999], msg("Azimuth in °"));
       return fields.problems.has("altitude") || fields.problems.has("azimuth") ? null : { type: "FIXED", name, altitude, azimuth };
     }
     case "stars": {
@@ -96,11 +97,11 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
       if (Number.isNaN(ra)) fields.problems.set("ra", "Find the target by its name, or write 05:34:32 or 83.63° (J2000).");
       if (Number.isNaN(dec)) fields.problems.set("dec", "Write −05:23:28 or −5.39 (°, J2000).");
       const motion = {
-        proper_motion_ra: fields.optional("motionRa", draft.motionRa, [-20_000, 20_000], "Proper motion in mas/year", 0),
-        proper_motion_dec: fields.optional("motionDec", draft.motionDec, [-20_000, 20_000], "Proper motion in mas/year", 0),
-        epoch: fields.optional("epoch", draft.epoch, [1800, 2200], "Epoch, a year", 2000),
+        proper_motion_ra: fields.optional("motionRa", draft.motionRa, [-20_000, 20_000], msg("Proper motion in mas/year"), 0),
+        proper_motion_dec: fields.optional("motionDec", draft.motionDec, [-20_000, 20_000], msg("Proper motion in mas/year"), 0),
+        epoch: fields.optional("epoch", draft.epoch, [1800, 2200], msg("Epoch, a year"), 2000),
       };
-      const angle = fields.optional("angle", draft.angle, [-360, 360], "Position angle in °", null);
+      const angle = fields.optional("angle", draft.angle, [-360, 360], msg("Position angle in °"), null);
       const isRead = (["ra", "dec", "motionRa", "motionDec", "epoch"] as const).every((field) => !fields.problems.has(field));
       // As it was written, where it can be: a remainder has other last digits.
       const turned = angle === null || Number.isNaN(angle) ? {} : { position_angle: angle >= 0 && angle < 360 ? angle : wrapped(angle, 360) };
@@ -110,18 +111,18 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
 }
 
 function readConstraints(draft: RequestDraft, fields: FieldReader<RequestField>, abilities: AbilitiesShape | null): ReadConstraints {
-  const lit = fields.optional("moonLit", draft.moonLit, [0, 100], "Moon lit in %", null);
+  const lit = fields.optional("moonLit", draft.moonLit, [0, 100], msg("Moon lit in %"), null);
   if (abilities?.measures_seeing === false && draft.seeing.trim() !== "") fields.problems.set("seeing", "This site does not measure the seeing: leave it empty.");
   if (abilities?.measures_clouds === false && draft.clouds.trim() !== "") fields.problems.set("clouds", "This site does not measure clouds: leave it empty.");
   return {
-    min_altitude: fields.number("minAltitude", draft.minAltitude, [0, 90], "Lowest altitude in °"),
-    max_airmass: fields.optional("maxAirmass", draft.maxAirmass, [1, 40], "Airmass", 10),
-    min_moon_distance: fields.number("moonDistance", draft.moonDistance, [0, 180], "Distance from the Moon in °"),
+    min_altitude: fields.number("minAltitude", draft.minAltitude, [0, 90], msg("Lowest altitude in °")),
+    max_airmass: fields.optional("maxAirmass", draft.maxAirmass, [1, 40], msg("Airmass"), 10),
+    min_moon_distance: fields.number("moonDistance", draft.moonDistance, [0, 180], msg("Distance from the Moon in °")),
     max_moon_illumination: lit === null ? 1 : lit / 100,
-    max_sun_altitude: fields.number("sunAltitude", draft.sunAltitude, [-90, 0], "Sun in °"),
-    max_hour_angle: fields.optional("hourAngle", draft.hourAngle, [0.01, 12], "Hour angle in h", null),
-    max_seeing: fields.optional("seeing", draft.seeing, [0.1, 60], "Seeing in ″", null),
-    max_clouds: fields.optional("clouds", draft.clouds, [0, 100], "Clouds in %", null),
+    max_sun_altitude: fields.number("sunAltitude", draft.sunAltitude, [-90, 0], msg("Sun in °")),
+    max_hour_angle: fields.optional("hourAngle", draft.hourAngle, [0.01, 12], msg("Hour angle in h"), null),
+    max_seeing: fields.optional("seeing", draft.seeing, [0.1, 60], msg("Seeing in ″"), null),
+    max_clouds: fields.optional("clouds", draft.clouds, [0, 100], msg("Clouds in %"), null),
     phase: readPhase(draft, fields),
   };
 }
@@ -129,11 +130,11 @@ function readConstraints(draft: RequestDraft, fields: FieldReader<RequestField>,
 function readPhase(draft: RequestDraft, fields: FieldReader<RequestField>): ReadConstraints["phase"] {
   const { phasePeriod, phaseEpoch, phaseStart, phaseEnd } = draft;
   if ([phasePeriod, phaseEpoch, phaseStart, phaseEnd].every((text) => text.trim() === "")) return null;
-  const period = fields.number("phasePeriod", phasePeriod, [0.000_01, LONGEST_PERIOD_S / DAY_S], "Period in days") * DAY_S;
+  const period = fields.number("phasePeriod", phasePeriod, [0.000_01, LONGEST_PERIOD_S / DAY_S], msg("Period in days")) * DAY_S;
   const epoch = parseMoment(phaseEpoch);
   if (Number.isNaN(epoch)) fields.problems.set("phaseEpoch", "Write JD 2460000.5 or 2026-12-04 21:30 (UTC).");
-  const start = fields.number("phaseStart", phaseStart, [0, 1], "Phase");
-  const end = fields.number("phaseEnd", phaseEnd, [0, 1], "Phase");
+  const start = fields.number("phaseStart", phaseStart, [0, 1], msg("Phase"));
+  const end = fields.number("phaseEnd", phaseEnd, [0, 1], msg("Phase"));
   return { epoch_us: sinceEpoch(epoch, period * 1e6), period_s: period, start, end };
 }
 
@@ -155,5 +156,5 @@ function checkWindows(windows: readonly WindowShape[], { problems }: FieldReader
   });
   const last = windows.reduce((latest, { end_us: end }) => Math.max(latest, end), 0);
   // Of several some may be over.
-  if (last > 0 && last <= nowUs) problems.set(rowField("end", windows.findIndex(({ end_us: end }) => end === last)), windows.length > 1 ? "All windows are over." : "This window is over.");
+  if (last > 0 && last <= nowUs) problems.set(rowField("end", windows.findIndex(({ end_us: end }) => end === last)), windows.length > 1 ? msg("All windows are over.") : msg("This window is over."));
 }

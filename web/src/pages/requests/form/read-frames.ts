@@ -1,5 +1,6 @@
 /** Reads the frames of a request, by what its site can do. Pure. */
 
+import { msg } from "@lit/localize";
 import type { AbilitiesShape, ConfigurationShape, SettingRangeShape } from "../../../generated/api.js";
 import { IMAGE_WORDS, rowField, type FramesDraft, type RequestDraft, type RequestField } from "./draft.js";
 import type { FieldReader, NumberRange } from "./field-reader.js";
@@ -20,11 +21,11 @@ function readRow(row: FramesDraft, i: number, fields: FieldReader<RequestField>,
   return {
     type: row.type,
     filter: row.filter.trim(),
-    exposure: fields.number(rowField("exposure", i), row.exposure, within(light, [0, 86_400]), "Exposure in s"),
-    count: fields.whole(rowField("count", i), row.count, [1, 10_000], "Frames"),
-    binning: fields.whole(rowField("binning", i), row.binning, within(abilities?.binning ?? null, [1, 16]), "Binning"),
-    gain: fields.optional(rowField("gain", i), row.gain, within(abilities?.gain ?? null, [-1e6, 1e6]), "Gain", null),
-    dither: fields.number(rowField("dither", i), row.dither, [0, 600], "Dither in ″"),
+    exposure: fields.number(rowField("exposure", i), row.exposure, within(light, [0, 86_400]), msg("Exposure in s")),
+    count: fields.whole(rowField("count", i), row.count, [1, 10_000], msg("Frames")),
+    binning: fields.whole(rowField("binning", i), row.binning, within(abilities?.binning ?? null, [1, 16]), msg("Binning")),
+    gain: fields.optional(rowField("gain", i), row.gain, within(abilities?.gain ?? null, [-1e6, 1e6]), msg("Gain"), null),
+    dither: fields.number(rowField("dither", i), row.dither, [0, 600], msg("Dither in ″")),
     guiding: row.guiding,
   };
 }

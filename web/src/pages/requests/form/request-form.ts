@@ -1,6 +1,7 @@
 /** A request group as a form: read while it is typed, with what is wrong, how long it lasts and when it may be observed. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { ActionController } from "../../../controllers/action.js";
@@ -10,6 +11,7 @@ import { renderAdvice } from "../../../elements/feedback/load-state.js";
 import { forms } from "../../../elements/forms/form-style.js";
 import { sheets } from "../../../elements/layout/page-sections.js";
 import { formatDuration } from "../../../format/duration.js";
+import { plural } from "../../../format/plural.js";
 import type { AbilitiesShape, GroupShape, ProposalShape } from "../../../generated/api.js";
 import type { GeoPlace } from "../../../sky/coordinates.js";
 import { targetPlace } from "../../../sky/target-place.js";
@@ -106,12 +108,12 @@ export class RequestForm extends LitElement {
       ${renderPurpose(view)} ${renderRequestList(view, editor)} ${renderTarget(view, this.finder)} ${renderAdvice(this.finder.problem)}
       ${renderFraming(view, editor, this.site, this.framed, this.onFraming)}
       ${renderFrames(view, editor)} ${renderConstraints(view)} ${renderWindows(view, editor, cadence)} ${this.renderOutlook(read, readRequest)}
-      <p>Open shutter ${formatDuration(read.shutterS)}. ${read.asked === null ? this.quotaText(draft.proposal) : ""}</p>
+      <p>${msg(str`Open shutter ${formatDuration(read.shutterS)}.`)} ${read.asked === null ? this.quotaText(draft.proposal) : ""}</p>
       ${tried && read.asked === null ? html`<p role="alert">${problemText(read)}</p>` : nothing} ${renderAdvice(this.action.problem)}
       <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.action.runningKey === "draft"}>Keep as a draft</t-button>
-        ${this.isNew ? html`<t-button ?busy=${this.action.runningKey === "submit"} @click=${this.onSubmitNow}>Submit at once</t-button>` : nothing}
-        <t-button @click=${this.onCancel}>Cancel</t-button>
+        <t-button type="submit" kind="primary" ?busy=${this.action.runningKey === "draft"}>${msg("Keep as a draft")}</t-button>
+        ${this.isNew ? html`<t-button ?busy=${this.action.runningKey === "submit"} @click=${this.onSubmitNow}>${msg("Submit at once")}</t-button>` : nothing}
+        <t-button @click=${this.onCancel}>${msg("Cancel")}</t-button>
       </div>
     </form>`;
   }
@@ -122,9 +124,9 @@ export class RequestForm extends LitElement {
 
   private heading(): string {
     const { group } = this;
-    if (group === null) return "New request";
+    if (group === null) return msg("New request");
     const name = group.name === "" ? group.id : group.name;
-    return this.again ? `Ask again like ${name}` : `Change request ${name}`;
+    return this.again ? msg(str`Ask again like ${name}`) : msg(str`Change request ${name}`);
   }
 
   private renderOutlook(read: ReadGroup, { target, constraints, windows }: ReadRequest): TemplateResult {
@@ -133,7 +135,7 @@ export class RequestForm extends LitElement {
     const known = windows.filter(({ start_us: start, end_us: end }) => !Number.isNaN(start + end));
     const names = this.editor.draft.requests.map(requestTitle);
     return html`<section aria-labelledby="when">
-      <h3 id="when">When it may be observed, and what it is charged</h3>
+      <h3 id="when">${msg("When it may be observed, and what it is charged")}</h3>
       ${isDrawnHere ? html`<t-visibility-chart .target=${target} .constraints=${constraints} .windows=${known} .place=${this.place} .zone=${this.zone}></t-visibility-chart>` : nothing}
       <t-request-outlook .site=${this.site} .asked=${read.asked} .names=${names} .at=${this.editor.at} .zone=${this.zone} ?curve=${!isDrawnHere}></t-request-outlook>
     </section>`;
@@ -143,7 +145,7 @@ export class RequestForm extends LitElement {
     const found = this.proposals.find(({ id }) => id === proposal);
     if (found === undefined) return "";
     const left = Math.max(0, found.hours_allocated * 3600 - found.used_s - found.promised_s);
-    return `The proposal has ${formatDuration(left)} left of ${String(found.hours_allocated)} h.`;
+    return msg(str`The proposal has ${formatDuration(left)} left of ${String(found.hours_allocated)} h.`);
   }
 
   private readAll(): ReadGroup {
@@ -182,7 +184,7 @@ export class RequestForm extends LitElement {
     const changed = this.isNew ? null : this.group;
     const saved: GroupShape[] = [];
     await this.action.run(
-      draft ? "keep the draft" : "take the request",
+      draft ? msg("keep the draft") : msg("take the request"),
       async () => {
         saved.push(changed === null ? await api.addGroup({ ...asked, draft }) : await api.replaceGroup(changed.id, { ...asked, draft: true }));
       },
@@ -200,9 +202,9 @@ export class RequestForm extends LitElement {
 /** What is wrong, of all requests: the first few in words. */
 function problemText(read: ReadGroup): string {
   const own = [...read.problems.values()];
-  const others = read.requests.flatMap(({ problems }, i) => [...problems.values()].map((text) => (read.requests.length > 1 ? `Request ${String(i + 1)}: ${text}` : text)));
+  const others = read.requests.flatMap(({ problems }, i) => [...problems.values()].map((text) => (read.requests.length > 1 ? msg(str`Request ${String(i + 1)}: ${text}`) : text)));
   const all = [...own, ...others];
-  return `${all.length === 1 ? "One field needs" : `${String(all.length)} fields need`} another look: ${all.slice(0, 3).join(" ")}`;
+  return plural(all.length, msg(str`One field needs another look: ${all.slice(0, 3).join(" ")}`), msg(str`${String(all.length)} fields need another look: ${all.slice(0, 3).join(" ")}`));
 }
 
 declare global {

@@ -1,5 +1,6 @@
 /** Looks a target's name up among the hub's catalogue, stars and the Moon, for the form. */
 
+import { msg, str } from "@lit/localize";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { ActionController } from "../../../controllers/action.js";
 import type { Advice } from "../../../format/error-advice.js";
@@ -68,14 +69,14 @@ export class TargetFinder implements ReactiveController {
   readonly find = (): void => {
     const name = this.nameOf().trim();
     if (name === "") {
-      this.text = "Write a name first.";
+      this.text = msg("Write a name first.");
       this.host.requestUpdate();
       return;
     }
-    void this.action.run("search the catalogue", async () => {
+    void this.action.run(msg("search the catalogue"), async () => {
       this.found = [...ownTargets(name), ...(await this.search(name)).map(catalogueTarget)];
       const [first] = this.found;
-      if (first === undefined) this.text = `Nothing goes by the name ${name}: write its coordinates.`;
+      if (first === undefined) this.text = msg(str`Nothing goes by the name ${name}: write its coordinates.`);
       else this.choose(first);
     });
   };

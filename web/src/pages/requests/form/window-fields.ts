@@ -1,8 +1,10 @@
 /** Part of the form: when a request may be observed, once or again and again. */
 
+import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { map } from "lit/directives/map.js";
 import { settled } from "../../../elements/base/stable-field.js";
+import { plural } from "../../../format/plural.js";
 import { timeText, zoneName } from "../../../format/time.js";
 import { rowField } from "./draft.js";
 import type { CadenceDraft, CadenceField, ReadCadence } from "./cadence.js";
@@ -22,7 +24,7 @@ export function renderWindows(view: FormView, { addWindow, removeWindow }: Windo
   const utc = (us: number | undefined): string => (us === undefined || Number.isNaN(us) ? "" : timeText(us, "UTC", nowUs).utc);
   const wrong = view.readRequest.problems.get("windows");
   return html`<fieldset>
-    <legend>${windows.length === 1 ? "Window" : "Windows: in one of them it is observed"}</legend>
+    <legend>${plural(windows.length, msg("Window"), msg("Windows: in one of them it is observed"))}</legend>
     ${map(windows, (window, i) => {
       const read = view.readRequest.windows[i];
       const field = (name: "start" | "end", label: string, us: number | undefined): TemplateResult =>
@@ -30,13 +32,13 @@ export function renderWindows(view: FormView, { addWindow, removeWindow }: Windo
       const remove = (): void => {
         removeWindow(i);
       };
-      return html`<div class="window" role="group" aria-label=${`Window ${String(i + 1)}`}>
-        ${field("start", "From", read?.start_us)} ${field("end", "To", read?.end_us)}
-        <t-button kind="quiet" label=${`Remove window ${String(i + 1)}`} ?disabled=${windows.length === 1} @click=${remove}>Remove</t-button>
+      return html`<div class="window" role="group" aria-label=${msg(str`Window ${String(i + 1)}`)}>
+        ${field("start", msg("From"), read?.start_us)} ${field("end", msg("To"), read?.end_us)}
+        <t-button kind="quiet" label=${msg(str`Remove window ${String(i + 1)}`)} ?disabled=${windows.length === 1} @click=${remove}>${msg("Remove")}</t-button>
       </div>`;
     })}
     ${wrong === undefined ? nothing : html`<p class="wide wrong" role="alert">${wrong}</p>`}
-    <div class="actions wide"><t-button @click=${addWindow}>Add a window</t-button></div>
+    <div class="actions wide"><t-button @click=${addWindow}>${msg("Add a window")}</t-button></div>
     ${cadence}
   </fieldset>`;
 }
@@ -47,16 +49,16 @@ export function renderCadence(view: FormView, draft: CadenceDraft, read: ReadCad
   const field = (name: CadenceField, label: string, control: TemplateResult, hint: string): TemplateResult =>
     html`<t-field .label=${label} .hint=${hint} .error=${tried ? (read.problems.get(name) ?? "") : ""}>${control}</t-field>`;
   return html`<details class="wide">
-    <summary>Again and again (cadence)</summary>
+    <summary>${msg("Again and again (cadence)")}</summary>
     <div class="inner">
-      ${field("first", `First visit about (${zone})`, html`<input name="cadence.first" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(draft.first)} />`, "The middle of its window")}
-      ${field("every", "Hours between visits", numberInput("cadence.every", draft.every), "24: each night")}
-      ${field("within", "Hours earlier or later", numberInput("cadence.within", draft.within), "How far each visit may be off")}
-      ${field("visits", "Visits", numberInput("cadence.visits", draft.visits), "Each is charged")}
+      ${field("first", msg(str`First visit about (${zone})`), html`<input name="cadence.first" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(draft.first)} />`, msg("The middle of its window"))}
+      ${field("every", msg("Hours between visits"), numberInput("cadence.every", draft.every), msg("24: each night"))}
+      ${field("within", msg("Hours earlier or later"), numberInput("cadence.within", draft.within), msg("How far each visit may be off"))}
+      ${field("visits", msg("Visits"), numberInput("cadence.visits", draft.visits), msg("Each is charged"))}
     </div>
     <div class="actions">
-      <t-button @click=${act}>${read.windows.length === 0 ? "Make a request of each visit" : `Make ${String(read.windows.length)} requests`}</t-button>
-      ${read.windows.length === 0 ? nothing : html`<span class="muted small">From this one, each with its own window; the last about ${timeText(read.windows.at(-1)?.start_us ?? 0, view.zone, 0).local}.</span>`}
+      <t-button @click=${act}>${read.windows.length === 0 ? msg("Make a request of each visit") : msg(str`Make ${String(read.windows.length)} requests`)}</t-button>
+      ${read.windows.length === 0 ? nothing : html`<span class="muted small">${msg(str`From this one, each with its own window; the last about ${timeText(read.windows.at(-1)?.start_us ?? 0, view.zone, 0).local}.`)}</span>`}
     </div>
   </details>`;
 }
