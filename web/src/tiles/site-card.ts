@@ -182,7 +182,7 @@ export class SiteCard extends LitElement {
           ${countText(row.devices, "device")}, ${countText(row.signals, "signal")}${staleness(row)} ·
           ${row.online
             ? html`${msg(str`online for ${since}`)}`
-            : html`${msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}`}
+            : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}
         </p>
         ${row.online ? renderGlance(row, troubleAt(this.alarms.store, row.site)) : nothing}
       </header>

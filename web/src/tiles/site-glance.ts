@@ -18,7 +18,7 @@ export function renderGlance(row: SiteSummary, { bad, warn }: { readonly bad: nu
     row.battery === null ? nothing : html`<span class=${row.battery < LOW_BATTERY ? "warn" : ""}>${msg(str`battery ${formatNumber(row.battery, 0)} %`)}</span>`,
     row.driver === "" ? nothing : html`${msg(str`driven by ${row.driver}`)}`,
     row.moving && row.latitude !== null && row.longitude !== null ? html`<a href=${`/map?site=${encodeURIComponent(row.site)}`}>${placeText(row.latitude, row.longitude)}</a>` : nothing,
-    row.online || row.last_seen_us === 0 ? nothing : html`${msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}`,
+    row.online || row.last_seen_us === 0 ? nothing : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`),
   ].filter((part) => part !== nothing);
   return html`<p class="facts">${parts.length === 0 ? msg("No alarm") : parts.map((part, i) => html`${i === 0 ? nothing : " · "}${part}`)}</p>
     ${row.tags.length === 0 ? nothing : html`<p class="facts">${row.tags.map((tag) => `#${tag}`).join(" ")}</p>`}`;

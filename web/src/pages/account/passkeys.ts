@@ -70,7 +70,7 @@ export class AccountPasskeys extends LitElement {
         <div class="facts">
           <span>${msg(str`for ${row.host}`)}</span>
           <span>${msg(html`since <t-time .us=${row.created_us} .zone=${zone}></t-time>`)}</span>
-          <span>${row.used_us === 0 ? msg("not used yet") : html`${msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}`}</span>
+          <span>${row.used_us === 0 ? msg("not used yet") : msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}</span>
         </div>
       </div>
       <div class="actions">

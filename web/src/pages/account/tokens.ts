@@ -76,7 +76,7 @@ export class AccountTokens extends LitElement {
   private renderShown(): TemplateResult {
     return renderShownOnce(
       { label: msg("Token"), secret: this.made, done: msg("I have kept it"), onDone: this.closeSecret },
-      html`${msg(html`<strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.`)}`,
+      msg(html`<strong>The token is made. It is not shown again:</strong> put it where your script reads it, and nowhere else.`),
       html`<p class="muted">${msg(html`A script sends it with each request as <code>Authorization: Bearer …</code>`)}</p>`,
     );
   }

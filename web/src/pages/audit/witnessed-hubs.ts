@@ -82,7 +82,7 @@ export class WitnessedHubs extends LitElement {
   private renderShown(): TemplateResult {
     return renderShownOnce(
       { label: msg("Token"), secret: this.made, done: msg("I have kept it"), onDone: this.closeSecret },
-      html`${msg(html`<strong>The token is not shown again.</strong> Put it into a file on the other hub's machine, and name that file in its <code>--audit-hub</code> settings. It leaves heads here and opens nothing.`)}`,
+      msg(html`<strong>The token is not shown again.</strong> Put it into a file on the other hub's machine, and name that file in its <code>--audit-hub</code> settings. It leaves heads here and opens nothing.`),
     );
   }
 

@@ -107,8 +107,8 @@ export class ClientProtocol extends LitElement {
 /** What the file says by which the hub was started. */
 function aboutFile(row: ClientProtocolShape): TemplateResult {
   return row.protocol === "alpaca"
-    ? html`${msg(html`The hub answers at the address that the file of <code>talaia hub --alpaca</code> names. Alpaca has no sign-in: whoever reaches that address reads what the file's token may see.`)}`
-    : html`${msg(html`The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.`)}`;
+    ? msg(html`The hub answers at the address that the file of <code>talaia hub --alpaca</code> names. Alpaca has no sign-in: whoever reaches that address reads what the file's token may see.`)
+    : msg(html`The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.`);
 }
 
 /** How one broker stands; who has lost it looks here first. */

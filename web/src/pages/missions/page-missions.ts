@@ -154,7 +154,7 @@ export class PageMissions extends LitElement {
       <div>
         <h3>${mission.name}</h3>
         ${mission.note === "" ? nothing : html`<p>${mission.note}</p>`}
-        <p class="quiet">${plural(mission.steps.length, msg("1 step"), msg(str`${String(mission.steps.length)} steps`))}, ${scheduleText(mission.schedule)}${mission.schedule === null ? "" : msg(str`, with the rights of ${row.owner}`)}${row.due_us > 0 ? html`${msg(html`; next <t-time short .us=${row.due_us} .zone=${this.zone}></t-time>`)}` : nothing}</p>
+        <p class="quiet">${plural(mission.steps.length, msg("1 step"), msg(str`${String(mission.steps.length)} steps`))}, ${scheduleText(mission.schedule)}${mission.schedule === null ? "" : msg(str`, with the rights of ${row.owner}`)}${row.due_us > 0 ? msg(html`; next <t-time short .us=${row.due_us} .zone=${this.zone}></t-time>`) : nothing}</p>
         ${row.problem === "" ? nothing : html`<p class="hindrance">${msg(str`Cannot begin now: ${row.problem}.`)}</p>`}
       </div>
       <div class="actions">

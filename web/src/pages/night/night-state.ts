@@ -110,8 +110,8 @@ export class NightStatePanel extends LitElement {
 
   private renderArmed(night: NightStateShape): unknown {
     if (night.phase === "disarmed") return this.mayArm ? nothing : html`<p class="muted">${msg("Your role may not arm it.")}</p>`;
-    const until = night.armed_until_us === 0 ? msg("until somebody disarms it") : html`${msg(html`until <t-time .us=${night.armed_until_us} .zone=${this.zone}></t-time>`)}`;
-    return html`<p class="muted">${msg(html`Armed ${night.armed_by === "" ? nothing : html`${msg(html`by <strong>${night.armed_by}</strong>`)}`}, ${until}.`)}</p>`;
+    const until = night.armed_until_us === 0 ? msg("until somebody disarms it") : msg(html`until <t-time .us=${night.armed_until_us} .zone=${this.zone}></t-time>`);
+    return html`<p class="muted">${msg(html`Armed ${night.armed_by === "" ? nothing : msg(html`by <strong>${night.armed_by}</strong>`)}, ${until}.`)}</p>`;
   }
 
   private renderBlock({ step, request, frames_done: done, frames }: NightStateShape): TemplateResult {

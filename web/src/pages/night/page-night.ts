@@ -249,7 +249,7 @@ export class PageNight extends LitElement {
           <p class="muted">
             ${plan === null
               ? msg("No plan yet: the gateway makes one once it has requests.")
-              : html`${msg(html`Planned at <t-time .us=${plan.made_us} .zone=${this.zone}></t-time>${boundText(plan.value, plan.bound)}`)}`}
+              : msg(html`Planned at <t-time .us=${plan.made_us} .zone=${this.zone}></t-time>${boundText(plan.value, plan.bound)}`)}
           </p>
         </div>
       </div>

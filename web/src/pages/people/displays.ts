@@ -104,7 +104,7 @@ export class DisplaySection extends LitElement {
     const secret = `${location.origin}/display#${this.made}`;
     return renderShownOnce(
       { label: msg("Address"), secret, done: msg("I have opened it"), onDone: this.closeSecret },
-      html`${msg(html`<strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps it from then on. Whoever has the address can look, too.`)}`,
+      msg(html`<strong>The display is made. Its address is not shown again:</strong> open it once in the screen's browser, which keeps it from then on. Whoever has the address can look, too.`),
     );
   }
 

@@ -128,7 +128,7 @@ export class PageRecordings extends LitElement {
     const { result } = this.known;
     return html`${renderPageHead(
         msg("Recordings"),
-        html`${msg(html`Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick and <code>ros2 bag</code>, and films of its cameras, which play beside the history.`)}`,
+        msg(html`Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick and <code>ros2 bag</code>, and films of its cameras, which play beside the history.`),
         html`<a href=${sitePath(this.site, "history")}>${msg("History")}</a>`,
       )}
       ${renderAdvice(this.action.problem)}

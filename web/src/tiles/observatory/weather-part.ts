@@ -151,7 +151,7 @@ export class WeatherPart extends DevicePart {
     const until = word === "wait" ? msg(str` Released in ${formatDuration(Math.ceil(clears / 1000))} if it stays so.`) : "";
     return html`<p>${why}${until}</p>
       <p class="note">
-        ${rule === "" ? (word === "safe" ? msg("All its rules agree.") : nothing) : html`${msg(html`Decided by the rule <strong>${rule}</strong>.`)}`}
+        ${rule === "" ? (word === "safe" ? msg("All its rules agree.") : nothing) : msg(html`Decided by the rule <strong>${rule}</strong>.`)}
         ${since_us === 0 ? nothing : html` ${msg(html`Since <t-time short .us=${since_us} .zone=${this.detail?.zone ?? "UTC"}></t-time>.`)}`}
       </p>`;
   }
