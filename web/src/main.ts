@@ -1,1 +1,5 @@
-import "./pages/shell/app.js";
+/** The language first: the pages have words in constants, too. */
+
+import { startLanguage } from "./state/language.js";
+
+void startLanguage().then(() => import("./pages/shell/app.js"));

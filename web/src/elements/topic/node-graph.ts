@@ -134,7 +134,7 @@ export class NodeGraph extends LitElement {
     const drawing = drawGraph(this.nodes, around === "all" ? "" : around, this.plumbing);
     const name = around.replace(/^\w+ /, "");
     return html`<div class="tools">
-        <input type="search" aria-label=${msg("Search nodes and topics")} placeholder="Search" .value=${this.words} @input=${this.onSearch} />
+        <input type="search" aria-label=${msg("Search nodes and topics")} placeholder=${msg("Search")} .value=${this.words} @input=${this.onSearch} />
         <label><input type="checkbox" .checked=${this.plumbing} @change=${this.onPlumbing} /> ${msg("Logs and clocks, too")}</label>
         ${around === "" || around === "all" ? nothing : html`<t-button kind="quiet" @click=${this.showAll}>${msg("Show all")}</t-button>`}
       </div>

@@ -11,6 +11,7 @@ import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
 import { sessionContext } from "../../state/contexts.js";
 import type { Me } from "../../generated/api.js";
 import "../../elements/feedback/status.js";
+import "../../elements/forms/language-choice.js";
 import "./factors.js";
 import "./provider.js";
 import "./change-password.js";
@@ -34,6 +35,11 @@ export class PageAccount extends LitElement {
       ${person.password ? html`<t-account-password class="sheet" .name=${person.name}></t-account-password>` : nothing}
       <t-account-provider class="sheet" ?only=${!person.password}></t-account-provider>
       ${seesOnlyPublic(person) ? nothing : html`<t-account-rules class="sheet"></t-account-rules>`}
+      <section class="sheet">
+        <h2>${msg("Language")}</h2>
+        <p class="muted">${msg("Of the pages in this browser. Names, and what devices and the hub say, stay as they were written.")}</p>
+        <div class="fields"><t-language-choice></t-language-choice></div>
+      </section>
       <t-account-units class="sheet"></t-account-units>
       <t-account-sessions class="sheet"></t-account-sessions>
       <t-account-tokens class="sheet" .person=${person}></t-account-tokens>

@@ -158,7 +158,7 @@ export class PageLive extends LitElement {
       <input
         type="search"
         aria-label=${msg("Filter signals")}
-        placeholder="Filter"
+        placeholder=${msg("Filter")}
         .value=${this.filter}
         @input=${this.onFilterInput}
       />

@@ -10,6 +10,7 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
+import { allWords } from "../../state/language.js";
 import { ADMIN_PAGES, localPath, type PageName } from "../../state/router.js";
 import type { NightList, SiteShape, SiteSummary } from "../../generated/api.js";
 import { ArchiveApi } from "../../wire/archive-api.js";
@@ -31,6 +32,9 @@ import "./session-warning.js";
 import "./storage-warning.js";
 
 const WIDE_PAGES: readonly PageName[] = ["drive", "night"];
+
+/** Pages whose words come with the frame; see FIRST_PAGES of vite.config.ts. */
+const WITH_FIRST_WORDS: readonly PageName[] = ["login", "home"];
 
 @customElement("t-shell")
 export class Shell extends LitElement {
@@ -278,6 +282,7 @@ export class Shell extends LitElement {
     this.shown = key;
     const entry = PAGES[route.page];
     try {
+      if (!WITH_FIRST_WORDS.includes(route.page)) await allWords();
       await entry.load();
     } catch {
       if (this.shown === key) this.broken = true;

@@ -9,6 +9,7 @@ import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
 import { routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
+import "../../elements/forms/language-choice.js";
 import "./sign-in-form.js";
 
 @customElement("t-page-sign-in")
@@ -35,6 +36,7 @@ export class PageSignIn extends LitElement {
         <h1>Talaia</h1>
         <p class="muted">${msg("The control room for your robots")}</p>
       </t-sign-in-form>
+      <t-language-choice></t-language-choice>
     </div>`;
   }
 

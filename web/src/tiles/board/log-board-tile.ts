@@ -144,7 +144,7 @@ export class LogBoardTile extends LitElement {
     const lines = this.kept.shownWith(live, this.node);
     return html`<div class="tools">
         <select aria-label=${msg("From level")} @change=${this.onLevel}>${renderOptions(LOG_LEVELS.map(([value, word]) => [String(value), word] as const), String(level))}</select>
-        <input type="search" aria-label=${msg("Search the log")} placeholder="Search" .value=${this.words} @input=${this.onSearch} />
+        <input type="search" aria-label=${msg("Search the log")} placeholder=${msg("Search")} .value=${this.words} @input=${this.onSearch} />
         ${renderTopicStatus(facts)}
       </div>
       ${IN_ORDER.includes(stands) || this.kept.size > 0 ? html`<p>${this.summary(lines.length)}</p>` : html`<div>${renderTopicTrouble(facts)}</div>`}

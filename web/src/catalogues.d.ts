@@ -1,0 +1,7 @@
+/** The catalogues of `locales/`, as `catalogue/plugin.mjs` gives them. */
+declare module "virtual:catalogues" {
+  interface Words {
+    readonly templates: Readonly<Record<string, import("@lit/localize").LocaleModule["templates"][string]>>;
+  }
+  export const catalogues: Readonly<Record<string, { readonly first: () => Promise<Words>; readonly rest: () => Promise<Words> }>>;
+}
