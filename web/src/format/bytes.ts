@@ -1,5 +1,7 @@
 /** Sizes of files and disks. */
 
+import { fixedText } from "./number.js";
+
 const NAMES = ["B", "kB", "MB", "GB", "TB", "PB"] as const;
 const STEP = 1000;
 
@@ -14,5 +16,5 @@ export function formatBytes(bytes: number): string {
     name += 1;
   }
   const digits = name === 0 || size >= 99.95 ? 0 : size >= 9.995 ? 1 : 2;
-  return `${size.toFixed(digits)}\u202f${NAMES[name] ?? ""}`;
+  return `${fixedText(size, digits)}\u202f${NAMES[name] ?? ""}`;
 }

@@ -6,6 +6,6 @@ import { msg } from "@lit/localize";
 export function formatChance(chance: number): string {
   if (!Number.isFinite(chance)) return "–";
   if (chance <= 0) return msg("none");
-  if (chance < 0.01) return "below 1\u00a0%";
-  return chance > 0.99 ? "over\u00a099\u00a0%" : `${(chance * 100).toFixed(0)}\u00a0%`;
+  if (chance < 0.01) return msg("below 1\u00a0%");
+  return chance > 0.99 ? msg("over\u00a099\u00a0%") : `${(chance * 100).toFixed(0)}\u00a0%`;
 }

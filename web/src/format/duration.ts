@@ -1,6 +1,7 @@
 /** How long, and how long ago. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "./number.js";
 
 const MINUTE = 60;
 const HOUR = 3600;
@@ -29,9 +30,9 @@ export function formatAge(seconds: number): string {
 /** Milliseconds with digits that make sense: `8.4 ms`, `120 ms`, `1.2 s`. */
 export function formatMs(ms: number): string {
   if (!Number.isFinite(ms)) return "–";
-  if (ms < 10) return `${ms.toFixed(1)}\u202fms`;
+  if (ms < 10) return `${fixedText(ms, 1)}\u202fms`;
   if (ms < 1000) return `${ms.toFixed(0)}\u202fms`;
-  return `${(ms / 1000).toFixed(1)}\u202fs`;
+  return `${fixedText(ms / 1000, 1)}\u202fs`;
 }
 
 /** Whole milliseconds, for a number that only shall not worry anybody: `1 ms`, `120 ms`, `1.2 s`. */

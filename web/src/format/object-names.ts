@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { formatDuration } from "./duration.js";
+import { fixedText } from "./number.js";
 
 /** What a class means to who looks: it has a colour of its own, and always its name beside. */
 export type ObjectKind = "person" | "animal" | "vehicle" | "thing";
@@ -64,7 +65,7 @@ export function storyFacts(story: SightingStory | null | undefined): string[] {
       if (many > 0) facts.push(msg(str`crossed ${line} to the ${side}${many > 1 ? ` ${timesText(many)}` : ""}`));
     }
   }
-  if (story.speed !== null) facts.push(`${story.speed.toFixed(1)}\u202fm/s`);
+  if (story.speed !== null) facts.push(`${fixedText(story.speed, 1)}\u202fm/s`);
   return facts;
 }
 

@@ -1,25 +1,23 @@
 /** One of two texts by a number, as the language has it. */
 
-import { intlLocale } from "./locale.js";
+import { shownLanguage } from "./locale.js";
 
-/** Between the forms of a translated text, for languages that have more than one and many. */
+/** Between the forms of a translated text. */
 const BETWEEN = "||";
-
-let rules: Intl.PluralRules | null = null;
+const ORDER = ["zero", "one", "two", "few", "many", "other"] as const;
 
 /**
- * The text for a number: `one` where the language writes it as it writes one, else `other`.
+ * The text for a number: `one` for exactly 1, else `other`.
  *
- * A translation of `other` may have several forms with `||` between them, in the order few, many,
- * other; a language that has not all three has as many forms as it has of these.
+ * A translation of `other` may have several forms with `||` between them: one for each kind of
+ * number that its language tells apart, in the order zero, one, two, few, many, other, as far as
+ * it has them. Russian has four, French three; one form alone is for all numbers.
  */
 export function plural<T>(many: number, one: T, other: T): T {
-  rules ??= new Intl.PluralRules(intlLocale());
-  const kind = rules.select(many);
-  if (kind === "one") return one;
+  if (many === 1) return one;
   if (typeof other !== "string" || !other.includes(BETWEEN)) return other;
   const forms = other.split(BETWEEN);
-  const kinds = rules.resolvedOptions().pluralCategories;
-  const own = (["two", "few", "many", "other"] as const).filter((each) => kinds.includes(each));
-  return (forms[own.indexOf(kind as (typeof own)[number])] ?? forms.at(-1) ?? other) as T;
+  const rules = new Intl.PluralRules(shownLanguage());
+  const own = ORDER.filter((kind) => rules.resolvedOptions().pluralCategories.includes(kind));
+  return (forms[own.indexOf(rules.select(many))] ?? forms.at(-1) ?? other) as T;
 }

@@ -1,6 +1,7 @@
 /** Places in the sky as people write and read them. Pure. */
 
 import { msg } from "@lit/localize";
+import { fixedText } from "./number.js";
 
 const twoDigits = (value: number): string => String(value).padStart(2, "0");
 
@@ -41,7 +42,7 @@ function withColons(parts: number, decimals: number): string {
 /** An azimuth with the wind's letters: `275.2° W`. */
 export function formatAzimuth(degrees: number, decimals = 1): string {
   if (!Number.isFinite(degrees)) return "–";
-  return `${wrapped(degrees, 360).toFixed(decimals)}° ${windOf(degrees)}`;
+  return `${fixedText(wrapped(degrees, 360), decimals)}° ${windOf(degrees)}`;
 }
 
 const WINDS = ["N", msg("NE"), "E", msg("SE"), "S", msg("SW"), "W", msg("NW")] as const;

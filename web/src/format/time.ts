@@ -1,5 +1,7 @@
 /** Moments in a site's own time zone, with UTC beside it. */
 
+import { intlLocale } from "./locale.js";
+
 export interface TimeText {
   /** `14:05:09`, or with the date before it when it is another day than `today`. */
   readonly local: string;
@@ -18,7 +20,7 @@ function formatterOf(zone: string, options: Intl.DateTimeFormatOptions): Intl.Da
   const key = `${zone} ${JSON.stringify(options)}`;
   let made = formats.get(key);
   if (made === undefined) {
-    made = new Intl.DateTimeFormat("en-GB", { timeZone: knownZone(zone), ...options });
+    made = new Intl.DateTimeFormat(intlLocale(), { timeZone: knownZone(zone), ...options });
     formats.set(key, made);
   }
   return made;

@@ -11,11 +11,11 @@ const SUNSET = -0.833;
 
 /** From brightest to darkest; the Sun is lower than these (°). */
 export const DARKNESS = [
-  { id: "day", from: 90, name: "day" },
+  { id: "day", from: 90, name: msg("day") },
   { id: "civil", from: SUNSET, name: msg("civil twilight") },
   { id: "nautical", from: -6, name: msg("nautical twilight") },
   { id: "astronomical", from: -12, name: msg("astronomical twilight") },
-  { id: "night", from: -18, name: "night" },
+  { id: "night", from: -18, name: msg("night") },
 ] as const;
 export type Darkness = (typeof DARKNESS)[number]["id"];
 

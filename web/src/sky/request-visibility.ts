@@ -1,6 +1,7 @@
 /** When a request's constraints hold in a night, why they do not otherwise, and which night is better. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "../format/number.js";
 import { separation, toHorizontal, type Equatorial, type GeoPlace, type Horizontal } from "./coordinates.js";
 import { momentsBetween, spansWhere, type SkySpan } from "./night-sky.js";
 import { noonBefore } from "./night-visibility.js";
@@ -159,7 +160,7 @@ function vetoText(found: RequestVisibility, limits: SkyConstraints): string {
         ? msg(str`Never above ${altitude}° in the dark of this night: ${found.best.toFixed(0)}° at the most.`)
         : msg(str`Above ${altitude}° only while something else forbids it.`);
     case "airmass":
-      return msg(str`Its airmass is never below ${limits.max_airmass.toFixed(1)} in the dark of this night: ${airmassOf(found.best).toFixed(1)} at the least.`);
+      return msg(str`Its airmass is never below ${fixedText(limits.max_airmass, 1)} in the dark of this night: ${fixedText(airmassOf(found.best), 1)} at the least.`);
     case "moon_distance":
       return msg(str`The Moon is nearer than ${limits.min_moon_distance.toFixed(0)}° while it is high enough.`);
     case "moon_illumination":

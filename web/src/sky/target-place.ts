@@ -1,6 +1,7 @@
 /** Where a request's target stands. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "../format/number.js";
 import type { RequestShape } from "../generated/api.js";
 import { precessedFromJ2000 } from "./coordinates.js";
 import type { SkyPlace } from "./request-visibility.js";
@@ -37,10 +38,10 @@ export function targetText(target: RequestShape["target"]): string {
   if (target.name !== undefined && target.name !== "") return target.name;
   switch (target.type) {
     case "FIXED":
-      return msg(str`altitude ${target.altitude.toFixed(1)}°, azimuth ${target.azimuth.toFixed(1)}°`);
+      return msg(str`altitude ${fixedText(target.altitude, 1)}°, azimuth ${fixedText(target.azimuth, 1)}°`);
     case "SOLAR_SYSTEM":
       return target.body.charAt(0).toUpperCase() + target.body.slice(1);
     case "ICRS":
-      return msg(str`${(target.ra / 15).toFixed(4)} h ${target.dec.toFixed(3)}°`);
+      return msg(str`${fixedText(target.ra / 15, 4)} h ${fixedText(target.dec, 3)}°`);
   }
 }

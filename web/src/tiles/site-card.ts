@@ -7,6 +7,7 @@ import { ContextStoreController } from "../controllers/context-store.js";
 import { TickerController } from "../controllers/ticker.js";
 import { base, quietText } from "../elements/base/base-style.js";
 import { formatDuration } from "../format/duration.js";
+import { plural } from "../format/plural.js";
 import { alarmsContext, sitesContext } from "../state/contexts.js";
 import { sitePath } from "../state/router.js";
 import type { SignalShape, SiteShape, SiteSummary } from "../generated/api.js";
@@ -179,7 +180,7 @@ export class SiteCard extends LitElement {
           <t-status kind=${row.online ? "online" : "offline"}></t-status>
         </div>
         <p class="facts">
-          ${countText(row.devices, "device")}, ${countText(row.signals, "signal")}${staleness(row)} ·
+          ${plural(row.devices, msg("1 device"), msg(str`${String(row.devices)} devices`))}, ${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}${staleness(row)} ·
           ${row.online
             ? html`${msg(str`online for ${since}`)}`
             : msg(html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`)}
@@ -261,10 +262,6 @@ export class SiteCard extends LitElement {
 
 function staleness(row: SiteSummary): string {
   return row.online && row.stale > 0 ? msg(str`, ${String(row.stale)} of them stale`) : "";
-}
-
-function countText(number: number, noun: string): string {
-  return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
 }
 
 declare global {

@@ -3,6 +3,7 @@
 import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { formatNumber } from "../format/number.js";
+import { plural } from "../format/plural.js";
 import type { SiteSummary } from "../generated/api.js";
 import "../elements/values/time.js";
 
@@ -12,8 +13,8 @@ const LOW_BATTERY = 20;
 /** `bad` and `warn` count alarms that nobody has settled. Classes `facts`, `bad` and `warn` are the caller's. */
 export function renderGlance(row: SiteSummary, { bad, warn }: { readonly bad: number; readonly warn: number }): TemplateResult {
   const parts = [
-    bad > 0 ? html`<span class="bad">${counted(bad, msg("critical alarm"))}</span>` : nothing,
-    warn > 0 ? html`<span class="warn">${counted(warn, "warning")}</span>` : nothing,
+    bad > 0 ? html`<span class="bad">${plural(bad, msg("1 critical alarm"), msg(str`${String(bad)} critical alarms`))}</span>` : nothing,
+    warn > 0 ? html`<span class="warn">${plural(warn, msg("1 warning"), msg(str`${String(warn)} warnings`))}</span>` : nothing,
     row.state === "" ? nothing : row.state,
     row.battery === null ? nothing : html`<span class=${row.battery < LOW_BATTERY ? "warn" : ""}>${msg(str`battery ${formatNumber(row.battery, 0)} %`)}</span>`,
     row.driver === "" ? nothing : html`${msg(str`driven by ${row.driver}`)}`,
@@ -28,8 +29,4 @@ export function renderGlance(row: SiteSummary, { bad, warn }: { readonly bad: nu
 export function placeText(latitude: number, longitude: number): string {
   const part = (value: number, plus: string, minus: string): string => `${formatNumber(Math.abs(value), 5)}° ${value < 0 ? minus : plus}`;
   return `${part(latitude, "N", "S")}, ${part(longitude, "E", "W")}`;
-}
-
-function counted(number: number, noun: string): string {
-  return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
 }

@@ -1,6 +1,7 @@
 /** A message of a raw topic as the hub gives it, a tree of plain values; see `TopicMessage.tree`. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { countedText } from "../format/number.js";
 import { plural } from "../format/plural.js";
 
 /** A long array: its first entries, and how many there are. */
@@ -72,10 +73,10 @@ export function valueNote(value: unknown): string {
   if (Array.isArray(value) || isCutArray(value)) {
     const { entries, left } = listOf(value);
     const count = entries.length + left;
-    const whole = plural(count, msg(str`${count.toLocaleString("en")} entry`), msg(str`${count.toLocaleString("en")} entries`));
+    const whole = plural(count, msg(str`${countedText(count)} entry`), msg(str`${countedText(count)} entries`));
     return left > 0 && entries.length > 0 ? msg(str`${whole}, the first ${String(entries.length)} shown`) : whole;
   }
-  if (isCutText(value)) return msg(str`${value.$of.toLocaleString("en")} bytes`);
+  if (isCutText(value)) return msg(str`${countedText(value.$of)} bytes`);
   const us = stampUs(value);
   return us === null ? "" : new Date(us / 1000).toISOString().replace("T", " ").replace("Z", " UTC");
 }

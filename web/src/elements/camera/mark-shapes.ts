@@ -1,6 +1,7 @@
 /** Where zones, lines and paths of a picture lie in the view, and what is said at them: pure sums. */
 
 import { msg, str } from "@lit/localize";
+import { roundText } from "../../format/number.js";
 import { countText } from "../../format/object-names.js";
 import { formatDuration } from "../../format/duration.js";
 import { placeOf, type PixelSize } from "./picture-fit.js";
@@ -71,7 +72,7 @@ const PERCENT: Readonly<Record<string, string>> = { share: "", ahead: "ahead ", 
 /** @param value - what a signal tells at its mark; null for one that tells nothing now (stale, or not yet) */
 export function markCount(measure: string, label: string, value: number | null): string {
   if (measure === "dwell") return value === null ? msg("longest –") : msg(str`longest ${formatDuration(value)}`);
-  if (measure === "nearest") return value === null ? msg("nearest –") : msg(str`nearest ${String(Number(value.toPrecision(2)))}`);
+  if (measure === "nearest") return value === null ? msg("nearest –") : msg(str`nearest ${roundText(value, 2)}`);
   const percent = PERCENT[measure];
   if (percent !== undefined) return `${label} ${percent}${value === null ? "\u2013" : `${String(Math.round(value))}\u00a0%`}`;
   const many = value === null ? null : Math.round(value);

@@ -1,6 +1,7 @@
 /** What a model tells of a picture, as it is drawn over it and said in words: pure sums. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "../../format/number.js";
 import type { PictureModelShape } from "../../generated/api.js";
 import type { OverlayLayer } from "../../generated/wire.js";
 
@@ -104,7 +105,7 @@ export function percentText(share: number): string {
 }
 
 function metresText(metres: number): string {
-  return `${metres < 10 ? metres.toFixed(1) : String(Math.round(metres))}\u00a0m`;
+  return `${metres < 10 ? fixedText(metres, 1) : String(Math.round(metres))}\u00a0m`;
 }
 
 /** What a layer says, one fact a piece: `floor 42 %`, `2 persons`, `near 0.8 m`. */

@@ -3,6 +3,7 @@
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { fixedText } from "../../format/number.js";
 import { base, quietText } from "../base/base-style.js";
 import type { ButtonKind } from "../forms/button.js";
 import "../forms/button.js";
@@ -137,7 +138,7 @@ export class LeaseLine extends LitElement {
     const word = this.stopped ? msg("In control, but STOP is on") : msg("You have control");
     return html`<span class="who">
         <t-status kind=${this.stopped ? "warn" : "ok"} .word=${word}></t-status>
-        <span class="remains" title=${msg("Renewed every second while this page is seen")}>${msg(str`lease ${(this.remains / 1000).toFixed(1)}\u202fs`)}</span>
+        <span class="remains" title=${msg("Renewed every second while this page is seen")}>${msg(str`lease ${fixedText(this.remains / 1000, 1)}\u202fs`)}</span>
       </span>`;
   }
 

@@ -1,5 +1,6 @@
 /** Draws grid, trail and vehicle on the map's canvas. No Leaflet here: it is told where things are. */
 
+import { fixedText } from "../../format/number.js";
 import { formatLength, isBreak, niceLength, type TrackPoint } from "./track.js";
 
 export interface Pose {
@@ -115,7 +116,7 @@ function paintAxes(pen: Pen, sight: MapView, colours: Colours): void {
 
 function paintLabels(pen: Pen, sight: MapView, step: number, colours: Colours, font: string): void {
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const labelText = (value: number): string => (Math.abs(value) < step / 2 ? "0" : value.toFixed(digits).replace("-", "\u2212"));
+  const labelText = (value: number): string => (Math.abs(value) < step / 2 ? "0" : fixedText(value, digits).replace("-", "\u2212"));
   pen.font = font;
   pen.fillStyle = colours.text;
   pen.strokeStyle = colours.surface;

@@ -4,6 +4,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { fixedText } from "../../format/number.js";
 import type { SkyFieldShape } from "../../generated/api.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { radians } from "../../sky/coordinates.js";
@@ -155,7 +156,7 @@ export class FramingView extends LitElement {
       const at = this.drawnAt({ raDeg, decDeg });
       if (at === null) return [];
       const size = Math.min(3.6, 0.7 + 0.42 * Math.max(0, faintest - magnitude));
-      return [svg`<circle class="star" cx=${at.x} cy=${at.y} r=${size.toFixed(2)}><title>${msg(str`${magnitude.toFixed(1)} mag`)}</title></circle>`];
+      return [svg`<circle class="star" cx=${at.x} cy=${at.y} r=${size.toFixed(2)}><title>${msg(str`${fixedText(magnitude, 1)} mag`)}</title></circle>`];
     });
   }
 

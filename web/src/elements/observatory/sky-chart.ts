@@ -279,7 +279,7 @@ export class SkyChart extends LitElement {
     };
     const scope = this.telescope === null ? msg("Where the telescope looks is not known. ") : positionText(msg("Telescope"), this.telescope);
     const target = this.target === null ? "" : positionText(msg(str`Target ${this.target.name}`), this.target);
-    const lit = `${(moonPhase(this.ms).lit * 100).toFixed(0)} % lit`;
+    const lit = msg(str`${(moonPhase(this.ms).lit * 100).toFixed(0)} % lit`);
     const limit = this.limit > 0 ? msg(str`It may not look below ${this.limit.toFixed(0)}°.`) : "";
     const up = this.planned.filter(({ alt }) => alt >= 0);
     const planned = up.length === 0 ? "" : msg(str`Planned and up now: ${up.map(({ name }) => name).join(", ")}. `);

@@ -9,6 +9,7 @@ import { LoadController } from "../../controllers/load.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { formatAge } from "../../format/duration.js";
 import { StoreController } from "../../controllers/store-controller.js";
+import { fixedText } from "../../format/number.js";
 import type { TopicShape, TopicTable } from "../../generated/api.js";
 import type { CloudColour } from "../../scene/cloud.js";
 import type { FrameRow } from "../../scene/frame-tree.js";
@@ -200,7 +201,7 @@ export class SceneElement extends LitElement {
     const { preview, past } = this;
     if (past !== null && this.unrecorded) return html`<div class="note"><t-unrecorded .past=${past} zone=${this.zone}></t-unrecorded></div>`;
     if (!this.online && past === null) return html`<p class="note old" role="status">${msg("The robot's gateway is not connected: this is what came last.")}</p>`;
-    if (preview !== null && "from" in preview) return html`<p class="note" role="status">${lengthOf(preview).toFixed(2)} m</p>`;
+    if (preview !== null && "from" in preview) return html`<p class="note" role="status">${fixedText(lengthOf(preview), 2)} m</p>`;
     if (this.tool === "measure") return html`<p class="note">${msg("Drag from one place on the floor to another.")}</p>`;
     if (this.tool !== "") return html`<p class="note">${msg("Press where, and drag to where it is to look. It is sent only when you say so below.")}</p>`;
     const age = this.robotAge();

@@ -1,6 +1,7 @@
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { roundText } from "../../format/number.js";
 import { base, quietText } from "../base/base-style.js";
 
 /** How many pixels have which value: bars of equal width, their heights as a logarithm. */
@@ -54,7 +55,7 @@ export class Histogram extends LitElement {
 }
 
 function round(value: number): string {
-  return Number.isNaN(value) ? "–" : String(Number(value.toPrecision(5)));
+  return Number.isNaN(value) ? "–" : roundText(value, 5);
 }
 
 declare global {

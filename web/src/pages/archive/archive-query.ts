@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { queryTexts, textsQuery } from "../../format/filter-query.js";
+import { fixedText } from "../../format/number.js";
 import type { FrameShape } from "../../generated/api.js";
 import { formatDec, formatRa, parseDec, parseRa, wrapped, writeRa } from "../../format/sexagesimal.js";
 
@@ -84,17 +85,17 @@ export function skyPlace(raDeg: number, decDeg: number): string {
 /** A size as people read it. */
 export function formatFileSize(bytes: number): string {
   if (bytes < 1e6) return `${(bytes / 1e3).toFixed(0)} kB`;
-  return bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(2)} GB`;
+  return bytes < 1e9 ? `${fixedText(bytes / 1e6, 1)} MB` : `${fixedText(bytes / 1e9, 2)} GB`;
 }
 
 /** How good a picture is, as rows of name and value; what is not known is left out. */
 export function qualityRows(frame: FrameShape): [string, string][] {
   if (!frame.measured) return [[msg("Quality"), msg("not measured")]];
   const rows: [string, string | null][] = [
-    [msg("Width of stars"), frame.fwhm === null ? null : `${frame.fwhm.toFixed(2)}″`],
+    [msg("Width of stars"), frame.fwhm === null ? null : `${fixedText(frame.fwhm, 2)}″`],
     [msg("Stars"), frame.stars === null ? null : String(frame.stars)],
     [msg("Sky"), frame.background === null ? null : msg(str`${frame.background.toFixed(0)} counts`)],
-    [msg("Zero point"), frame.zero_point === null ? null : msg(str`${frame.zero_point.toFixed(2)} mag`)],
+    [msg("Zero point"), frame.zero_point === null ? null : msg(str`${fixedText(frame.zero_point, 2)} mag`)],
     [msg("Plate"), frame.solved ? "solved" : frame.note === "" ? null : msg(str`not solved: ${frame.note}`)],
   ];
   return rows.filter((row): row is [string, string] => row[1] !== null);

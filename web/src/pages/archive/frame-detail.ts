@@ -8,6 +8,7 @@ import { map } from "lit/directives/map.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { roundText } from "../../format/number.js";
 import { apiContext } from "../../state/contexts.js";
 import { ArchiveApi, filePath } from "../../wire/archive-api.js";
 import type { FrameDetail, FrameShape } from "../../generated/api.js";
@@ -138,7 +139,7 @@ export class FrameDetailSheet extends LitElement {
     const rows: [string, unknown][] = [
       [msg("Taken"), html`<t-time .us=${frame.time_us} .zone=${this.zone}></t-time>`],
       [msg("Night of"), frame.night],
-      [msg("Exposure"), frame.exposure_s === null ? "–" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`],
+      [msg("Exposure"), frame.exposure_s === null ? "–" : `${roundText(frame.exposure_s, 4)} s`],
       [msg("Frame"), frame.kind],
       [msg("Filter"), frame.filter || "–"],
       [msg("Place (J2000)"), frame.ra_deg === null || frame.dec_deg === null ? "–" : skyPlace(frame.ra_deg, frame.dec_deg)],

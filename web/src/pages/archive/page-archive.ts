@@ -14,6 +14,7 @@ import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
+import { fixedText, roundText } from "../../format/number.js";
 import { plural } from "../../format/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
@@ -186,7 +187,7 @@ export class PageArchive extends LitElement {
   }
 
   private renderCard(frame: FrameShape): TemplateResult {
-    const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(3)))} s`;
+    const exposure = frame.exposure_s === null ? "" : `${roundText(frame.exposure_s, 3)} s`;
     return html`<li>
       <a href=${this.pathOf(frame.id)}>
         <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", SMALL_PX)} />
@@ -197,7 +198,7 @@ export class PageArchive extends LitElement {
         ${frame.stars === null
           ? nothing
           : html`<span class="muted small">
-              ${[msg(str`${String(frame.stars)} stars`), frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.solved ? "solved" : ""].filter(Boolean).join(" · ")}
+              ${[msg(str`${String(frame.stars)} stars`), frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.solved ? msg("solved") : ""].filter(Boolean).join(" · ")}
             </span>`}
         <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone()}></t-time></span>
         ${frame.ra_deg === null || frame.dec_deg === null

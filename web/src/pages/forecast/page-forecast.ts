@@ -18,6 +18,8 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatChance } from "../../format/chance.js";
 import { formatDuration } from "../../format/duration.js";
+import { intlLocale } from "../../format/locale.js";
+import { fixedText } from "../../format/number.js";
 import { PHASE_WORDS } from "../../format/observing-words.js";
 import { plural } from "../../format/plural.js";
 import { formatDate } from "../../format/time.js";
@@ -216,8 +218,8 @@ export class PageForecast extends LitElement {
                 { title: msg("Proposal"), heads: true, cell: ({ id, title }) => html`<strong>${marks.get(id)?.letter ?? ""}</strong> ${title === "" ? id : title}` },
                 { title: msg("Due"), name: "number", titled: true, cell: ({ due }) => percent(due) },
                 { title: msg("Gets"), name: "number", titled: true, cell: ({ got }) => percent(got) },
-                { title: msg("In the mean"), name: "number", titled: true, cell: ({ expectedS }) => `${(expectedS / 3600).toFixed(1)} h` },
-                { title: msg("Has left"), name: "number", titled: true, cell: ({ leftS, hours }) => msg(str`${(leftS / 3600).toFixed(1)} of ${hours.toFixed(0)} h`) },
+                { title: msg("In the mean"), name: "number", titled: true, cell: ({ expectedS }) => `${fixedText(expectedS / 3600, 1)} h` },
+                { title: msg("Has left"), name: "number", titled: true, cell: ({ leftS, hours }) => msg(str`${fixedText(leftS / 3600, 1)} of ${hours.toFixed(0)} h`) },
               ],
             })}
           </div>`}
@@ -279,7 +281,7 @@ export class PageForecast extends LitElement {
   }
 
   private dayName({ start_us: start }: WeekNightShape): string {
-    return new Intl.DateTimeFormat("en-GB", { weekday: "short", day: "numeric", timeZone: this.zone }).format(start / 1000);
+    return new Intl.DateTimeFormat(intlLocale(), { weekday: "short", day: "numeric", timeZone: this.zone }).format(start / 1000);
   }
 
   private get zone(): string {

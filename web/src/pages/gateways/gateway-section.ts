@@ -114,7 +114,7 @@ export class GatewaySection extends LitElement {
         ${msg("Its key was copied, or a machine was forgotten. Nothing is taken from the one that waits, and STOP reaches both. If you know neither, revoke the key and enrol the robot anew.")}
       </p>
       <div class="actions">
-        <t-button ?busy=${this.action.runningKey === "keep the one that is linked"} @click=${this.keepLinked}
+        <t-button ?busy=${this.action.runningKey === msg("keep the one that is linked")} @click=${this.keepLinked}
           >${msg("Keep the one that is linked")}</t-button
         >
         <t-button @click=${this.replacing.opener(row)}>${msg("Let the other take over…")}</t-button>
@@ -139,7 +139,7 @@ export class GatewaySection extends LitElement {
 
   private renderActions(row: GatewayShape, done: string): TemplateResult {
     return html`<div class="actions">
-        <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === "close the link"} @click=${this.reconnectGateway}
+        <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === msg("close the link")} @click=${this.reconnectGateway}
           >${msg("Reconnect it")}</t-button
         >
         <t-button @click=${this.revoking.opener(row)}>${msg("Revoke…")}</t-button>

@@ -90,7 +90,7 @@ export class ReleaseListView extends LitElement {
         <h3>${msg(str`Release ${rollout.version}`)}</h3>
         <t-button
           ?hidden=${!rollout.runs || rollout.stopped !== ""}
-          ?busy=${this.action.runningKey === "stop it"}
+          ?busy=${this.action.runningKey === "stop"}
           @click=${this.stopRollout}
           >${msg("Stop it")}</t-button
         >
@@ -224,7 +224,7 @@ export class ReleaseListView extends LitElement {
 
   private readonly stopRollout = (): void => {
     void this.action
-      .run(msg("stop it"), () => new AdminApi(this.api).stopRollout(), "", msg("stop it"))
+      .run(msg("stop it"), () => new AdminApi(this.api).stopRollout(), "", "stop")
       .then(() => {
         this.dispatchEvent(new CustomEvent("t-changed"));
       });

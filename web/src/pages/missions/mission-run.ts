@@ -6,6 +6,7 @@ import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
+import { fixedText } from "../../format/number.js";
 import type { MissionRunShape, RunActAsk } from "../../generated/api.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -125,7 +126,7 @@ export class MissionRunView extends LitElement {
 }
 
 function spanText(beganUs: number, endedUs: number): string {
-  return beganUs > 0 && endedUs > 0 ? ` (${((endedUs - beganUs) / 1e6).toFixed(1)} s)` : "";
+  return beganUs > 0 && endedUs > 0 ? ` (${fixedText((endedUs - beganUs) / 1e6, 1)} s)` : "";
 }
 
 declare global {

@@ -19,6 +19,7 @@ import { renderRows } from "../../elements/layout/rows.js";
 import { BLOCK_WORDS, pauseText } from "../../elements/observatory/plan-timeline.js";
 import type { PlannedAim } from "../../elements/observatory/sky-chart.js";
 import { formatDuration } from "../../format/duration.js";
+import { fixedText, roundText } from "../../format/number.js";
 import type { EventList, FrameList, FrameShape, SiteNightShape, ProposalList, RequestDetail, RequestList, SiteShape } from "../../generated/api.js";
 import { nightWindow, proposalMarks, type NightBlock, type ProposalMark } from "../../series/plan-layout.js";
 import { nextMorning, nightSky, type SkySpan } from "../../sky/night-sky.js";
@@ -295,7 +296,7 @@ export class PageNight extends LitElement {
                   { title: msg("Proposal"), heads: true, cell: ({ id, title }) => html`<strong>${marks.get(id)?.letter ?? ""}</strong> ${title === "" ? id : title}` },
                   { title: msg("Due"), name: "number", titled: true, cell: ({ due }) => percent(due) },
                   { title: msg("Got"), name: "number", titled: true, cell: ({ got }) => percent(got) },
-                  { title: msg("Used"), name: "number", titled: true, cell: ({ usedS, hours }) => msg(str`${(usedS / 3600).toFixed(1)} of ${hours.toFixed(0)} h`) },
+                  { title: msg("Used"), name: "number", titled: true, cell: ({ usedS, hours }) => msg(str`${fixedText(usedS / 3600, 1)} of ${hours.toFixed(0)} h`) },
                 ],
               })}
             </div>`,
@@ -344,7 +345,7 @@ export class PageNight extends LitElement {
                   <a href=${`${sitePath(this.site, "archive")}?frame=${encodeURIComponent(frame.id)}`}>
                     <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", 320)} />
                     <span class="name">${frame.target === "" ? frame.kind || msg("No target named") : frame.target}</span>
-                    <span class="small">${[frame.filter, frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(3)))} s`].filter(Boolean).join(" · ")}</span>
+                    <span class="small">${[frame.filter, frame.exposure_s === null ? "" : `${roundText(frame.exposure_s, 3)} s`].filter(Boolean).join(" · ")}</span>
                     <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone}></t-time></span>
                   </a>
                 </li>`,

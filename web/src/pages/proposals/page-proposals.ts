@@ -14,6 +14,7 @@ import { renderLoaded } from "../../elements/feedback/load-state.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRowSheet } from "../../elements/layout/rows.js";
+import { fixedText } from "../../format/number.js";
 import type { ProposalAsk, ProposalList, ProposalShape } from "../../generated/api.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -102,7 +103,7 @@ export class PageProposals extends LitElement {
         <div class="facts">
           <t-status kind=${active ? "ok" : "unknown"} word=${active ? msg("active") : msg("ended")}></t-status>
           <span>${msg(str`share ${(share * 100).toFixed(0)} %`)}</span>
-          <span>${msg(str`${(used / 3600).toFixed(1)} h used, ${(promised / 3600).toFixed(1)} h asked for, of ${hours} h`)}</span>
+          <span>${msg(str`${fixedText(used / 3600, 1)} h used, ${fixedText(promised / 3600, 1)} h asked for, of ${hours} h`)}</span>
           ${map(facts.filter(Boolean), (fact) => html`<span>${fact}</span>`)}
         </div>
         ${used > 0 ? html`<a download=${`${id}.tar`} href=${proposalPicturesPath(this.site, id)}>${msg("Download its pictures")}</a>` : nothing}

@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { formatMoment } from "../../format/julian-date.js";
+import { roundText } from "../../format/number.js";
 import type { ConstraintsShape } from "../../generated/api.js";
 
 const DAY_S = 86_400;
@@ -15,13 +16,13 @@ export function constraintsText(constraints: ConstraintsShape): string {
     msg(str`Sun below ${String(sun).replace("-", "−")}°`),
     airmass < 10 ? msg(str`airmass below ${String(airmass)}`) : "",
     moon > 0 ? msg(str`${String(moon)}° from the Moon`) : "",
-    lit < 1 ? msg(str`Moon lit less than ${String(Number((lit * 100).toPrecision(6)))} %`) : "",
+    lit < 1 ? msg(str`Moon lit less than ${roundText(lit * 100, 6)} %`) : "",
     hours == null ? "" : msg(str`within ${String(hours)} h of the meridian`),
     seeing == null ? "" : msg(str`seeing below ${String(seeing)}″`),
     clouds == null ? "" : msg(str`clouds below ${String(clouds)} %`),
     phase == null
       ? ""
-      : msg(str`phase ${String(phase.start)} to ${String(phase.end)} of ${String(Number((phase.period_s / DAY_S).toPrecision(9)))} days from ${formatMoment(phase.epoch_us)}`),
+      : msg(str`phase ${String(phase.start)} to ${String(phase.end)} of ${roundText(phase.period_s / DAY_S, 9)} days from ${formatMoment(phase.epoch_us)}`),
   ];
   return parts.filter(Boolean).join(", ");
 }

@@ -1,6 +1,7 @@
 /** A file of requests that another program wrote: whose it is, and what is said of what was read. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { plural } from "../../format/plural.js";
 import type { FileKind, GroupAsk, ImportAnswer } from "../../generated/api.js";
 
 export const FILE_KINDS = ["csv", "lco", "nina", "ekos"] as const satisfies readonly FileKind[];
@@ -25,8 +26,8 @@ export function guessKind(name: string, text: string): FileKind {
 /** What was read, in a sentence. */
 export function readText({ groups, problems }: ImportAnswer): string {
   const requests = groups.reduce((sum, group) => sum + group.requests.length, 0);
-  const found = requests === 0 ? msg("No request could be read") : msg(str`${counted(requests, "request")} in ${counted(groups.length, "group")}`);
-  return problems.length === 0 ? `${found}.` : msg(str`${found}; ${counted(problems.length, "part")} could not be read and would be left out.`);
+  const found = requests === 0 ? msg("No request could be read") : msg(str`${plural(requests, msg("1 request"), msg(str`${String(requests)} requests`))} in ${plural(groups.length, msg("1 group"), msg(str`${String(groups.length)} groups`))}`);
+  return problems.length === 0 ? `${found}.` : msg(str`${found}; ${plural(problems.length, msg("1 part"), msg(str`${String(problems.length)} parts`))} could not be read and would be left out.`);
 }
 
 /** What a group is called in a list: its name, or its first targets. */
@@ -39,8 +40,4 @@ export function groupTitle({ name, requests }: GroupAsk, most = 4): string {
 /** Open shutter of a group (s). */
 export function shutterOf({ requests }: GroupAsk): number {
   return requests.reduce((sum, { configurations }) => sum + configurations.reduce((part, { exposure, count = 1 }) => part + exposure * count, 0), 0);
-}
-
-export function counted(number: number, word: string): string {
-  return `${String(number)} ${word}${number === 1 ? "" : "s"}`;
 }

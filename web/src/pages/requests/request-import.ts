@@ -14,13 +14,14 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formatDuration } from "../../format/duration.js";
+import { plural } from "../../format/plural.js";
 import { zoneName } from "../../format/time.js";
 import type { FileKind, GroupAsk, ImportAnswer, ImportAsk, ProposalShape } from "../../generated/api.js";
 import { clockOf, DAY_US } from "../../series/zone-clock.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi } from "../../wire/observing-api.js";
-import { counted, FILE_KIND_WORDS, FILE_KINDS, groupTitle, guessKind, MOST_CHARACTERS, readText, shutterOf } from "./import-file.js";
+import { FILE_KIND_WORDS, FILE_KINDS, groupTitle, guessKind, MOST_CHARACTERS, readText, shutterOf } from "./import-file.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
@@ -129,7 +130,7 @@ export class RequestImport extends LitElement {
     const groups = this.readyGroups();
     const left = groups.length - this.kept;
     return html`<div class="actions">
-      <t-button type="submit" kind="primary" ?disabled=${left === 0} ?busy=${this.action.busy}>${left === 0 ? msg("Keep as drafts") : msg(str`Keep as ${counted(left, "draft")}`)}</t-button>
+      <t-button type="submit" kind="primary" ?disabled=${left === 0} ?busy=${this.action.busy}>${left === 0 ? msg("Keep as drafts") : msg(str`Keep as ${plural(left, msg("1 draft"), msg(str`${String(left)} drafts`))}`)}</t-button>
       <t-button @click=${this.onCancel}>${this.kept > 0 ? msg("Close") : msg("Cancel")}</t-button>
       ${this.kept > 0 ? html`<span role="status">${msg(str`${this.kept} of ${groups.length} are kept.`)}</span>` : nothing}
     </div>`;
@@ -245,7 +246,7 @@ function renderGroup(group: GroupAsk): TemplateResult {
   return html`<li>
     <div>
       <span class="name">${groupTitle(group)}</span>
-      <div class="facts"><span>${counted(group.requests.length, "request")}</span><span>${msg(str`open shutter ${formatDuration(shutterOf(group))}`)}</span></div>
+      <div class="facts"><span>${plural(group.requests.length, msg("1 request"), msg(str`${String(group.requests.length)} requests`))}</span><span>${msg(str`open shutter ${formatDuration(shutterOf(group))}`)}</span></div>
     </div>
   </li>`;
 }

@@ -8,6 +8,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
 import { base, panelBox, plainList } from "../../elements/base/base-style.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
+import { fixedText } from "../../format/number.js";
 import type { FrameList, FrameShape } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -78,7 +79,7 @@ export class RequestPictures extends LitElement {
   }
 
   private renderPicture(frame: FrameShape): TemplateResult {
-    const quality = [frame.filter, frame.fwhm === null ? "" : `${frame.fwhm.toFixed(1)}″`, frame.stars === null ? "" : msg(str`${String(frame.stars)} stars`)];
+    const quality = [frame.filter, frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.stars === null ? "" : msg(str`${String(frame.stars)} stars`)];
     return html`<li>
       <a href=${`${sitePath(this.site, "archive")}?frame=${frame.id}`}>
         <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", SMALL_PX)} />

@@ -11,6 +11,7 @@ import { OpenSubject } from "../../controllers/open-subject.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { plural } from "../../format/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { DeviceSummary, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -127,7 +128,7 @@ export class PageRoles extends LitElement {
     const roles = this.drafts.filter(isChanged).length;
     return html`<section class="bar" aria-label=${msg("Unsaved changes")}>
       <div class="head">
-        <h2>${msg(str`${countText(changes.length, "change")} in ${countText(roles, "role")}, not saved yet`)}</h2>
+        <h2>${msg(str`${plural(changes.length, msg("1 change"), msg(str`${String(changes.length)} changes`))} in ${plural(roles, msg("1 role"), msg(str`${String(roles)} roles`))}, not saved yet`)}</h2>
         <div class="actions">
           <t-button ?disabled=${this.action.busy} @click=${this.discardChanges}>${msg("Undo all")}</t-button>
           <t-button kind="primary" ?busy=${this.action.busy} @click=${this.saveChanges}>${msg("Save")}</t-button>
@@ -192,10 +193,6 @@ export class PageRoles extends LitElement {
     this.dialog.close();
     this.given.invalidate();
   };
-}
-
-function countText(number: number, noun: string): string {
-  return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
 }
 
 declare global {

@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { formatBytes } from "../../format/bytes.js";
+import { fixedText } from "../../format/number.js";
 import { plural } from "../../format/plural.js";
 import { formatDate } from "../../format/time.js";
 import type { OutlookShape, StorageShape } from "../../generated/api.js";
@@ -11,7 +12,7 @@ const LONG_DAYS = 730;
 
 /** `12 days`, `3.1 years`. */
 export function durationText(days: number): string {
-  if (days >= LONG_DAYS) return msg(str`${(days / YEAR_DAYS).toFixed(1)} years`);
+  if (days >= LONG_DAYS) return msg(str`${fixedText(days / YEAR_DAYS, 1)} years`);
   if (days < 2) return msg(str`${String(Math.max(1, Math.round(days * 24)))} hours`);
   return msg(str`${String(Math.round(days))} days`);
 }

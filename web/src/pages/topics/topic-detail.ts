@@ -12,6 +12,7 @@ import { control } from "../../elements/forms/input-style.js";
 import type { FieldChoice } from "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { formatBytes } from "../../format/bytes.js";
+import { countedText } from "../../format/number.js";
 import { plural } from "../../format/plural.js";
 import type { TopicMessage } from "../../generated/wire.js";
 import { sessionContext } from "../../state/contexts.js";
@@ -209,7 +210,7 @@ export class TopicDetail extends LitElement {
     const shown = this.held ?? (message === null ? null : { message, tree });
     if (shown === null || INSTEAD.includes(how)) return nothing;
     const newer = this.held === null || message === null ? 0 : Math.max(0, message.seq - this.held.message.seq);
-    return html`${this.held === null ? nothing : html`<p class="muted" role="status">${newer === 0 ? msg("Paused. Nothing newer has come.") : plural(newer, msg(str`Paused. ${newer.toLocaleString("en")} newer message has come.`), msg(str`Paused. ${newer.toLocaleString("en")} newer messages have come.`))}</p>`}
+    return html`${this.held === null ? nothing : html`<p class="muted" role="status">${newer === 0 ? msg("Paused. Nothing newer has come.") : plural(newer, msg(str`Paused. ${countedText(newer)} newer message has come.`), msg(str`Paused. ${countedText(newer)} newer messages have come.`))}</p>`}
       <t-field-plot .traces=${this.plots.traces} .nowMs=${performance.now()} @t-plot=${this.onPlot}></t-field-plot>
       <t-message-tree class=${how === "live" && this.held === null ? "" : "old"} .value=${shown.tree} search=${this.search} .plotted=${this.plots.paths} ?signals=${this.mayMakeSignals()} @t-plot=${this.onPlot} @t-make-signal=${this.onMakeSignal}></t-message-tree>`;
   }

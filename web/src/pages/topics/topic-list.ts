@@ -1,6 +1,7 @@
 /** What is said of a topic in a list: who may see it, how often it comes. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "../../format/number.js";
 import type { SiteShape, TopicShape } from "../../generated/api.js";
 
 /** Who may follow a topic, in words. */
@@ -23,7 +24,7 @@ export function whoMaySee({ described, right, device }: TopicShape, detail: Site
 export function rateText(hertz: number | null): string {
   if (hertz === null || hertz <= 0) return "";
   if (hertz < 0.1) return msg(str`every ${String(Math.round(1 / hertz))} s`);
-  return `${hertz < 10 ? hertz.toFixed(1) : String(Math.round(hertz))} Hz`;
+  return `${hertz < 10 ? fixedText(hertz, 1) : String(Math.round(hertz))} Hz`;
 }
 
 /** Those whose name or type holds all of the words. */

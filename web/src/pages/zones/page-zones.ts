@@ -209,7 +209,7 @@ export class PageZones extends LitElement {
     const wrong = [...findings, ...(answer?.findings ?? [])];
     return renderQuestion(this.applying, () => ({
       heading: msg("Apply these zones and lines?"),
-      action: this.applying.action.runningKey === "apply what is drawn" ? msg("The gateway changes over…") : msg("Apply"),
+      action: this.applying.action.runningKey === msg("apply what is drawn") ? msg("The gateway changes over…") : msg("Apply"),
       kind: "primary",
       problem: findings.length > 0 ? { what: msg("It cannot be applied as it is drawn."), how: msg("Close this, and change what is named here.") } : refusalAdvice(answer),
       text: html`${change === null

@@ -5,6 +5,7 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { onPicture } from "../../elements/camera/picture-overlay.js";
+import { roundText } from "../../format/number.js";
 import { previewPath, STRETCHES, type Stretch } from "../../wire/archive-api.js";
 import type { HistogramShape } from "../../generated/api.js";
 import "../../elements/forms/choice.js";
@@ -83,7 +84,7 @@ export class FramePreview extends LitElement {
 
 /** How a picture's values lie, as bars and in numbers. */
 export function renderPixelValues(histogram: HistogramShape): TemplateResult {
-  const valueText = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
+  const valueText = (value: number | null): string => (value === null ? "–" : roundText(value, 6));
   return html`<div>
     <h3>${msg("Pixel values")}</h3>
     <t-histogram

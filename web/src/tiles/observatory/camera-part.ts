@@ -11,6 +11,7 @@ import { StoreController } from "../../controllers/store-controller.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
+import { roundText } from "../../format/number.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { apiContext } from "../../state/contexts.js";
 import { archivePath } from "../../state/router.js";
@@ -190,7 +191,7 @@ export class CameraPart extends DevicePart {
     }
     if (found === null) return this.renderStreams();
     const { frame, histogram } = found;
-    const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(4)))} s`;
+    const exposure = frame.exposure_s === null ? "" : `${roundText(frame.exposure_s, 4)} s`;
     return html`<div>
         <h2>${frame.target === "" ? msg("Newest picture") : frame.target}</h2>
         <div class="facts">

@@ -1,6 +1,7 @@
 /** A target of the telescope: by name or by coordinates, with what is to be said of it. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "../../format/number.js";
 import type { SkyObject } from "../../generated/api.js";
 import { parseDec, parseRa } from "../../format/sexagesimal.js";
 import { moonAt, moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
@@ -44,7 +45,7 @@ export function ownTargets(name: string): readonly SkyTarget[] {
     ...stars.slice(0, 4).map((star): SkyTarget => {
       const j2000 = { ra: star.raDeg / 15, dec: star.decDeg };
       const bayer = star.bayer === star.name ? "" : `${star.bayer}, `;
-      return { name: star.name, about: msg(str`star, ${bayer}magnitude ${star.magnitude.toFixed(1)}`), j2000, at: (ms) => precessedFromJ2000(j2000, ms) };
+      return { name: star.name, about: msg(str`star, ${bayer}magnitude ${fixedText(star.magnitude, 1)}`), j2000, at: (ms) => precessedFromJ2000(j2000, ms) };
     }),
   ];
 }
@@ -57,7 +58,7 @@ export function catalogueTarget(found: SkyObject): SkyTarget {
   const own = name === null ? found.name : `${name[1] ?? ""} ${name[2] ?? ""}`;
   const common = found.also.filter((address) => !/^M\d+$/.test(address));
   const also = [...(messier === undefined ? [] : [own]), ...common.slice(0, 2)];
-  const magnitude = found.magnitude === null ? "" : msg(str`, magnitude ${found.magnitude.toFixed(1)}`);
+  const magnitude = found.magnitude === null ? "" : msg(str`, magnitude ${fixedText(found.magnitude, 1)}`);
   const where = found.constellation === "" ? "" : msg(str` in ${found.constellation}`);
   return {
     name: messier === undefined ? own : `M ${messier}`,
@@ -82,7 +83,7 @@ export interface PointingLimits {
 /** Why the gateway will refuse to go there now; empty when nothing is known against it. */
 export function refusalOf(aim: Horizontal, place: GeoPlace, ms: number, limits: PointingLimits): string {
   if (aim.alt < limits.horizon) {
-    return msg(str`It stands ${aim.alt.toFixed(1).replace("-", "−")}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`);
+    return msg(str`It stands ${fixedText(aim.alt, 1).replace("-", "−")}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`);
   }
   const sun = sunFrom(place, ms);
   const apart = separation(aim, sun);

@@ -5,7 +5,7 @@ import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
-import { formatNumber } from "../../format/number.js";
+import { fixedText, formatNumber } from "../../format/number.js";
 import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
 import { formatClock } from "../../format/time.js";
 import { moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
@@ -137,7 +137,7 @@ export class TelescopePart extends DevicePart {
         <dt>Dec</dt>
         <dd class="large ${old}">${formatDec(equatorial?.dec ?? Number.NaN)}</dd>
         <dt>${msg("Altitude")}</dt>
-        <dd class=${at === null ? "old" : ""}>${at === null ? "–" : `${at.alt.toFixed(2)}°`}</dd>
+        <dd class=${at === null ? "old" : ""}>${at === null ? "–" : `${fixedText(at.alt, 2)}°`}</dd>
         <dt>${msg("Azimuth")}</dt>
         <dd class=${at === null ? "old" : ""}>${at === null ? "–" : formatAzimuth(at.az, 2)}</dd>
       </dl>

@@ -15,6 +15,7 @@ import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 import "../../elements/twin/rehearsal-map.js";
+import { fixedText } from "../../format/number.js";
 import type { DeviceShape, SignalShape, SiteShape } from "../../generated/api.js";
 import { filledCommand, poseCommands, type FloorPose } from "../../scene/pose-command.js";
 import { pathPoses, verdictLines } from "../../scene/rehearsal.js";
@@ -145,7 +146,7 @@ export class TwinTile extends LitElement {
         <t-empty heading=${msg("Nothing rehearsed yet")} icon="drive"><p>${msg("Drive the twin with live switched off: its path stands here, with what interlocks would have said.")}</p></t-empty></section>`;
     }
     const lines = verdictLines(told);
-    const summary = msg(str`${told.metres.toFixed(2)} m in ${told.seconds.toFixed(0)} s`);
+    const summary = msg(str`${fixedText(told.metres, 2)} m in ${told.seconds.toFixed(0)} s`);
     return html`<section aria-labelledby="rehearsal">
       <h2 id="rehearsal">${msg("Rehearsal")}</h2>
       <t-rehearsal-map .poses=${poses} .verdicts=${told.verdicts} label=${msg(str`Path of the rehearsal: ${summary}`)}></t-rehearsal-map>

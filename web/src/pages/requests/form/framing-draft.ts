@@ -1,6 +1,7 @@
 /** Framing as it is typed: the size of the field where nobody has described it, panels and their overlap. Pure. */
 
 import { msg, str } from "@lit/localize";
+import { fixedText } from "../../../format/number.js";
 import type { FieldShape } from "../../../generated/api.js";
 import { formatDec, formatRa, writeDec, writeRa } from "../../../format/sexagesimal.js";
 import { mosaicOf, type FieldSize, type Mosaic } from "../../../sky/mosaic.js";
@@ -95,6 +96,6 @@ export function placeText({ raDeg, decDeg }: SkyPoint): string {
 /** So wide and so high, in the unit that has few digits. */
 export function sizeText({ width, height }: FieldSize): string {
   const small = Math.max(width, height) < 1;
-  const text = (size: number): string => (small ? `${(size * 60).toFixed(1)}′` : `${size.toFixed(2)}°`);
+  const text = (size: number): string => (small ? `${fixedText(size * 60, 1)}′` : `${fixedText(size, 2)}°`);
   return `${text(width)} × ${text(height)}`;
 }
