@@ -1,0 +1,3 @@
+import type { Unit } from "./xliff.mjs";
+export function compileCatalogue(units: readonly (Unit | undefined)[], wanted?: (id: string) => boolean): string;
+export function pseudoUnits(units: readonly Unit[]): Unit[];

@@ -1,0 +1,1 @@
+export function plainTexts(strings: readonly string[]): string[];
