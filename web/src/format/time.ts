@@ -17,7 +17,7 @@ const formats = new Map<string, Intl.DateTimeFormat>();
 
 // Building one takes far longer than using it.
 function formatterOf(zone: string, options: Intl.DateTimeFormatOptions): Intl.DateTimeFormat {
-  const key = `${zone} ${JSON.stringify(options)}`;
+  const key = `${intlLocale()} ${zone} ${JSON.stringify(options)}`;
   let made = formats.get(key);
   if (made === undefined) {
     made = new Intl.DateTimeFormat(intlLocale(), { timeZone: knownZone(zone), ...options });
