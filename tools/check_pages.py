@@ -70,6 +70,7 @@ def mirrored() -> list[str]:
         for path in sorted((WEB / "tests").rglob("*.test.ts"))
         for stem in [str(path.relative_to(WEB / "tests")).removesuffix(".test.ts")]
         if not any((WEB / "src" / f"{stem}{suffix}").exists() for suffix in (".ts", ".css"))
+        and not (WEB / f"{stem}.mjs").exists()
     ]
 
 

@@ -23,8 +23,9 @@ export function languageName(code: string): string {
  */
 export function languageFor(chosen: string | null, spoken: readonly string[], there: readonly string[] = LANGUAGES): string {
   const found = [chosen ?? "", ...spoken].flatMap((code) => {
-    const exact = there.find((each) => each.toLowerCase() === code.toLowerCase());
-    return exact ?? there.find((each) => each.toLowerCase() === code.toLowerCase().split("-")[0]) ?? [];
+    const wanted = code.toLowerCase();
+    const find = (name: string | undefined): string | undefined => there.find((language) => language.toLowerCase() === name);
+    return find(wanted) ?? find(wanted.split("-")[0]) ?? [];
   });
   return found[0] ?? ENGLISH;
 }
