@@ -45,7 +45,7 @@ export class CameraPart extends DevicePart {
       .two {
         grid-template-rows: auto 1fr;
       }
-      @media (min-width: 60.01rem) {
+      @container (min-width: 54.01rem) {
         .exposure {
           grid-column: 2;
           grid-row: 1 / span 2;
@@ -162,11 +162,11 @@ export class CameraPart extends DevicePart {
     const { device } = this;
     if (device === null) return nothing;
     if (this.compact) return this.renderGlance(device);
-    return html`<section class="two" aria-label="Camera">
+    return html`<div class="two" role="group" aria-label="Camera">
       <div class="card">${this.renderPicture()}</div>
       <div class="card exposure">${this.renderExposure()}</div>
       ${this.renderCooler()} ${this.renderSettings()}
-    </section>`;
+    </div>`;
   }
 
   private renderGlance(device: DeviceShape): TemplateResult {

@@ -139,7 +139,7 @@ export class PowerPart extends DevicePart {
     const outlets = outletsOf(device);
     const states = outlets.map(({ signal }) => this.isOn(signal));
     const unknown = states.filter((on) => on === null).length;
-    return html`<section class="card" aria-labelledby="outlets">
+    return html`<div class="card" role="group" aria-labelledby="outlets">
       <div class="readings">
         <div>
           <h2 id="outlets">Outlets</h2>
@@ -162,7 +162,7 @@ export class PowerPart extends DevicePart {
       >
         <p>${this.asking?.command.description || "What hangs on this outlet gains or loses its power at once."}</p>
       </t-confirm>
-    </section>`;
+    </div>`;
   }
 
   private renderRow(outlet: Outlet): TemplateResult {
