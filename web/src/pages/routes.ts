@@ -48,6 +48,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   missions: { tag: "t-page-missions", title: "Missions", load: () => import("./missions/page-missions.js") },
   alarms: { tag: "t-page-alarms", title: "Alarms", load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: "Logbook", load: () => import("./logbook/page-logbook.js") },
+  log: { tag: "t-page-log", title: "Robot's log", load: () => import("./log/page-log.js") },
   notes: { tag: "t-page-notes", title: "Notes", load: () => import("./notes/page-notes.js") },
   anomalies: { tag: "t-page-anomalies", title: "Anomalies", load: () => import("./anomalies/page-anomalies.js") },
   cause: { tag: "t-page-cause", title: "Cause", load: () => import("./cause/page-cause.js") },
@@ -76,7 +77,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "cause" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "log" || page === "cause" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
   return true;
 }
 

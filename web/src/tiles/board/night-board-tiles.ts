@@ -205,7 +205,7 @@ export class PictureBoardTile extends LitElement {
         min-block-size: 0;
         object-fit: contain;
         background: #000;
-        filter: var(--t-picture-filter, none);
+        filter: var(--t-still-filter, none);
       }
       p {
         ${quietText}

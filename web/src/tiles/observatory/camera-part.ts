@@ -69,7 +69,7 @@ export class CameraPart extends DevicePart {
         max-block-size: 9rem;
         object-fit: contain;
         background: #000;
-        filter: var(--t-picture-filter, none);
+        filter: var(--t-still-filter, none);
       }
       .progress {
         display: grid;
