@@ -74,6 +74,14 @@ JOBS = (
         minutes=20,
     ),
     Job(
+        "tiles",
+        "each tile of boards, in each of its states, keeps the rules of axe and fits: on four"
+        " widths, in three themes",
+        (*PYTEST, "tests/hub/features/test_gallery_in_browser.py"),
+        "docs/tiles-table.md",
+        minutes=10,
+    ),
+    Job(
         "crash-loop",
         "a hundred killed gateways and ROS 2 nodes leave nothing in /dev/shm",
         (*PYTEST, "tests/test_shared_memory.py", "tests/system/test_link.py", "-k", "crash_loop"),

@@ -1,13 +1,15 @@
 /** Follows a raw topic for an element: its newest message, how it comes, and what is the matter with it. */
 
+import { ContextConsumer } from "@lit/context";
 import { msg } from "@lit/localize";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { TopicMessage, TopicUpdate } from "../generated/wire.js";
 import { TopicFlow } from "../series/topic-flow.js";
+import { socketsContext } from "../state/contexts.js";
 import type { PastBoard } from "../state/past/past-board.js";
 import type { PastTopicState } from "../state/past/past-topics.js";
 import { pastProblem } from "../topics/past-bytes.js";
-import { sharedTopics, type HeardMessage } from "../topics/shared-topics.js";
+import { sharedTopicsOver, type HeardMessage } from "../topics/shared-topics.js";
 import type { TopicLink } from "../topics/topic-socket.js";
 
 /**
@@ -36,16 +38,19 @@ export class TopicFollower implements ReactiveController {
   private recorded: PastTopicState | null = null;
   private stopFollowing: (() => void) | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  private readonly sockets: ContextConsumer<typeof socketsContext, ReactiveControllerHost & HTMLElement>;
 
   /**
    * @param onMessage is called with what each message says, and when it came (by `nowMs`)
    * @param onReset is called before messages of another past moment
    */
   constructor(
-    private readonly host: ReactiveControllerHost,
+    private readonly host: ReactiveControllerHost & HTMLElement,
     private readonly onMessage: (tree: unknown, nowMs: number) => void = () => undefined,
     private readonly onReset: () => void = () => undefined,
   ) {
+    // Known before anything is followed.
+    this.sockets = new ContextConsumer(host, { context: socketsContext });
     host.addController(this);
   }
 
@@ -117,7 +122,7 @@ export class TopicFollower implements ReactiveController {
       this.stopFollowing = this.openPast(past, topic, rate);
       return;
     }
-    this.stopFollowing = sharedTopics.follow(site, topic, rate, {
+    this.stopFollowing = sharedTopicsOver(this.sockets.value).follow(site, topic, rate, {
       onUpdate: (update) => {
         this.update = update;
         this.host.requestUpdate();

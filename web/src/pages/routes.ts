@@ -49,6 +49,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   missions: { tag: "t-page-missions", title: msg("Missions"), load: () => import("./missions/page-missions.js") },
   alarms: { tag: "t-page-alarms", title: msg("Alarms"), load: () => import("./alarms/page-alarms.js") },
   logbook: { tag: "t-page-logbook", title: msg("Logbook"), load: () => import("./logbook/page-logbook.js") },
+  log: { tag: "t-page-log", title: msg("Robot's log"), load: () => import("./log/page-log.js") },
   notes: { tag: "t-page-notes", title: msg("Notes"), load: () => import("./notes/page-notes.js") },
   anomalies: { tag: "t-page-anomalies", title: msg("Anomalies"), load: () => import("./anomalies/page-anomalies.js") },
   cause: { tag: "t-page-cause", title: msg("Cause"), load: () => import("./cause/page-cause.js") },
@@ -77,7 +78,7 @@ export function isOpen(page: PageName): boolean {
 export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
-  if (page === "drive" || page === "alarms" || page === "logbook" || page === "cause" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
+  if (page === "drive" || page === "alarms" || page === "logbook" || page === "log" || page === "cause" || page === "notes" || page === "night" || page === "forecast" || page === "fleet" || page === "missions") return !seesOnlyPublic(person);
   return true;
 }
 

@@ -30,4 +30,6 @@ export const robotNewsContext = createContext<RobotState>(Symbol("robot news"));
 export const routerContext = createContext<Router>(Symbol("router"));
 export const sessionContext = createContext<Session>(Symbol("session"));
 export const sitesContext = createContext<Sites>(Symbol("sites"));
+/** What opens the sockets of raw topics and of pictures; nobody provides it where they go to the hub. */
+export const socketsContext = createContext<(url: string) => WebSocket>(Symbol("sockets"));
 export const themeContext = createContext<ThemeChoice>(Symbol("theme"));

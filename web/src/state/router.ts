@@ -27,6 +27,7 @@ export type PageName =
   | "drive"
   | "alarms"
   | "logbook"
+  | "log"
   | "sightings"
   | "notes"
   | "zones"
@@ -62,7 +63,7 @@ export interface Route {
 const PLANNING_PAGES = ["forecast", "requests", "proposals", "alertrules"] as const satisfies readonly PageName[];
 const SITE_PAGES = [
   "live", "topics", "anomalies", "cause", "scene", "history", "recordings", "missions", "drive", "archive", "cameras",
-  "logbook", "notes", "sightings", "zones", "review", "night", ...PLANNING_PAGES,
+  "logbook", "log", "notes", "sightings", "zones", "review", "night", ...PLANNING_PAGES,
 ] as const satisfies readonly PageName[];
 
 /** A page that each site has at an address of its own. */

@@ -1,7 +1,7 @@
 /** A card around a web component of the hub's administrator; what it throws stays in the card. */
 
 import { msg } from "@lit/localize";
-import { css, html, LitElement, type PropertyValues, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
@@ -30,6 +30,11 @@ export class ExtensionTile extends LitElement {
         min-inline-size: 0;
         overflow: hidden;
       }
+      :host([bare]) {
+        padding: 0;
+        border: 0;
+        background: none;
+      }
     `,
   ];
 
@@ -37,6 +42,8 @@ export class ExtensionTile extends LitElement {
   @property({ attribute: false }) device: DeviceShape | null = null;
   @property({ attribute: false }) tile: TileShape | null = null;
   @property({ type: Boolean }) online = false;
+  /** What is around it has a head and a box already. */
+  @property({ type: Boolean, reflect: true }) bare = false;
   /** Why the component cannot be shown; empty while it can. */
   @state() private problem = "";
 
@@ -52,11 +59,15 @@ export class ExtensionTile extends LitElement {
 
   override render(): TemplateResult {
     if (this.problem !== "") {
-      return html`<h3>${this.tile?.title}</h3>
+      return html`${this.renderHead()}
         <p role="alert">${msg(html`The tile “${this.tile?.name}” in the hub's extensions folder cannot be shown:`)} ${this.problem}</p>`;
     }
-    return html`<h3>${this.tile?.title}</h3>
+    return html`${this.renderHead()}
       <div class="component"></div>`;
+  }
+
+  private renderHead(): TemplateResult | typeof nothing {
+    return this.bare ? nothing : html`<h3>${this.tile?.title}</h3>`;
   }
 
   protected override updated(changed: PropertyValues<this>): void {

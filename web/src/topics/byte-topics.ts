@@ -30,6 +30,11 @@ export interface ByteListener {
 /** What follows one topic: by the path of its socket, or by what is wished of it. */
 export type OpenBytes = (path: string, listener: TopicListener, wish: ByteWish) => Pick<TopicSocket, "close">;
 
+/** Topics whose sockets something else opens; undefined: the page's own. */
+export function bytesOver(openSocket: ((url: string) => WebSocket) | undefined): OpenBytes | undefined {
+  return openSocket === undefined ? undefined : (path, heard) => new TopicSocket({ url: socketUrl(path, location), openSocket }, heard);
+}
+
 /** What is told of visibility; a document. */
 interface PageVisibility {
   readonly hidden: boolean;

@@ -19,6 +19,7 @@ export interface TopicFollowing extends Omit<TopicListener, "onMessage"> {
   readonly onMessage: (heard: HeardMessage) => void;
 }
 
+type OpenSocket = (url: string) => WebSocket;
 type OpenTopic = (path: string, listener: TopicListener) => Pick<TopicSocket, "close">;
 
 /** What whoever comes later is told, too: so many of the newest messages, of so many letters together. */
@@ -118,4 +119,15 @@ class SharedTopic {
 }
 
 /** Those of this page. */
-export const sharedTopics = new SharedTopics();
+const ofPage = new SharedTopics();
+const ofOthers = new WeakMap<OpenSocket, SharedTopics>();
+
+/** The page's own, or those whose sockets something else opens. */
+export function sharedTopicsOver(openSocket: OpenSocket | undefined): SharedTopics {
+  if (openSocket === undefined) return ofPage;
+  const known = ofOthers.get(openSocket);
+  if (known !== undefined) return known;
+  const made = new SharedTopics((path, listener) => new TopicSocket({ url: socketUrl(path, location), openSocket }, listener));
+  ofOthers.set(openSocket, made);
+  return made;
+}

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape
 from talaia.model.checks.identifiers import Finding
-from talaia.model.closed_lists import CommandKind
+from talaia.model.closed_lists import CommandKind, LogLevel
 from talaia.model.connections.addresses import url_fits
 from talaia.model.connections.kinds import ConnectionKind
 from talaia.model.connections.ros import RosRules, RosSource
@@ -29,6 +29,8 @@ class RosbridgeConnection(Shape, frozen=True, kw_only=True, tag_field="kind", ta
         token_file: a file that holds what is sent as ``Authorization: Bearer``; empty for none.
         token_env: a variable that holds it, instead of a file.
         cbor: take pictures as CBOR, which is a quarter smaller than JSON.
+        log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        keep_log: lines of the robot's log from this level on are kept at the hub, all of them.
 
     """
 
@@ -38,6 +40,8 @@ class RosbridgeConnection(Shape, frozen=True, kw_only=True, tag_field="kind", ta
     token_file: str = ""
     token_env: str = ""
     cbor: bool = True
+    log: LogLevel = LogLevel.NONE
+    keep_log: LogLevel = LogLevel.WARNING
 
 
 class RosbridgeRules(RosRules[RosbridgeConnection]):

@@ -64,7 +64,7 @@ talaia: 1
 site: far
 name: Far robot
 connections:
-  far: {kind: rosbridge, url: "%s", cbor: %s}
+  far: {kind: rosbridge, url: "%s", cbor: %s, keep_log: none}
 devices:
   base:
     name: Base

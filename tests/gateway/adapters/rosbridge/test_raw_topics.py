@@ -40,7 +40,7 @@ talaia: 1
 site: far
 name: Far robot
 connections:
-  far: {kind: rosbridge, url: "%s"}
+  far: {kind: rosbridge, url: "%s", keep_log: none}
 devices:
   base: {name: Base}
 """

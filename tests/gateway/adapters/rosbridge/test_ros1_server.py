@@ -49,7 +49,7 @@ talaia: 1
 site: far
 name: Far robot
 connections:
-  far: {kind: rosbridge, url: "%s", ros: 1}
+  far: {kind: rosbridge, url: "%s", ros: 1, keep_log: none}
 devices:
   base:
     name: Base

@@ -37,12 +37,14 @@ export class DriveReadout extends LitElement {
         font-variant-numeric: tabular-nums;
       }
       th {
-        padding: 0.15rem 0;
+        padding: 0.15rem 0 0.15rem var(--t-space-2);
+        vertical-align: bottom;
         ${quietText}
         font-weight: var(--t-weight);
         text-align: end;
       }
       tbody th {
+        padding-inline-start: 0;
         text-align: start;
       }
       td {

@@ -16,6 +16,8 @@ export class Empty extends LitElement {
     css`
       :host {
         display: grid;
+        /* Together in the middle, however much room there is. */
+        align-content: center;
         justify-items: center;
         gap: var(--t-space-2);
         padding: var(--t-space-6) var(--t-space-4);

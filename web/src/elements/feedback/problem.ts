@@ -17,6 +17,7 @@ export class ProblemPanel extends LitElement {
       :host {
         display: grid;
         grid-template-columns: auto 1fr;
+        align-content: start;
         gap: var(--t-space-2) var(--t-space-3);
         padding: var(--t-space-4);
         border: 1px solid var(--t-line);

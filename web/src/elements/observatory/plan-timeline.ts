@@ -263,11 +263,11 @@ export class PlanTimeline extends LitElement {
         tabindex=${reached ? "0" : "-1"}
         aria-pressed=${block.id === this.chosen}
         aria-current=${block.state === "current" ? "time" : nothing}
-        aria-label=${this.blockText(block)}
         title=${this.blockText(block)}
         @click=${onPress}
       >
         <span class="letter" aria-hidden="true">${mark?.letter ?? ""} ${SIGNS[block.state]}</span><span aria-hidden="true">${block.name}</span>
+        <span class="visually-hidden">${this.blockText(block)}</span>
       </button>
     </li>`;
   }

@@ -15,6 +15,9 @@ export const sceneStyle = css`
     grid-template-rows: minmax(0, 1fr);
     min-block-size: 0;
   }
+  t-problem {
+    align-self: start;
+  }
   .view {
     position: relative;
     min-block-size: var(--t-scene-least, 22rem);

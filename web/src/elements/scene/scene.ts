@@ -16,9 +16,9 @@ import type { FrameRow } from "../../scene/frame-tree.js";
 import type { FloorPose } from "../../scene/pose-command.js";
 import { chooseFixedFrame, chooseRobotFrame, isSwitched } from "../../scene/scene-topics.js";
 import type { Vector } from "../../scene/transform.js";
-import { apiContext } from "../../state/contexts.js";
+import { apiContext, socketsContext } from "../../state/contexts.js";
 import type { PastBoard } from "../../state/past/past-board.js";
-import type { OpenBytes } from "../../topics/byte-topics.js";
+import { bytesOver, type OpenBytes } from "../../topics/byte-topics.js";
 import { openPastBytes } from "../../topics/past-bytes.js";
 import { TopicsApi } from "../../topics/topics-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -67,6 +67,7 @@ export class SceneElement extends LitElement {
   @property({ attribute: false }) openTopic: OpenBytes | undefined;
 
   @consume({ context: apiContext }) private api: HubApi | undefined;
+  @consume({ context: socketsContext }) private readonly sockets: ((url: string) => WebSocket) | undefined;
   @query("canvas") private readonly canvas!: HTMLCanvasElement | null;
   @state() private tool = "";
   @state() private follow = true;
@@ -135,7 +136,7 @@ export class SceneElement extends LitElement {
         this.requestUpdate();
       },
     };
-    this.session ??= new SceneSession(site, listener, this.past === null ? this.openTopic : openPastBytes(this.past, this.onPastReset), this.past?.nowMs);
+    this.session ??= new SceneSession(site, listener, this.past === null ? (this.openTopic ?? bytesOver(this.sockets)) : openPastBytes(this.past, this.onPastReset), this.past?.nowMs);
     this.session.setTopics(this.known.topics, this.topics);
   }
 

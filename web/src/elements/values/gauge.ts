@@ -24,6 +24,7 @@ export class Gauge extends LitElement {
         block-size: 100%;
         min-block-size: 0;
         text-align: center;
+        --t-value-align: center;
         --tone: var(--t-accent);
       }
       :host([level="warn"]) {

@@ -18,7 +18,8 @@ export class Value extends LitElement {
     css`
       :host {
         display: inline-grid;
-        justify-items: start;
+        /* Where it stands at an end or in the middle, so do its words. */
+        justify-items: var(--t-value-align, start);
         font-variant-numeric: tabular-nums;
       }
       .reading {

@@ -8,54 +8,10 @@ import type { TopicBytes } from "../../generated/wire.js";
 import type { OpenBytes } from "../../topics/byte-topics.js";
 import { HubApi } from "../../wire/hub-api.js";
 import type { GalleryEntry } from "./entry.js";
+import { MADE_ODOMETRY, MADE_SCAN } from "./made-up/messages.js";
 
 const topicOf = (topic: string, type: string): TopicShape => ({ topic, type, latched: false, max_rate: 0, problem: "", described: true, right: "view", device: "", rate: 5 });
 const TOPICS: readonly TopicShape[] = [topicOf("/odom", "nav_msgs/msg/Odometry"), topicOf("/scan", "sensor_msgs/msg/LaserScan")];
-const BEAMS = 90;
-
-/** Writes as ROS 1 serializes: one behind the other. */
-function packed(frame: string, child: string | null, kind: "float32" | "float64", numbers: readonly number[], ranges: readonly number[] = []): Uint8Array {
-  const bytes: number[] = [];
-  const add = (size: number, write: (view: DataView) => void): void => {
-    const view = new DataView(new ArrayBuffer(size));
-    write(view);
-    bytes.push(...new Uint8Array(view.buffer));
-  };
-  const whole = (value: number): void => {
-    add(4, (view) => {
-      view.setUint32(0, value, true);
-    });
-  };
-  const text = (value: string): void => {
-    whole(value.length);
-    bytes.push(...new TextEncoder().encode(value));
-  };
-  const real = (value: number): void => {
-    if (kind === "float64") add(8, (view) => { view.setFloat64(0, value, true); });
-    else add(4, (view) => { view.setFloat32(0, value, true); });
-  };
-  [1, 1_780_000_000, 0].forEach(whole);
-  text(frame);
-  if (child !== null) text(child);
-  numbers.forEach(real);
-  if (child === null) {
-    whole(ranges.length);
-    ranges.forEach(real);
-    whole(0);
-  }
-  return Uint8Array.from(bytes);
-}
-
-const zeros = (count: number): readonly number[] => Array.from({ length: count }, () => 0);
-const ODOMETRY = packed("odom", "base_link", "float64", [0.4, 0.2, 0, 0, 0, Math.sin(0.2), Math.cos(0.2), ...zeros(36 + 6 + 36)]);
-const STEP = (2 * Math.PI) / BEAMS;
-const SCAN = packed(
-  "base_link",
-  null,
-  "float32",
-  [0, STEP * (BEAMS - 1), STEP, 0, 0.1, 0.1, 8],
-  Array.from({ length: BEAMS }, (_, at) => Math.min(2 / Math.abs(Math.cos(at * STEP)), 1.4 / Math.abs(Math.sin(at * STEP)))),
-);
 
 const message = (data: Uint8Array): TopicBytes => ({ t: "topic_bytes", number: 1, seq: 1, time_us: 0, publish_us: 0, age_ms: 0, encoding: "ros1", every: 1, data });
 
@@ -65,7 +21,7 @@ function openMade(broken: boolean): OpenBytes {
     const scan = path.includes("scan");
     const timer = setTimeout(() => {
       heard.onState("open", "");
-      heard.onBytes?.(message(scan ? (broken ? SCAN.subarray(0, 40) : SCAN) : ODOMETRY));
+      heard.onBytes?.(message(scan ? (broken ? MADE_SCAN.subarray(0, 40) : MADE_SCAN) : MADE_ODOMETRY));
     });
     return {
       close: () => {

@@ -1,10 +1,18 @@
-/** Every element in every state, to look at and to test against. */
+/**
+ * Every element in every state, to look at and to test against. `?tile=chart` shows one of the tiles of boards in its
+ * states in the place of the elements: together they would be hundreds of maps, scenes and charts.
+ */
 
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { repeat } from "lit/directives/repeat.js";
 import { base, panelBox, quietText } from "../../elements/base/base-style.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { routerContext } from "../../state/contexts.js";
+import { styled } from "../../elements/base/style-directive.js";
 import type { GalleryEntry } from "./entry.js";
+import { TILE_SECTIONS } from "./tile-states.js";
 
 const files = import.meta.glob<{ entries: readonly GalleryEntry[] }>("./entries*.ts", { eager: true });
 const all = Object.values(files).flatMap((file) => file.entries);
@@ -30,6 +38,19 @@ export class PageGallery extends LitElement {
       .wide {
         grid-template-columns: 1fr;
       }
+      .sized {
+        grid-template-columns: repeat(auto-fill, minmax(min(var(--least), 100%), 1fr));
+      }
+      nav {
+        display: flex;
+        flex-wrap: wrap;
+        gap: 0 var(--t-space-4);
+      }
+      nav a {
+        display: inline-flex;
+        align-items: center;
+        min-block-size: 1.75rem;
+      }
       figure {
         display: grid;
         /* What is wider than a phone scrolls inside it, as on its own page. */
@@ -51,23 +72,34 @@ export class PageGallery extends LitElement {
     `,
   ];
 
+  constructor() {
+    super();
+    // Another section is another address of the same page.
+    new ContextStoreController(this, routerContext);
+  }
+
   override render(): TemplateResult {
+    const tile = new URLSearchParams(location.search).get("tile") ?? "";
+    const chosen = TILE_SECTIONS.get(tile);
     return html`
       <h1>Gallery</h1>
-      ${map(
-        all,
-        (entry) => html`<section id=${entry.tag}>
-          <h2>${entry.tag}</h2>
-          <div class=${entry.wide === true ? "states wide" : "states"}>
-            ${map(
-              entry.states,
-              (state) => html`<figure><div>${state.show()}</div><figcaption>${state.name}</figcaption></figure>`,
-            )}
-          </div>
-        </section>`,
-      )}
+      <nav aria-label="Sections of the gallery">
+        <a href="/gallery" aria-current=${chosen === undefined ? "page" : nothing}>Elements</a>
+        ${map(TILE_SECTIONS, ([type, { title }]) => html`<a href=${`/gallery?tile=${type}`} aria-current=${type === tile ? "page" : nothing}>${title}</a>`)}
+      </nav>
+      ${repeat(chosen === undefined ? all : [chosen], ({ tag }) => tag, renderSection)}
     `;
   }
+}
+
+function renderSection({ tag, title, states, wide, least }: GalleryEntry): TemplateResult {
+  const look = least === undefined ? (wide === true ? "states wide" : "states") : "states sized";
+  return html`<section id=${tag}>
+    <h2>${title ?? tag}</h2>
+    <div class=${look} ${styled({ "--least": `${String(least ?? 15)}rem` })}>
+      ${map(states, (state) => html`<figure><div>${state.show()}</div><figcaption>${state.name}</figcaption></figure>`)}
+    </div>
+  </section>`;
 }
 
 declare global {

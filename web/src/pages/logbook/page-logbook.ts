@@ -72,7 +72,7 @@ export class PageLogbook extends LitElement {
         object-fit: contain;
         border-radius: var(--t-radius-s);
         background: #000;
-        filter: var(--t-picture-filter, none);
+        filter: var(--t-still-filter, none);
       }
     `,
   ];

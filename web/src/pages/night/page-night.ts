@@ -103,7 +103,7 @@ export class PageNight extends LitElement {
         aspect-ratio: 4 / 3;
         object-fit: contain;
         background: #000;
-        filter: var(--t-picture-filter, none);
+        filter: var(--t-still-filter, none);
       }
       .bar {
         display: block;

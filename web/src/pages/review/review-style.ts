@@ -81,7 +81,7 @@ export const reviewStyle = css`
     inline-size: 100%;
     block-size: 100%;
     object-fit: contain;
-    filter: var(--t-picture-filter, none);
+    filter: var(--t-still-filter, none);
   }
   .thumb.seen .picture {
     opacity: 0.55;

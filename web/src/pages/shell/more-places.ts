@@ -13,7 +13,7 @@ export interface MorePlace {
   readonly spared: boolean;
 }
 
-const MORE = ["logbook", "notes", "missions", "anomalies", "sightings", "review", "recordings", "cameras", "scene", "topics"] as const;
+const MORE = ["logbook", "log", "notes", "missions", "anomalies", "sightings", "review", "recordings", "cameras", "scene", "topics"] as const;
 
 /** The pages behind *More* at a site; none without a site, and none for guests, who have all of theirs on one page. */
 export function morePlaces(site: string, person: Me, { observing, archived }: { readonly observing: boolean; readonly archived: boolean }): readonly MorePlace[] {
@@ -37,7 +37,7 @@ export interface SiteOffer {
 }
 
 /** In the order of use: what is now, then what was, then the raw matter. */
-const SITE_ROW = ["live", "drive", "missions", "night", "cameras", "scene", "history", "logbook", "notes", "sightings", "review", "anomalies", "recordings", "archive", "topics"] as const;
+const SITE_ROW = ["live", "drive", "missions", "night", "cameras", "scene", "history", "logbook", "log", "notes", "sightings", "review", "anomalies", "recordings", "archive", "topics"] as const;
 /** What is public of a site stands on these. */
 const PUBLIC_ROW: readonly PageName[] = ["live", "history"];
 

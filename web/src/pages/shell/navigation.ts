@@ -322,7 +322,7 @@ export class Navigation extends LitElement {
       (page === "live" && ["topics", "scene"].includes(this.page)) ||
       (page === "history" && this.page === "recordings") ||
       (page === "night" && isPlanningPage(this.page)) ||
-      (page === "alarms" && ["logbook", "notes", "anomalies", "cause", "sightings", "review"].includes(this.page))
+      (page === "alarms" && ["logbook", "log", "notes", "anomalies", "cause", "sightings", "review"].includes(this.page))
     );
   }
 

@@ -227,7 +227,7 @@ export class Shell extends LitElement {
     if (person?.factor_missing === true && !isOpen(place)) return html`<t-first-factor></t-first-factor>`;
     const admins = ADMIN_PAGES.includes(place);
     // An empty list would say that all is well.
-    if (person !== null && (admins || place === "alarms" || place === "logbook") && !mayOpen(place, person)) {
+    if (person !== null && (admins || place === "alarms" || place === "logbook" || place === "log") && !mayOpen(place, person)) {
       return html`<t-empty heading=${admins ? msg("Only admins may open this") : msg("This is not open to you")} icon="lock" page>
         <p>${msg(str`You are signed in as ${person.name}, with the role ${person.role}. An admin of this hub can give you another.`)}</p>
         <p><a href="/">${msg("Go to your first page")}</a></p>

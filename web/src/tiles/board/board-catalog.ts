@@ -23,7 +23,7 @@ function chosenDevices(settings: TileSettings, subjects: BoardSubjects): readonl
   return device === null ? subjects.detail.devices : [device];
 }
 
-const signalTitle = (settings: TileSettings, subjects: BoardSubjects): string => findSignal(settingText(settings, "signal"), subjects)?.name ?? msg("Value");
+const signalTitle = (standard: string) => (settings: TileSettings, subjects: BoardSubjects): string => findSignal(settingText(settings, "signal"), subjects)?.name ?? standard;
 const deviceTitle = (standard: string) => (settings: TileSettings, subjects: BoardSubjects): string => findDevice(settingText(settings, "device", DEVICE), subjects)?.name ?? standard;
 const namesTitle = (standard: string) => (settings: TileSettings, subjects: BoardSubjects): string =>
   findSignals(settingList(settings, "signals"), subjects).map(({ name }) => name).join(", ") || standard;
@@ -40,7 +40,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     ],
     past: "moves",
     load: () => import("../signal-value.js"),
-    titleOf: signalTitle,
+    titleOf: signalTitle("Value"),
     render: (settings, context) =>
       html`<t-signal-value bare .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .size=${settingText(settings, "size", "xl")}></t-signal-value>`,
   },
@@ -107,7 +107,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     ],
     past: "moves",
     load: () => import("./gauge-board-tile.js"),
-    titleOf: signalTitle,
+    titleOf: signalTitle("Gauge or level"),
     render: (settings, context) =>
       html`<t-tile-gauge
         .context=${context}
@@ -164,7 +164,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     settings: [{ key: "signal", label: msg("Position"), kind: "signal", types: ["position"], needed: true }, { key: "colour", label: msg("Trail coloured by"), kind: "signal", types: ["number"], hint: msg("On a map: from blue for its least to orange for its most") }],
     past: "moves",
     load: () => import("../map/position-map.js"),
-    titleOf: signalTitle,
+    titleOf: signalTitle("Position and trail"),
     render: (settings, context) => html`<t-map .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .colour=${findSignal(settingText(settings, "colour"), context)} .online=${context.online}></t-map>`,
   },
   {
@@ -339,6 +339,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     titleOf: (settings, context) => context.extensions.find(({ name }) => name === settingText(settings, "tile"))?.title ?? msg("Extension"),
     render: (settings, context) =>
       html`<t-extension-tile
+        bare
         .site=${context.site}
         .device=${findDevice(settingText(settings, "device", DEVICE), context)}
         .tile=${context.extensions.find(({ name }) => name === settingText(settings, "tile")) ?? null}

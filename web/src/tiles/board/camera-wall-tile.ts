@@ -4,12 +4,14 @@ import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { ElementSizeController } from "../../controllers/element-size.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import type { StreamShape } from "../../generated/api.js";
 import "../camera/camera-tile.js";
 import "../../elements/feedback/empty.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
+import { wallColumns } from "./wall-columns.js";
 
 @customElement("t-tile-cameras")
 export class CameraWallTile extends LitElement {
@@ -18,15 +20,12 @@ export class CameraWallTile extends LitElement {
     css`
       :host {
         display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
-        align-content: start;
+        grid-template-columns: repeat(var(--columns, 1), minmax(0, 1fr));
+        /* As high as the tile; lower than this each is too small to see anything, and the tile scrolls. */
+        grid-auto-rows: minmax(9rem, 1fr);
         gap: var(--t-space-2);
-      }
-      :host(:is([alone], [single])) {
-        grid-template-columns: minmax(0, 1fr);
-        grid-template-rows: minmax(0, 1fr);
-        align-content: stretch;
         block-size: 100%;
+        min-block-size: 0;
       }
     `,
   ];
@@ -34,16 +33,14 @@ export class CameraWallTile extends LitElement {
   @property({ attribute: false }) context: BoardTileContext | null = null;
   @property({ attribute: false }) streams: readonly StreamShape[] = [];
   /** One camera that has the tile to itself. */
-  @property({ type: Boolean, reflect: true }) alone = false;
-
-  /** A wall of one camera is no wall. */
-  @property({ type: Boolean, reflect: true }) single = false;
+  @property({ type: Boolean }) alone = false;
 
   private readonly watched = new StoreController(this);
+  private readonly room = new ElementSizeController(this);
 
   override willUpdate(): void {
     this.watched.setStore(this.context?.pictures ?? null);
-    this.single = this.streams.length === 1;
+    this.style.setProperty("--columns", String(wallColumns(this.streams.length, this.room.size)));
   }
 
   override render(): unknown {
@@ -61,7 +58,7 @@ export class CameraWallTile extends LitElement {
           .lane=${stream.lane}
           .models=${stream.models}
           .online=${context?.online ?? false}
-          ?filling=${this.alone || this.single}
+          filling
           ?driving=${context?.pictures.isDriven(stream.address) ?? false}
           @t-picture=${this.reporter(stream)}
         ></t-camera>`,

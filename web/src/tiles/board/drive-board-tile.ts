@@ -14,7 +14,10 @@ import "../drive/drive-pad.js";
 import "../stop/stop-panel.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
 
-/** Keys are heard by all of a page: only the first of a board's pads has them, so that no two robots are driven at once. */
+/**
+ * Keys are heard by all of a page: only the first of the pads of a connection to the hub has them, so that no two robots
+ * are driven at once. A page has one connection; the gallery makes up several that lead nowhere.
+ */
 const pads: DriveBoardTile[] = [];
 
 @customElement("t-tile-drive")
@@ -56,11 +59,11 @@ export class DriveBoardTile extends LitElement {
     super.disconnectedCallback();
     this.closeController();
     pads.splice(pads.indexOf(this), 1);
-    pads[0]?.requestUpdate();
+    for (const pad of pads) pad.requestUpdate();
   }
 
   private get isFirst(): boolean {
-    return pads[0] === this;
+    return pads.find(({ link }) => link.connection === this.link.connection) === this;
   }
 
   override willUpdate(): void {

@@ -51,6 +51,8 @@ export class TableBoardTile extends LitElement {
       }
       dd {
         margin: 0;
+        margin-inline-start: auto;
+        --t-value-align: end;
       }
       p {
         color: var(--t-muted);

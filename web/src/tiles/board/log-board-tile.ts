@@ -74,6 +74,15 @@ export class LogBoardTile extends LitElement {
       .text {
         white-space: pre-wrap;
       }
+      /* Beside time and level no sentence fits: it stands below them. */
+      @container (max-width: 28rem) {
+        li {
+          grid-template-columns: auto minmax(0, 1fr);
+        }
+        .text {
+          grid-column: 1 / -1;
+        }
+      }
       .node {
         color: var(--t-muted);
       }

@@ -206,7 +206,7 @@ export class PictureBoardTile extends LitElement {
         min-block-size: 0;
         object-fit: contain;
         background: #000;
-        filter: var(--t-picture-filter, none);
+        filter: var(--t-still-filter, none);
       }
       p {
         ${quietText}
@@ -220,6 +220,9 @@ export class PictureBoardTile extends LitElement {
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
   private readonly watched = new StoreController(this);
   private readonly frames = new LoadController<FrameList>(this);
+  private readonly picture = new LoadController<string>(this);
+  /** The address in this page of the picture that is drawn; empty for none. */
+  private drawn = "";
 
   constructor() {
     super();
@@ -234,6 +237,20 @@ export class PictureBoardTile extends LitElement {
     const until = context.past === null ? {} : { to_us: String(pastTurn(context.past)) };
     const query = new URLSearchParams({ limit: "1", ...(device === "" ? {} : { device }), ...until }).toString();
     this.frames.load(`${context.site} ${query} ${String(turn)}`, () => new ArchiveApi(api, context.site).findFrames(query));
+    const frame = this.frames.value?.frames[0];
+    if (frame !== undefined) this.picture.load(`${context.site} ${frame.id}`, () => this.loadPicture(api, previewPath(context.site, frame.id, "asinh", 640)));
+  }
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    URL.revokeObjectURL(this.drawn);
+  }
+
+  private async loadPicture(api: HubApi, path: string): Promise<string> {
+    const bytes = await api.requestBytes(path);
+    URL.revokeObjectURL(this.drawn);
+    this.drawn = URL.createObjectURL(new Blob([bytes]));
+    return this.drawn;
   }
 
   override render(): unknown {
@@ -242,7 +259,7 @@ export class PictureBoardTile extends LitElement {
       const [frame] = frames;
       if (frame === undefined) return html`<p>${msg("No picture is archived, or none is open to you.")}</p>`;
       const what = frame.target === "" ? frame.kind || msg("No target named") : frame.target;
-      return html`<img alt=${msg(str`The newest picture: ${what}`)} src=${previewPath(site, frame.id, "asinh", 640)} />
+      return html`${renderLoaded(this.picture, msg("the newest picture"), (src) => html`<img alt=${msg(str`The newest picture: ${what}`)} src=${src} />`)}
         <p><a href=${`${sitePath(site, "archive")}?frame=${encodeURIComponent(frame.id)}`}>${what}</a> <t-time short .us=${frame.time_us} .zone=${this.context?.zone ?? "UTC"}></t-time></p>`;
     });
   }

@@ -55,6 +55,7 @@ const partStyle = css`
     align-items: baseline;
     justify-content: space-between;
     gap: 0 var(--t-space-3);
+    --t-value-align: end;
   }
   .row > span:first-child {
     color: var(--t-muted);

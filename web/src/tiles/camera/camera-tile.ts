@@ -4,6 +4,7 @@
  * Long, because a picture's whole way through the page is read together.
  */
 
+import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
@@ -11,6 +12,7 @@ import { ConnectionStateController } from "../../controllers/connection-state.js
 import "../../elements/camera/camera-view.js";
 import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
 import type { CameraPicture } from "../../generated/wire.js";
+import { socketsContext } from "../../state/contexts.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media-socket.js";
 import { ContrastCheck } from "./contrast-check.js";
 import "./blur-button.js";
@@ -113,6 +115,8 @@ export class CameraTile extends LitElement {
   @state() private drawn = false;
   @state() private seen: CurrentBoxes | null = null;
   @query("t-camera-view") private readonly view!: CameraView;
+
+  @consume({ context: socketsContext }) private readonly sockets: ((url: string) => WebSocket) | undefined;
 
   private readonly link = new ConnectionStateController(this);
   private socket: MediaSocket | null = null;
@@ -255,7 +259,7 @@ export class CameraTile extends LitElement {
     });
     this.film = film;
     this.socket = new MediaSocket(
-      { url: socketUrl(path, location) },
+      { url: socketUrl(path, location), ...(this.sockets === undefined ? {} : { openSocket: this.sockets }) },
       {
         onShot: (shot, shown) => {
           if (shot.format === "h264") film.receivePicture(shot, shown);

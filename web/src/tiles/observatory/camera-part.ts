@@ -47,7 +47,7 @@ export class CameraPart extends DevicePart {
       .two {
         grid-template-rows: auto 1fr;
       }
-      @media (min-width: 60.01rem) {
+      @container (min-width: 54.01rem) {
         .exposure {
           grid-column: 2;
           grid-row: 1 / span 2;
@@ -71,7 +71,7 @@ export class CameraPart extends DevicePart {
         max-block-size: 9rem;
         object-fit: contain;
         background: #000;
-        filter: var(--t-picture-filter, none);
+        filter: var(--t-still-filter, none);
       }
       .progress {
         display: grid;
@@ -164,11 +164,11 @@ export class CameraPart extends DevicePart {
     const { device } = this;
     if (device === null) return nothing;
     if (this.compact) return this.renderGlance(device);
-    return html`<section class="two" aria-label=${msg("Camera")}>
+    return html`<div class="two" role="group" aria-label=${msg("Camera")}>
       <div class="card">${this.renderPicture()}</div>
       <div class="card exposure">${this.renderExposure()}</div>
       ${this.renderCooler()} ${this.renderSettings()}
-    </section>`;
+    </div>`;
   }
 
   private renderGlance(device: DeviceShape): TemplateResult {

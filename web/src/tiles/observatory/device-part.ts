@@ -22,6 +22,8 @@ export const partStyle = css`
     grid-template-columns: minmax(0, 1fr);
     gap: var(--t-space-4);
     min-inline-size: 0;
+    /* By the part's own width: in a tile of a board it is narrow on a wide screen. */
+    container-type: inline-size;
   }
   .two {
     display: grid;
@@ -46,7 +48,7 @@ export const partStyle = css`
   .note {
     ${quietText}
   }
-  @media (max-width: 60rem) {
+  @container (max-width: 54rem) {
     .two {
       grid-template-columns: minmax(0, 1fr);
     }

@@ -80,7 +80,7 @@ export class DomePart extends DevicePart {
     ></t-dome-drawing>`;
     const word = html`<t-status class="big" kind=${doubted ? "warn" : SAID[roof].kind} .word=${doubted ? msg("Says closed") : SAID[roof].word}></t-status>`;
     if (this.compact) return html`<div class="head" role="status">${word}</div>${drawing}${this.renderSensorProof(roof)}`;
-    return html`<section class="two" aria-label=${msg("Dome")}>
+    return html`<div class="two" role="group" aria-label=${msg("Dome")}>
       <div class="card">
         ${drawing}
         ${!turns
@@ -114,7 +114,7 @@ export class DomePart extends DevicePart {
           ></t-command-card>`,
         )}
       </div>
-    </section>`;
+    </div>`;
   }
 
   /** Parked is not closed, and neither is the command's success: the sensors say it. */

@@ -160,7 +160,7 @@ export class GotoForm extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<section class="card" aria-labelledby="to">
+    return html`<div class="card" role="group" aria-labelledby="to">
       <h2 id="to">${msg("Go to")}</h2>
       <form novalidate @submit=${this.onSubmit}>
         <t-choice label=${msg("How to say where to")} .options=${WAYS} .chosen=${this.way} @t-choose=${this.onMethodChange}></t-choice>
@@ -168,7 +168,7 @@ export class GotoForm extends LitElement {
       </form>
       ${this.failure === null ? nothing : renderAdvice(adviceFor(this.failure, msg("the catalogue of names")))} ${this.renderChoices()}
       ${this.target === null ? nothing : this.renderTarget(this.target)}
-    </section>`;
+    </div>`;
   }
 
   private problemOf(field: "name" | "ra" | "dec"): string {

@@ -140,7 +140,7 @@ export class PowerPart extends DevicePart {
     const outlets = outletsOf(device);
     const states = outlets.map(({ signal }) => this.isOn(signal));
     const unknown = states.filter((on) => on === null).length;
-    return html`<section class="card" aria-labelledby="outlets">
+    return html`<div class="card" role="group" aria-labelledby="outlets">
       <div class="readings">
         <div>
           <h2 id="outlets">${msg("Outlets")}</h2>
@@ -163,7 +163,7 @@ export class PowerPart extends DevicePart {
       >
         <p>${this.asking?.command.description || msg("What hangs on this outlet gains or loses its power at once.")}</p>
       </t-confirm>
-    </section>`;
+    </div>`;
   }
 
   private renderRow(outlet: Outlet): TemplateResult {

@@ -63,7 +63,7 @@ export class TelescopePart extends DevicePart {
         font-size: var(--t-size-xl);
         line-height: 1.2;
       }
-      @media (max-width: 30rem) {
+      @container (max-width: 28rem) {
         .looks {
           grid-template-columns: minmax(0, 1fr);
         }
@@ -89,7 +89,7 @@ export class TelescopePart extends DevicePart {
     const looks = this.pointingOf(place, ms);
     const scope: TelescopeAim | null = looks.horizontal === null ? null : { ...looks.horizontal, name: device.name };
     const target = this.target === null || place === null ? null : { ...aimOf(this.target, place, ms), name: this.target.name };
-    return html`<section class="two" aria-label=${msg("Telescope")}>
+    return html`<div class="two" role="group" aria-label=${msg("Telescope")}>
       <div class="side">
         <div class="card">
           ${this.renderReadings(looks)} ${this.renderLookOnly()}
@@ -119,7 +119,7 @@ export class TelescopePart extends DevicePart {
         .ms=${ms}
         @t-target=${this.onTargetChoice}
       ></t-goto>
-    </section>`;
+    </div>`;
   }
 
   private renderReadings({ equatorial, horizontal: at }: TelescopePointing): TemplateResult {

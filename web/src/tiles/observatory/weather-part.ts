@@ -107,7 +107,7 @@ export class WeatherPart extends DevicePart {
       .titles {
         background: none;
       }
-      @media (max-width: 60rem) {
+      @container (max-width: 54rem) {
         .row > :nth-child(even) {
           text-align: end;
         }
@@ -166,11 +166,11 @@ export class WeatherPart extends DevicePart {
   }
 
   private renderTable(lines: readonly LimitLine[]): TemplateResult {
-    return html`<section class="card" aria-labelledby="limits">
+    return html`<div class="card" role="group" aria-labelledby="limits">
       <h2 id="limits">${msg("What closes the roof")}</h2>
       ${renderTable({ label: msg("What closes the roof"), columns: COLUMNS, rows: lines, key: ({ rule, signal, limit }) => `${rule} ${signal} ${limit}` })}
       <p class="note">${msg("A value that is unknown or too old counts as unsafe. The gateway beside the roof decides, also without this hub.")}</p>
-    </section>`;
+    </div>`;
   }
 }
 

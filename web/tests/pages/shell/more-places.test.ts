@@ -12,7 +12,7 @@ const OBSERVATORY = { observing: true, archived: true };
 test("what of a site has no place of its own in the navigation is behind the last one", () => {
   const more = morePlaces("agv", person, { observing: false, archived: false });
   expect(more.map(({ path }) => path)).toEqual(
-    ["/boards", ...["logbook", "notes", "missions", "anomalies", "sightings", "review", "recordings", "cameras", "scene", "topics"].map((page) => `/sites/agv/${page}`)],
+    ["/boards", ...["logbook", "log", "notes", "missions", "anomalies", "sightings", "review", "recordings", "cameras", "scene", "topics"].map((page) => `/sites/agv/${page}`)],
   );
   // Boards have a place beside the others where the window is wide.
   expect(more.filter(({ spared }) => spared).map(({ path }) => path)).toEqual(["/boards"]);
@@ -32,7 +32,7 @@ test("guests have all of theirs on one page, and without a site there is nothing
 
 test("a site's row has every page of it: now, then what was, then the raw matter", () => {
   const all = sitePages("obs", person, { actuable: true, ...OBSERVATORY }).map(({ page }) => page);
-  expect(all).toEqual(["live", "drive", "missions", "night", "cameras", "scene", "history", "logbook", "notes", "sightings", "review", "anomalies", "recordings", "archive", "topics"]);
+  expect(all).toEqual(["live", "drive", "missions", "night", "cameras", "scene", "history", "logbook", "log", "notes", "sightings", "review", "anomalies", "recordings", "archive", "topics"]);
   const vehicle = sitePages("agv", person, { actuable: true, observing: false, archived: false }).map(({ page }) => page);
   expect(vehicle).not.toContain("night");
   expect(vehicle).not.toContain("archive");

@@ -6,11 +6,12 @@ import struct
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros2.nodes.kept_lines import readers_of
-from talaia.gateway.adapters.ros2.nodes.log_lines import LogHead
+from talaia.gateway.adapters.ros2.nodes.log_lines import head_of_ros1
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from talaia.gateway.adapters.ros2.nodes.log_lines import LogHead
     from talaia.gateway.ports import AdapterContext
     from talaia.model.connection import Ros1Connection
 
@@ -18,8 +19,6 @@ __all__ = ["RobotMessages", "RobotTopic", "read_log_head"]
 
 # A simulator says its time up to a thousand times a second (Hz).
 _CLOCK_RATE = 50.0
-# rosgraph_msgs/Log: its levels as ROS 2 counts them; what is none of them is an *info*.
-_LEVELS, _INFO = {1: 10, 2: 20, 4: 30, 8: 40, 16: 50}, 20
 # Of a Log's bytes: number and stamp of its header, then the length of the header's frame.
 _FRAME_AT = 12
 _LENGTH, _TIME = struct.Struct("<I"), struct.Struct("<II")
@@ -54,9 +53,7 @@ def read_log_head(raw: bytes) -> LogHead | None:
     # Cut short, or something else.
     if len(name) < length:
         return None
-    # Node names of ROS 1 are absolute; the logbook has them as ROS 2 writes them.
-    node = name.decode("utf-8", "replace").lstrip("/").replace("/", ".")
-    return LogHead(_LEVELS.get(level, _INFO), node)
+    return head_of_ros1(level, name.decode("utf-8", "replace"))
 
 
 class RobotMessages:

@@ -23,6 +23,7 @@ from talaia.gateway.adapters.rosbridge.pending_calls import PendingCalls
 from talaia.gateway.adapters.rosbridge.protocol import nest_fields, read_message, write_frame
 from talaia.gateway.adapters.rosbridge.raw_topics import MAX_RAW_FRAME, RosbridgeTopics
 from talaia.gateway.adapters.rosbridge.server_connection import dial_server
+from talaia.gateway.adapters.rosbridge.server_log import LOG_TOPIC, ServerLog
 from talaia.gateway.adapters.topic_readers import SampleBuffer, make_live_plans
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
@@ -97,6 +98,7 @@ class RosbridgeAdapter:
             scope, self._topics, self._unreadable.report_unreadable, cbor=settings.cbor
         )
         self._calls = PendingCalls()
+        self._log = ServerLog(settings, context)
         # Topics of which a message has come in this connection.
         self._heard: set[str] = set()
         self._raw_topics = RosbridgeTopics(
@@ -177,6 +179,7 @@ class RosbridgeAdapter:
             if loop.time() >= again:
                 again = loop.time() + _AGAIN_S
                 self._ask_silent_topics()
+                self._log.tell_left_out()
             now_us = self._clock.wall_ns() // 1000
             for plan in self._plans:
                 plan.take_due(now_us, self._gathered)
@@ -301,6 +304,7 @@ class RosbridgeAdapter:
         for plan in self._plans:
             self._topics.subscribe_topic(f"signal {plan.topic}", plan.topic, plan.type_name)
         self._cameras.begin_connection()
+        self._log.subscribe(self._topics)
 
     def _subscribe_again(self, plan: TopicPlan) -> None:
         self._topics.unsubscribe_topic(f"signal {plan.topic}", plan.topic)
@@ -322,6 +326,8 @@ class RosbridgeAdapter:
                 log.debug("the server said %s", heard.op)
 
     def _read_message(self, heard: ServerMessage) -> None:
+        if heard.topic == LOG_TOPIC:
+            self._log.read_message(heard.body)
         plan = self._by_topic.get(heard.topic)
         if plan is not None:
             self._heard.add(heard.topic)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import EventSink, LogSink
     from talaia.model.connections.ros1 import Ros1Connection
     from talaia.model.connections.ros2 import Ros2Settings
+    from talaia.model.connections.rosbridge import RosbridgeConnection
 
 __all__ = ["KEPT_RATES", "KeptLines", "make_line", "readers_of"]
 
@@ -59,7 +60,10 @@ class KeptLines:
 
 
 def readers_of(
-    settings: Ros2Settings | Ros1Connection, clock: Clock, events: EventSink, sink: LogSink | None
+    settings: Ros2Settings | Ros1Connection | RosbridgeConnection,
+    clock: Clock,
+    events: EventSink,
+    sink: LogSink | None,
 ) -> list[LogLines | KeptLines]:
     """Give who reads a robot's log, as its connection says; nobody: it is not heard."""
     readers: list[LogLines | KeptLines] = []

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
 
-__all__ = ["LogBounds", "LogHead", "LogLines", "LogRates", "level_word", "read_head"]
+__all__ = [
+    "LogBounds", "LogHead", "LogLines", "LogRates", "head_of_ros1", "level_word", "read_head",
+]  # fmt: skip
 
 _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
@@ -39,6 +41,8 @@ _LEVELS = {
     LogLevel.ERROR: 40,
     LogLevel.FATAL: 50,
 }
+# rosgraph_msgs/Log: its levels as ROS 2 counts them; what is none of them is an *info*.
+_OLD_LEVELS, _INFO = {1: 10, 2: 20, 4: 30, 8: 40, 16: 50}, 20
 # Of a Log's bytes: the header of CDR, its stamp, the level, then the length of the node's name.
 _LEVEL_AT, _NAME_AT = 12, 16
 
@@ -78,6 +82,11 @@ def read_head(raw: bytes) -> LogHead | None:
     if len(name) < length:
         return None
     return LogHead(raw[_LEVEL_AT], name.rstrip(b"\0").decode("utf-8", "replace"))
+
+
+def head_of_ros1(level: int, name: str) -> LogHead:
+    """Give the head of a line of ROS 1 as of one of ROS 2: its names are absolute there."""
+    return LogHead(_OLD_LEVELS.get(level, _INFO), name.lstrip("/").replace("/", "."))
 
 
 def level_word(level: int) -> LogLevel:
