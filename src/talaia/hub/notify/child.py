@@ -312,8 +312,14 @@ def _by_status(status: int) -> str:
 
 
 def _send_chat(job: Job, left: _Left) -> Outcome:
-    import apprise
-
+    try:
+        import apprise
+    except ModuleNotFoundError as error:
+        return _make_outcome(
+            "failed",
+            f"chats need the Python package {error.name!r}, which is not installed; on the hub's "
+            "machine run: pip install 'talaia[chats]'",
+        )
     scheme = job["url"].partition("://")[0].lower()
     if scheme not in _CHATS:
         return _make_outcome("failed", f"{scheme!r} is none of {', '.join(_CHATS)}")
