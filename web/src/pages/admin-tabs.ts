@@ -15,6 +15,7 @@ const TABS: readonly (readonly [PageName, string])[] = [
   ["storage", "Storage"],
   ["description", "Description"],
   ["audit", "Audit log"],
+  ["support", "Support"],
 ];
 
 @customElement("t-admin-tabs")

@@ -30,6 +30,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   gateways: { tag: "t-page-gateways", title: "Gateways", load: () => import("./gateways/page-gateways.js") },
   clients: { tag: "t-page-clients", title: "Clients", load: () => import("./clients/page-clients.js") },
   storage: { tag: "t-page-storage", title: "Storage", load: () => import("./storage/page-storage.js") },
+  support: { tag: "t-page-support", title: "Support", load: () => import("./support/page-support.js") },
   audit: { tag: "t-page-audit", title: "Audit log", load: () => import("./audit/page-audit.js") },
   description: {
     tag: "t-page-description",
