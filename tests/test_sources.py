@@ -20,7 +20,7 @@ CODE = {"eval", "exec", "compile", "__import__"}
 MODULES_OF_CODE = {"pickle", "marshal", "shelve", "dill", "jinja2", "mako"}
 # What speaks to addresses that somebody else chose.
 CLIENTS = {"httpx", "requests", "aiohttp", "urllib.request", "urllib3", "http.client", "ftplib"}
-CLIENTS |= {"smtplib", "apprise", "pywebpush"}
+CLIENTS |= {"smtplib", "apprise"}
 # Names of our own tables and pragmas, written in the very file: no word of anybody else's.
 OUR_WORDS = {
     # Beside our names only numbers and bytes in hex; `_literal` refuses anything else.

@@ -1,7 +1,7 @@
-"""Refuse a tag that is not the version that is written down: check_release.py v1.2.3.
+"""Refuse a tag of which nothing is written down: check_release.py v1.2.3.
 
-The version stands in ``src/talaia/__init__.py`` and ``CITATION.cff``, and its changes in
-``CHANGELOG.md``. Needs nothing installed.
+The version is the tag's (see `src/talaia/own_version.py`); its changes stand in ``CHANGELOG.md``.
+Needs nothing installed.
 """
 
 from __future__ import annotations
@@ -13,15 +13,13 @@ from pathlib import Path
 from changes_of import changes_of
 
 ROOT = Path(__file__).resolve().parent.parent
-# Where the version is written, and how.
-WRITTEN = {
-    "src/talaia/__init__.py": r'(?m)^__version__ = "([^"]+)"$',
-    "CITATION.cff": r'(?m)^version: "?([^"\n]+)"?$',
-}
+sys.path.insert(0, str(ROOT / "src" / "talaia"))
+
+from own_version import version_of_checkout  # noqa: E402
 
 
 def differences(tag: str, root: Path) -> list[str]:
-    """Say in a sentence each what is written otherwise than the tag says; nothing if all is well.
+    """Say in a sentence each what is not as the tag says; nothing if all is well.
 
     Args:
         tag: as git has it: ``v1.2.3``.
@@ -31,11 +29,11 @@ def differences(tag: str, root: Path) -> list[str]:
     if not re.fullmatch(r"v\d+\.\d+\.\d+((a|b|rc)\d+)?", tag):
         return [f"the tag is {tag!r}; expected one like v1.2.3 or v1.2.3rc1"]
     version, said = tag.removeprefix("v"), []
-    for name, pattern in WRITTEN.items():
-        found = re.search(pattern, (root / name).read_text(encoding="utf-8"))
-        written = found[1] if found else "nothing"
-        if written != version:
-            said.append(f"the tag is {tag} and {name} says {written}; set one of them right")
+    found = version_of_checkout(root)
+    if found != version:
+        said.append(
+            f"the tag is {tag} and the checkout is {found}; check out the tag, with all tags"
+        )
     try:
         changes_of((root / "CHANGELOG.md").read_text(encoding="utf-8"), version)
     except LookupError as error:

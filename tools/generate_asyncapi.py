@@ -14,7 +14,6 @@ import msgspec
 import yaml
 from wire_words import CHANNELS
 
-from talaia import __version__
 from talaia.wire import browser, frames
 
 TARGET = Path(__file__).resolve().parent.parent / "docs" / "reference" / "asyncapi.yaml"
@@ -52,7 +51,8 @@ def document() -> dict[str, Any]:
         "asyncapi": "3.0.0",
         "info": {
             "title": "Talaia",
-            "version": __version__,
+            # Of the tree: with each commit it would be another one.
+            "version": "current",
             "description": "Messages as MessagePack maps (binary frames) or JSON (text frames);"
             " `t` names the kind. In JSON, bytes are base64. What each field means stands in"
             " wire.md.",

@@ -257,7 +257,10 @@ def api() -> dict[str, Any]:
     """Describe the HTTP API; the hub is only put together for it, and nothing is opened."""
     with tempfile.TemporaryDirectory() as folder:
         hub = build_hub(Settings(data=Path(folder)), SystemClock())
-    return describe_api(hub.app)
+    described = describe_api(hub.app)
+    # Of the tree: with each commit it would be another one.
+    described["info"]["version"] = "current"
+    return described
 
 
 def http_page() -> str:

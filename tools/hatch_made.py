@@ -1,15 +1,15 @@
 """Build hook: what is made travels in the wheel and in the sdist, so that users need no Node.
 
-The pages are built when their sources are here and the built ones are missing or older; the
-detectors' files are made when they are missing. An editable install makes nothing: a developer
-has `make setup`, `make pages` and the development server.
+The pages are built when their sources are here and the built ones are missing or older, and the
+version is written down. An editable install makes nothing: a developer has `make setup`,
+`make pages` and the development server, and a checkout's version is git's.
 """
 
 from __future__ import annotations
 
 import importlib.util
 import subprocess
-import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 SOURCES = ("src", "public", "index.html", "package.json", "package-lock.json", "vite.config.ts")
-MODELS = "src/talaia/objects/models"
-# What sees objects and what finds faces, each by the script that makes it.
-DETECTORS = {"nanodet.onnx": "make_detector.py", "centerface.onnx": "make_face_detector.py"}
+# Where it is in what is built; read by `talaia.own_version`.
+VERSION_FILES = {"wheel": "talaia/version.txt", "sdist": "src/talaia/version.txt"}
 
 
 class PagesMissing(Exception):
@@ -50,52 +49,32 @@ class PagesNotBuilt(Exception):
         return f"`npm {' '.join(self.arguments)}` failed in web/:\n{self.said}"
 
 
-class DetectorNotMade(Exception):
-    """A detector's file is not here and could not be made."""
-
-    def __init__(self, name: str, said: str) -> None:
-        """Keep which, and what was said."""
-        self.name = name
-        self.said = said
-        super().__init__(name, said)
-
-    def __str__(self) -> str:
-        """Show the script's own words."""
-        made_by = f"tools/{DETECTORS[self.name]}"
-        return f"{MODELS}/{self.name} is missing, and {made_by} could not make it:\n{self.said}"
-
-
 class MadeHook(BuildHookInterface):  # type: ignore[type-arg]
     """See the module."""
 
     PLUGIN_NAME = "talaia-made"
 
     def dependencies(self) -> list[str]:
-        """Ask the front end for what makes what is missing: NumPy, pip, Node if there is none."""
+        """Ask the front end for Node, where the pages have to be built and there is none."""
         node = self._node()
-        missing = self._missing_detectors()
-        detector = "nanodet.onnx" in missing
-        needs_npm = detector or (not self._fresh() and self._web.is_dir())
-        wanted = ["numpy>=2.0"] if missing else []
-        if "centerface.onnx" in missing:
-            wanted.append("pip>=24")
-        if needs_npm and node.machine_npm() is None:
-            wanted.append(str(node.PACKAGE))
-        return wanted
+        builds = not self._fresh() and self._web.is_dir()
+        return [str(node.PACKAGE)] if builds and node.machine_npm() is None else []
 
-    def initialize(self, version: str, _build_data: dict[str, Any]) -> None:
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Make what is missing, or nothing where that is not wanted.
 
         Raises:
             PagesMissing: nothing to build the pages from.
             PagesNotBuilt: npm failed.
-            DetectorNotMade: a detector's file could not be made.
 
         """
         if version == "editable":
             return
-        for name in self._missing_detectors():
-            self._make_detector(name)
+        written = self._written = Path(tempfile.mkstemp(suffix=".txt")[1])
+        written.write_text(f"{self.metadata.version}\n", "ascii")
+        # `mkstemp` makes it for its owner alone, and the mode goes into the archive.
+        written.chmod(0o644)
+        build_data["force_include"][str(written)] = VERSION_FILES[self.target_name]
         if self._fresh():
             return
         if not self._web.is_dir():
@@ -106,20 +85,14 @@ class MadeHook(BuildHookInterface):  # type: ignore[type-arg]
             self._run(npm, "ci", "--no-audit", "--no-fund")
         self._run(npm, "run", "build")
 
+    def finalize(self, version: str, _build_data: dict[str, Any], _artifact: str) -> None:
+        """Remove what was written for the build alone."""
+        if version != "editable":
+            self._written.unlink(missing_ok=True)
+
     @property
     def _web(self) -> Path:
         return Path(self.root) / "web"
-
-    def _missing_detectors(self) -> list[str]:
-        return [name for name in DETECTORS if not (Path(self.root) / MODELS / name).is_file()]
-
-    def _make_detector(self, name: str) -> None:
-        done = subprocess.run(
-            [sys.executable, str(Path(self.root) / "tools" / DETECTORS[name])],
-            check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        )  # fmt: skip
-        if done.returncode:
-            raise DetectorNotMade(name, done.stdout)
 
     def _run(self, npm: Any, *arguments: str) -> None:  # noqa: ANN401 - `Npm`, loaded by path
         done = subprocess.run(

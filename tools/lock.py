@@ -17,6 +17,10 @@ LOCKS = {
         "--extra",
         "arrow",
         "--extra",
+        "chats",
+        "--extra",
+        "fast",
+        "--extra",
         "sim",
         "--extra",
         "observatory",
@@ -32,11 +36,11 @@ LOCKS = {
 }
 ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 # What an image of `talaia generate` may install, group by group: the extras that it knows, what
-# builds http-ece (which has no wheel), and uv. In one file that travels in the wheel.
+# builds empy (which has no wheel), and uv. In one file that travels in the wheel.
 IMAGES = ROOT / "src/talaia/deploy/images.lock"
 IMAGE_EXTRAS = (
-    "hub", "arrow", "mariadb", "postgresql", "cluster", "objects", "gateway", "ros2", "recording",
-    "camera", "observatory",
+    "hub", "arrow", "chats", "fast", "mariadb", "postgresql", "cluster", "objects", "gateway",
+    "ros2", "recording", "camera", "observatory",
 )  # fmt: skip
 OTHER_GROUPS = {"build": "setuptools\n", "uv": "uv\n"}
 COMPILE = (
@@ -49,12 +53,13 @@ def main() -> int:
     """Write every lock file; `demo.txt` agrees with `dev.txt` on every version."""
     subprocess.run([sys.executable, "-m", "pip", "install", "-q", "uv"], check=True)
     with tempfile.TemporaryDirectory() as folder:
+        project = without_own_packages(Path(folder))
         always = Path(folder, "always.in")
         always.write_text(ALWAYS)
         for name, extras in LOCKS.items():
             target = ROOT / "requirements" / name
             command = [
-                sys.executable, "-m", "uv", "pip", "compile", "pyproject.toml", str(always),
+                sys.executable, "-m", "uv", "pip", "compile", str(project), str(always),
                 *extras, *COMPILE, "--python-version", "3.11", "--output-file", str(target),
             ]  # fmt: skip
             if name != "dev.txt":
@@ -66,11 +71,19 @@ def main() -> int:
                 return 1
             count = len(re.findall(r"(?m)^[a-z0-9].*==", text))
             print(f"{target.relative_to(ROOT)}: {count} packages")
-        write_image_lock(Path(folder))
+        write_image_lock(Path(folder), project)
     return 0
 
 
-def write_image_lock(folder: Path) -> None:
+def without_own_packages(folder: Path) -> Path:
+    """Copy the project's file without the packages of this tree, which no index needs to have."""
+    text = (ROOT / "pyproject.toml").read_text()
+    copy = folder / "pyproject.toml"
+    copy.write_text(re.sub(r'(?m)^ +"talaia-[^"]+",\n', "", text))
+    return copy
+
+
+def write_image_lock(folder: Path, project: Path) -> None:
     """Write what images install: each package once, with the groups that need it."""
     groups: dict[str, set[str]] = {}
     for group in (*IMAGE_EXTRAS, *OTHER_GROUPS):
@@ -79,7 +92,7 @@ def write_image_lock(folder: Path) -> None:
             source.write_text(OTHER_GROUPS[group])
             words = [str(source)]
         else:
-            words = ["pyproject.toml", "--extra", group]
+            words = [str(project), "--extra", group]
         made = folder / f"{group}.txt"
         # For the Python of images, and for that of the tests, which install by it, too.
         more = ["--python-version", "3.11", "--constraint", str(ROOT / "requirements/dev.txt")]

@@ -29,7 +29,7 @@ def test_a_gateways_image_is_made_from_a_distributions_own(distro: str, tmp_path
     recipe = (tmp_path / "gateway.Dockerfile").read_text()
     assert recipe.startswith(f"FROM ros:{distro}-ros-base\n")
     # The image's own ROS 2 is used: the wheels are for another machine, and never beside it.
-    assert steps(recipe)[-1][-1] == f"talaia[gateway,objects]=={__version__}"
+    assert steps(recipe)[-1][-1] == f"talaia[gateway,fast,objects]=={__version__}"
     assert f"ros-{distro}-nav-msgs" in recipe
     gateway = yaml.safe_load((tmp_path / "compose.yaml").read_text())["services"]["gateway"]
     assert gateway["platform"] == "linux/arm64"

@@ -83,22 +83,25 @@ def steps(recipe: str) -> list[list[str]]:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Talaia's own wheel, built from this tree."""
-    folder = tmp_path_factory.mktemp("wheel")
-    run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT)
-    (made,) = folder.glob("*.whl")
+def wheels(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Talaia's own wheels, built from this tree, by the name of their package."""
+    folder = tmp_path_factory.mktemp("wheels")
+    for part in (".", "packages/models", "packages/simulators"):
+        run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT / part)
+    made = {each.name.split("-")[0]: each for each in folder.glob("*.whl")}
+    assert set(made) == {"talaia", "talaia_models", "talaia_simulators"}
     return made
 
 
-def test_the_wheel_carries_what_is_made_and_whose_work_it_is(wheel: Path) -> None:
-    with zipfile.ZipFile(wheel) as packed:
-        names = packed.namelist()
-        (notice,) = (
-            packed.read(each).decode()
-            for each in names
-            if each.endswith(".dist-info/licenses/src/talaia/objects/CREDITS.md")
-        )
+@pytest.fixture(scope="module")
+def wheel(wheels: dict[str, Path]) -> Path:
+    """Talaia itself."""
+    return wheels["talaia"]
+
+
+def test_the_wheels_carry_what_is_made_and_whose_work_it_is(wheels: dict[str, Path]) -> None:
+    with zipfile.ZipFile(wheels["talaia_models"]) as packed:
+        notice = packed.read("talaia/objects/models/CREDITS.md").decode()
         carried = {
             script: hashlib.sha256(packed.read(f"talaia/objects/models/{name}.onnx")).hexdigest()
             for name, script in (
@@ -108,7 +111,6 @@ def test_the_wheel_carries_what_is_made_and_whose_work_it_is(wheel: Path) -> Non
         }
     for script, found in carried.items():
         assert f'SHA256 = "{found}"' in (ROOT / "tools" / script).read_text()
-    assert "talaia/web/static/index.html" in names
     for each in (
         "Copyright 2020-2021 RangiLyu",
         "Apache License",
@@ -116,7 +118,41 @@ def test_the_wheel_carries_what_is_made_and_whose_work_it_is(wheel: Path) -> Non
         "Star-Clouds",
     ):
         assert each in notice
+    names = zipfile.ZipFile(wheels["talaia"]).namelist()
+    assert "talaia/web/static/index.html" in names
     assert [each for each in names if "/node_modules/" in each or each.endswith(".new")] == []
+
+
+def test_no_robot_carries_simulators_and_none_without_cameras_their_detectors(
+    wheels: dict[str, Path],
+) -> None:
+    inside = {name: set(zipfile.ZipFile(made).namelist()) for name, made in wheels.items()}
+    assert not [each for each in inside["talaia"] if each.startswith("talaia/sim/")]
+    assert not [each for each in inside["talaia"] if each.endswith(".onnx")]
+    assert "talaia/sim/vehicle/vehicle.py" in inside["talaia_simulators"]
+    # They lie in one folder when they are installed, and none overwrites another's file.
+    for one, other in (
+        ("talaia", "talaia_models"),
+        ("talaia", "talaia_simulators"),
+        ("talaia_models", "talaia_simulators"),
+    ):
+        assert inside[one] & inside[other] == set()
+    # All of the tree is in one of them.
+    sources = {
+        str(path.relative_to(ROOT / "src"))
+        for path in (ROOT / "src/talaia").rglob("*.py")
+    }
+    assert sources <= set().union(*inside.values())
+
+
+def test_what_is_built_says_the_version_of_the_checkout(wheels: dict[str, Path]) -> None:
+    assert wheels["talaia"].name == f"talaia-{__version__}-py3-none-any.whl"
+    assert wheels["talaia_simulators"].name.split("-")[1] == __version__
+    with zipfile.ZipFile(wheels["talaia"]) as packed:
+        assert packed.read("talaia/version.txt").decode() == f"{__version__}\n"
+    with zipfile.ZipFile(wheels["talaia_simulators"]) as packed:
+        (name,) = (each for each in packed.namelist() if each.endswith("/METADATA"))
+        assert f"Requires-Dist: talaia=={__version__}\n" in packed.read(name).decode()
 
 
 # Beside other work an installation takes minutes; a limit is for one that never ends.
@@ -125,10 +161,12 @@ def test_the_wheel_carries_what_is_made_and_whose_work_it_is(wheel: Path) -> Non
     ("image", "words"), [("hub", ("hub", "--help")), ("gateway", ("gateway", "--help"))]
 )
 def test_the_install_steps_of_an_image_work_in_a_clean_environment(
-    image: str, words: tuple[str, ...], wheel: Path, tmp_path: Path
+    image: str, words: tuple[str, ...], wheels: dict[str, Path], tmp_path: Path
 ) -> None:
     folder, place = tmp_path / "deployment", tmp_path / "environment"
-    assert main(["generate", str(EXAMPLE), "--to", str(folder), "--wheel", str(wheel)]) == 0
+    wheel = wheels["talaia"]
+    given = [str(wheels[name]) for name in ("talaia", "talaia_models")]
+    assert main(["generate", str(EXAMPLE), "--to", str(folder), "--wheel", *given]) == 0
     recipe = (folder / f"{image}.Dockerfile").read_text()
     assert {"COPY wheels/ /wheels/", "COPY locks/ /locks/"} <= set(recipe.splitlines())
     *locked, own = steps(recipe)
@@ -152,7 +190,7 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
     if image == "hub":
         # From here it packs itself, and what it writes is the wheel that it came from.
         run(program, "generate", EXAMPLE, "--to", tmp_path / "again")
-        (packed,) = (tmp_path / "again/wheels").glob("*.whl")
+        (packed,) = (tmp_path / "again/wheels").glob("talaia-*.whl")
         assert content_of(packed) == content_of(wheel)
         assert packed.name == wheel.name
     if table := os.environ.get("TALAIA_PROOF_TABLE"):
@@ -229,10 +267,11 @@ def seen_by_a_probe(program: Path, ros_python: Path) -> list[str]:
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("distro", DISTROS)
 def test_the_install_steps_of_an_image_on_ros_work_and_its_gateway_sees_a_robot(
-    distro: str, wheel: Path, tmp_path: Path
+    distro: str, wheels: dict[str, Path], tmp_path: Path
 ) -> None:
     folder, root = tmp_path / "deployment", tmp_path / "root"
-    words = ["generate", str(EXAMPLE), "--to", str(folder), "--wheel", str(wheel)]
+    given = [str(wheels[name]) for name in ("talaia", "talaia_models")]
+    words = ["generate", str(EXAMPLE), "--to", str(folder), "--wheel", *given]
     assert main([*words, "--ros-distro", distro, "--arch", "arm64"]) == 0
     recipe = (folder / "gateway.Dockerfile").read_text()
     places = dict(re.findall(r"(UV_PYTHON_INSTALL_DIR)=(\S+)", recipe))
@@ -278,16 +317,16 @@ def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:
     site.write_text(OLD)
     assert main(["generate", str(site), "--to", str(tmp_path / "old")]) == 0
     recipe = (tmp_path / "old/gateway.Dockerfile").read_text()
-    assert steps(recipe)[-1][-1] == f"talaia[gateway,recording]=={__version__}"
+    assert steps(recipe)[-1][-1] == f"talaia[gateway,fast,recording]=={__version__}"
     assert "python3-rospy" in recipe
     assert main(["generate", str(EXAMPLE), "--to", str(tmp_path / "new")]) == 0
     recipe = (tmp_path / "new/gateway.Dockerfile").read_text()
     # It has a camera, and whether objects are seen on its pictures may be chosen later.
-    assert steps(recipe)[-1][-1] == f"talaia[gateway,ros2,objects]=={__version__}"
+    assert steps(recipe)[-1][-1] == f"talaia[gateway,fast,ros2,objects]=={__version__}"
     assert "apt-get" not in recipe
 
 
-@pytest.mark.parametrize(("at", "extras"), [("hub", "hub,arrow,objects"), ("gateway", "hub,arrow")])
+@pytest.mark.parametrize(("at", "extras"), [("hub", "hub,arrow,chats,fast,objects"), ("gateway", "hub,arrow,chats,fast")])
 def test_a_hubs_image_sees_objects_where_a_camera_wants_it_to(
     at: str, extras: str, tmp_path: Path
 ) -> None:

@@ -184,8 +184,12 @@ def test_another_update_waits_until_the_one_before_is_decided() -> None:
 
 
 def test_versions_have_an_order_and_are_no_paths() -> None:
-    ordered = ["0.9", "1.0.0a1", "1.0.0b1", "1.0.0rc1", "1.0.0rc10", "1.0.0", "1.0.1", "1.10.0"]
+    ordered = [
+        "0.9", "1.0.0.dev3", "1.0.0.dev12+g8fd5cecf", "1.0.0a1", "1.0.0b1", "1.0.0rc1",
+        "1.0.0rc2.dev4+g8fd5cecf", "1.0.0rc2", "1.0.0rc10", "1.0.0", "1.0.1.dev1", "1.0.1",
+        "1.10.0",
+    ]  # fmt: skip
     assert sorted(set(ordered), key=version_order) == ordered
-    for wrong in ("", "..", "1", "1.0/..", "1.0.0.0", "1.0\n", "١.٢"):
+    for wrong in ("", "..", "1", "1.0/..", "1.0.0.0", "1.0.0.dev1+../x", "1.0\n", "١.٢"):
         with pytest.raises(UpdateError):
             SlotFolder(Path("/x")).slot_path(wrong)

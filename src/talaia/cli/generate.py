@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from talaia import __version__
 from talaia.cli.errors import CliError
-from talaia.cli.own_wheel import pack_own_wheel
+from talaia.cli.own_wheel import MODELS, pack_own_wheel
 from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.project import (
     BUS_SECRETS,
@@ -53,14 +53,15 @@ def main(argv: Sequence[str]) -> int:
             "--arch arm64: there are no wheels of ROS 2 for it; add --ros-distro "
             f"({', '.join(ROS_DISTROS)})"
         )
-    if options.wheel is not None and not options.wheel.is_file():
-        raise CliError(f"--wheel {options.wheel}: there is no such file")
+    for wheel in options.wheel:
+        if not wheel.is_file():
+            raise CliError(f"--wheel {wheel}: there is no such file")
     database = _choose_database(options)
     choice = DeployOptions(
         database=database,
         port=options.port,
         hosts=tuple(options.allow_host),
-        version=__version__,
+        version=_version_of(options.wheel),
         program=options.program,
         setup=options.ros_setup,
         ros_distro=options.ros_distro,
@@ -75,7 +76,7 @@ def main(argv: Sequence[str]) -> int:
     )
     files = _pin_images(files, options.pin)
     _write_files(options.to, files, force=options.force)
-    _bring_wheel(options.to / "wheels", options.wheel)
+    _bring_wheels(options.to, options.wheel)
     print(f"{options.to}: {len(files)} files; README.md there says how to start", file=sys.stderr)
     return 0
 
@@ -146,16 +147,36 @@ def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
     return pin_images(files, pins)
 
 
-def _bring_wheel(folder: Path, given: Path | None) -> None:
-    """Lay Talaia's own wheel where the images take it from."""
+def _version_of(given: Sequence[Path]) -> str:
+    """Give the version that images install: of the wheel that was given, else our own."""
+    found = [wheel.name.split("-")[1] for wheel in given if wheel.name.startswith("talaia-")]
+    return found[0] if found else __version__
+
+
+def _bring_wheels(project: Path, given: Sequence[Path]) -> None:
+    """Lay Talaia's own wheels where the images take them from."""
+    folder = project / "wheels"
     # What a person gives is what they want in the images, whatever runs here.
-    if given is not None:
-        shutil.copy(given, folder)
-    elif pack_own_wheel(folder) is None and not list(folder.glob("talaia-*.whl")):
-        print(
-            f"{folder} needs Talaia's wheel before the images are built: this Talaia runs from a "
-            f"checkout; there, run `python -m build --wheel --outdir {folder}`",
-            file=sys.stderr,
+    for wheel in given:
+        shutil.copy(wheel, folder)
+    wanted = {"talaia": "."}
+    recipes = [(project / f"{image}.Dockerfile").read_text() for image in ("hub", "gateway")]
+    if any("objects" in recipe for recipe in recipes):
+        wanted[MODELS] = "packages/models"
+    missing = []
+    for name, where in wanted.items():
+        begin = f"{name.replace('-', '_')}-"
+        if (
+            not any(wheel.name.startswith(begin) for wheel in given)
+            and pack_own_wheel(folder, name) is None
+            # Of a run before.
+            and not any(folder.glob(f"{begin}*.whl"))
+        ):
+            missing.append(f"    python -m build --wheel --outdir {folder} {where}\n")
+    if missing:
+        sys.stderr.write(
+            f"{folder} needs Talaia's wheels before the images are built: this Talaia runs from a "
+            f"checkout, or without what its cameras need; in a checkout, run\n{''.join(missing)}"
         )
 
 
@@ -212,7 +233,11 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--wheel",
         type=Path,
-        help="Talaia's wheel, to build the images from (this Talaia, packed from where it is "
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="FILE",
+        help="Talaia's wheels, to build the images from (this Talaia, packed from where it is "
         "installed)",
     )
     parser.add_argument(

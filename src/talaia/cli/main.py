@@ -187,10 +187,13 @@ def _missing_parts(name: str, command: Subcommand) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        # A module of our own that is missing is no extra that one could install.
-        if error.name is None or error.name.startswith("talaia"):
+        # A module of our own that is missing is no extra that one could install, but for the
+        # simulators, which are a package of their own.
+        ours = error.name is None or error.name.startswith("talaia")
+        if ours and error.name != "talaia.sim":
             raise
-        raise PartMissing(f"talaia {name}", error.name, command.extra) from error
+        missing = "talaia-simulators" if ours else str(error.name)
+        raise PartMissing(f"talaia {name}", missing, command.extra) from error
 
 
 def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:

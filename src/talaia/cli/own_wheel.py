@@ -1,4 +1,4 @@
-"""Talaia's own wheel, packed anew from where it is installed.
+"""Talaia's own wheels, packed anew from where they are installed.
 
 So an image holds the very Talaia that wrote its recipe, and no index is asked for it.
 """
@@ -18,34 +18,37 @@ from talaia.cli.errors import CliError
 if TYPE_CHECKING:
     from importlib.metadata import PackagePath
 
-__all__ = ["pack_own_wheel"]
+__all__ = ["MODELS", "pack_own_wheel"]
 
+# The wheel of the detectors' files.
+MODELS = "talaia-models"
 # What pip writes about an installation, and no wheel holds.
 _OF_PIP = ("INSTALLER", "RECORD", "REQUESTED", "direct_url.json")
 # The oldest time that a zip file can say: the same installation makes the same wheel.
 _WHEN = (1980, 1, 1, 0, 0, 0)
 
 
-def pack_own_wheel(folder: Path) -> Path | None:
-    """Write the wheel, and give where; none where Talaia runs from a checkout.
+def pack_own_wheel(folder: Path, name: str = "talaia") -> Path | None:
+    """Write a wheel, and give where; none where it is not installed, or runs from a checkout.
 
     Args:
         folder: that it is written into.
+        name: of the package.
 
     Raises:
         CliError: a file is not what was installed.
 
     """
     try:
-        found = distribution("talaia")
+        found = distribution(name)
     except PackageNotFoundError:
         return None
     files = [file for file in found.files or [] if _is_packed(file)]
     # The Talaia that runs may be another than the one that is installed.
-    here = Path(talaia.__file__).resolve()
-    if not any(Path(str(file.locate())).resolve() == here for file in files):
+    here = Path(talaia.__file__).resolve().parent
+    if not any(here in Path(str(file.locate())).resolve().parents for file in files):
         return None
-    target = folder / f"talaia-{found.version}-py3-none-any.whl"
+    target = folder / f"{name.replace('-', '_')}-{found.version}-py3-none-any.whl"
     _write_wheel(target, found, files)
     return target
 

@@ -119,8 +119,8 @@ def install_steps(
     wanted = f"talaia[{','.join(extras)}]=={version}"
     locked = [*install, "--require-hashes", "--only-binary", ":all:"]
     steps: list[list[str]] = []
-    # To build a package, pip would fetch its builder without hashes. So two that have no wheel
-    # are built by what a step before installs, and nothing else may be built.
+    # To build a package, pip would fetch its builder without hashes. So one that has no wheel is
+    # built by what a step before installs, and nothing else may be built.
     building: list[str] = []
     if built := built_packages(extras):
         steps = [[*locked, "-r", "/locks/build.txt"]]

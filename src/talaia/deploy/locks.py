@@ -16,8 +16,8 @@ __all__ = ["BUILD", "UV", "LockedPackage", "built_packages", "read_image_lock", 
 
 # Groups beside those of Talaia's extras: what builds a package from its source, and uv.
 BUILD, UV = "build", "uv"
-# They have no wheels. They are built by what is locked, never by what pip would fetch for it.
-_SOURCE_ONLY = {"empy", "http-ece"}
+# It has no wheel. It is built by what is locked, never by what pip would fetch for it.
+_SOURCE_ONLY = {"empy"}
 # A line of the groups that need it, then the package with its hashes.
 _BLOCK = re.compile(
     r"^# (?P<groups>[a-z0-9 ]+)\n(?P<text>(?P<name>\S+?)==[^\\\n]*(?:\\\n +--hash=\S+ ?)+)$", re.M

@@ -35,3 +35,8 @@ class DeployOptions(NamedTuple):
     ros_distro: str = ""
     arch: str = ""
     hubs: int = 1
+
+    @property
+    def tag(self) -> str:
+        """Of images: a tag may have no ``+``, which the version of a checkout has."""
+        return self.version.replace("+", "-")

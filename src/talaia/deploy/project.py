@@ -90,7 +90,7 @@ def make_deployment(
     database = choice.database
     # Nobody adds to an image later: it gives files of every form. Each database has an extra of
     # its name, with the driver.
-    extras = ["hub", "arrow"]
+    extras = ["hub", "arrow", "chats", "fast"]
     if database is not DatabaseKind.SQLITE:
         extras.append(database.value)
     if choice.hubs > 1:
@@ -183,7 +183,7 @@ def _files_of_several(choice: DeployOptions, password: str, bus_password: str) -
         # There the database is on another machine.
         "kubernetes_database_url": f"postgresql://talaia:{password}@database/talaia?{checked}",
     }
-    manifests = write_manifests(choice.hubs, choice.hosts, choice.version)
+    manifests = write_manifests(choice.hubs, choice.hosts, choice.tag)
     return {
         "haproxy.cfg": File(write_balancer_config(hub_names(choice.hubs))),
         **{f"secrets/{name}": File(text, 0o644) for name, text in secrets.items()},
@@ -225,7 +225,7 @@ def _gateway_extras(site: Site, choice: DeployOptions) -> list[str]:
     """Name what the site's connections, recordings and cameras need."""
     links = site.links().values()
     # What is needed by none of its parts is no way in either.
-    extras = ["gateway"]
+    extras = ["gateway", "fast"]
     # In a distribution's image the ROS 2 is there, and of another Python.
     if not choice.ros_distro and any(isinstance(link, Ros2Connection) for link in links):
         extras.append("ros2")

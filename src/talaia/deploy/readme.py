@@ -70,8 +70,8 @@ The gateway runs in the host's network, where DDS finds the robot. Its key is ma
 first start, by the service `enrol`, and kept in the volume `link`. To make another, remove \
 that volume.
 
-Talaia's own wheel lies in `wheels/`, and the build takes it from nowhere else. What it needs is \
-installed by version and hash (`locks/`): what does not fit ends the build. The images of others \
+Talaia's own wheels lie in `wheels/`, and the build takes them from nowhere else. What they need \
+is installed by version and hash (`locks/`): what does not fit ends the build. The images of others \
 stand by their tags; `talaia generate --force --pin IMAGE@sha256:…` writes their digests.
 
 ## The gateway on the robot's own computer
@@ -137,8 +137,8 @@ folder of before, `docker compose stop hub`, then `docker compose up --build --d
 
 ```sh
 # The image, to a registry of yours; name that in kubernetes/kustomization.yaml.
-docker build -f hub.Dockerfile -t registry.example/talaia-hub:{choice.version} .
-docker push registry.example/talaia-hub:{choice.version}
+docker build -f hub.Dockerfile -t registry.example/talaia-hub:{choice.tag} .
+docker push registry.example/talaia-hub:{choice.tag}
 kubectl apply -f kubernetes/namespace.yaml
 {create} talaia-hub --from-file=database_url=secrets/kubernetes_database_url \\
   --from-file=secrets/cluster_url --from-file=secrets/internal_ca.pem

@@ -9,11 +9,11 @@ import signal
 import sys
 from typing import TYPE_CHECKING
 
-import uvloop
 
 from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
+from talaia.event_loop import new_event_loop
 from talaia.gateway.app import Gateway
 from talaia.gateway.command_line import settings_of
 from talaia.gateway.reload.description_file import DescriptionFile
@@ -56,7 +56,7 @@ def run_gateway(arguments: argparse.Namespace) -> int:
         site = raise_first(site_in(copy.text, arguments.site))
         add_log_field("TALAIA_SITE", site.site)
         settings = settings_of(arguments, site)
-        with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
+        with asyncio.Runner(loop_factory=new_event_loop) as runner:
             runner.run(_serve_until_signal(site, settings, copy))
     except TalaiaError as error:
         sys.stderr.write(f"talaia gateway: {error}\n")

@@ -35,6 +35,7 @@ from talaia.hub.features.records.notes import NotesFeature
 from talaia.hub.features.records.releases import ReleasesFeature
 from talaia.hub.features.records.robot_log import RobotLogFeature
 from talaia.hub.features.records.storage import StorageFeature
+from talaia.hub.features.records.support import SupportFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
 
@@ -169,6 +170,7 @@ class Hub(AssembledHub):
         self.alert_notices = AlertNoticesFeature(core, observing=self.observing, audit=log)
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=self.history.store)
+        self.support = SupportFeature(core, audit=log)
         self.hubs = HubsFeature(core)
         self.boards = BoardsFeature(core, audit=log)
         self.maps = MapsFeature(core, audit=log)

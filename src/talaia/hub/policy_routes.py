@@ -366,6 +366,10 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/rollouts"): AccessNeed.ADMIN,
         ("POST", "/api/rollouts/stop"): AccessNeed.ADMIN,
     },
+    "support": {
+        # Host names, addresses and logs of the hub's machine; no secrets.
+        ("POST", "/api/support-bundle"): AccessNeed.ADMIN,
+    },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,

@@ -17,10 +17,10 @@ import sys
 from typing import TYPE_CHECKING, Protocol
 
 import uvicorn
-import uvloop
 
 from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
+from talaia.event_loop import new_event_loop
 from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.dead_peers import drop_dead_peers
@@ -192,7 +192,7 @@ def server_of(hub: ServedHub, on_ready: Callable[[], None] = lambda: None) -> Hu
         hub.asgi,
         ws=HubSocketProtocol,
         http=HubProtocol,
-        # The loop is made in `main`, with `uvloop`.
+        # The loop is made in `main`.
         loop="none",
         # Not "auto": a hub that cannot open must end instead of serving without its lifespan.
         lifespan="on",
@@ -241,7 +241,7 @@ def serve_hub(settings: Settings, log_level: str = "info", log_format: str = "au
     # Before any thread is started: the allocator makes its arenas with them.
     keep_little_free_memory()
     try:
-        with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
+        with asyncio.Runner(loop_factory=new_event_loop) as runner:
             runner.run(_serve_hub(settings))
     except Superseded:
         # All of it anew: what is in memory is of the past, and threads of it may be stuck.

@@ -41,7 +41,13 @@ __all__ = [
 # A power cut in the middle of a trial is no fault of the release; a machine that restarts again
 # and again may be.
 MOST_TRIES = 3
-_VERSION = re.compile(r"([0-9]{1,6})\.([0-9]{1,6})(?:\.([0-9]{1,6}))?(?:(a|b|rc)([0-9]{1,6}))?\Z")
+_VERSION = re.compile(
+    r"([0-9]{1,6})\.([0-9]{1,6})(?:\.([0-9]{1,6}))?(?:(a|b|rc)([0-9]{1,6}))?"
+    # Of a checkout: commits since the release before, and which one it is.
+    r"(?:\.dev([0-9]{1,6})(?:\+g[0-9a-f]{4,40})?)?\Z"
+)
+# Behind all commits on the way to it.
+_MADE = 1_000_000
 _Version = Annotated[str, Meta(max_length=40)]
 
 
@@ -85,9 +91,12 @@ def version_order(version: str) -> tuple[int, ...]:
     found = _VERSION.match(version)
     if found is None:
         raise UpdateError(f"{version[:40]!r} is no version like 1.2.3 or 1.3.0rc1")
-    major, minor, patch, kind, number = found.groups()
-    before = ("a", "b", "rc").index(kind) if kind else 3
-    return int(major), int(minor), int(patch or 0), before, int(number or 0)
+    major, minor, patch, kind, number, commits = found.groups()
+    # What is on its way to a version comes before it, and before the pre-releases of that.
+    unmade = -1 if commits else 3
+    before = ("a", "b", "rc").index(kind) if kind else unmade
+    made = _MADE if commits is None else int(commits)
+    return int(major), int(minor), int(patch or 0), before, int(number or 0), made
 
 
 def slot_to_run(state: SlotState) -> str:

@@ -703,6 +703,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     # None goes on there.
     ("POST", "/api/sites/{site}/mission-runs/act"): of_site(json={"act": "pause"}, done=(409,)),
     ("GET", "/api/storage"): Recipe(plain()),
+    ("POST", "/api/support-bundle"): Recipe(plain(json={})),
     ("GET", "/api/sites/{site}/anomalies"): of_site(),
     # No detector is at work there, which only those are told who may say it.
     ("POST", "/api/sites/{site}/anomalies/forgiven"): of_site(

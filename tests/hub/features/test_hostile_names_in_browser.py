@@ -81,6 +81,7 @@ PAGES = (
     "/admin/gateways",
     "/admin/storage",
     "/admin/audit",
+    "/admin/support",
 )
 # What a page holds, through every shadow root: its text, and markup that a name has become.
 LOOK = """() => {

@@ -127,7 +127,7 @@ class PushService(Peer):
 @pytest.fixture
 async def push_service(tmp_path, monkeypatch):
     context, trusted = certified(tmp_path, "127.0.0.1")
-    monkeypatch.setenv("REQUESTS_CA_BUNDLE", str(trusted))
+    monkeypatch.setenv("SSL_CERT_FILE", str(trusted))
     # A browser's address is a public one in any case; of this machine's the test makes one.
     monkeypatch.setattr("talaia.hub.notify.senders._NETWORKS_OF_PUSH", ("127.0.0.1/32",))
     service, server = await served("127.0.0.1", PushService(), context)

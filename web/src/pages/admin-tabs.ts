@@ -16,6 +16,7 @@ const TABS: readonly (readonly [PageName, string])[] = [
   ["storage", msg("Storage")],
   ["description", msg("Description")],
   ["audit", msg("Audit log")],
+  ["support", msg("Support")],
 ];
 
 @customElement("t-admin-tabs")

@@ -32,6 +32,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   clients: { tag: "t-page-clients", title: msg("Clients"), load: () => import("./clients/page-clients.js") },
   storage: { tag: "t-page-storage", title: msg("Storage"), load: () => import("./storage/page-storage.js") },
   audit: { tag: "t-page-audit", title: msg("Audit log"), load: () => import("./audit/page-audit.js") },
+  support: { tag: "t-page-support", title: msg("Support"), load: () => import("./support/page-support.js") },
   description: {
     tag: "t-page-description",
     title: msg("Description"),

@@ -45,6 +45,7 @@ export type PageName =
   | "gateways"
   | "clients"
   | "storage"
+  | "support"
   | "ways"
   | "audit"
   | "description"
@@ -91,12 +92,13 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/admin/clients": "clients",
   "/admin/storage": "storage",
   "/admin/audit": "audit",
+  "/admin/support": "support",
   "/admin/description": "description",
   "/gallery": "gallery",
 };
 
 /** The pages that only an admin of the whole hub may open. */
-export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "clients", "ways", "storage", "description", "audit"];
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "clients", "ways", "storage", "description", "audit", "support"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {

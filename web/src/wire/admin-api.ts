@@ -147,6 +147,11 @@ export class AdminApi {
     await this.hub.request("POST", "/api/rollouts/stop", {});
   }
 
+  /** One ZIP file for whoever helps; takes as long as the hub needs to look at its machine. */
+  supportBundle(): Promise<ArrayBuffer> {
+    return this.hub.request("POST", "/api/support-bundle", {}, { bytes: true });
+  }
+
   storage(): Promise<StorageShape> {
     return this.hub.request("GET", "/api/storage");
   }

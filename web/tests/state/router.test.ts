@@ -28,6 +28,7 @@ describe("addresses", () => {
     ["/admin/clients", "clients", ""],
     ["/admin/storage", "storage", ""],
     ["/admin/audit", "audit", ""],
+    ["/admin/support", "support", ""],
     ["/admin/constructor", "missing", ""],
     ["/sites/agv/devices", "missing", ""],
     ["/sites/agv/devices/a/b", "missing", ""],

@@ -111,6 +111,7 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/gateways/{gateway}/reconnect"): frozenset({409}),
     ("POST", "/api/gateways/{gateway}/second"): frozenset({409}),
     ("POST", "/api/rollouts"): frozenset({409}),
+    ("POST", "/api/support-bundle"): frozenset({409, 500}),
     ("POST", "/api/rollouts/stop"): frozenset({409}),
     ("POST", "/api/sites/{site}/descriptions"): frozenset({409}),
     ("POST", "/api/sites/{site}/descriptions/{number}/restore"): frozenset({409}),

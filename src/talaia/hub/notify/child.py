@@ -17,15 +17,17 @@ import http.client
 import ipaddress
 import json
 import logging
+import os
 import re
 import smtplib
 import socket
 import ssl
 import sys
+import time
 from email.message import EmailMessage
 from email.utils import formatdate
-from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
+from typing import TYPE_CHECKING, Any, NamedTuple
+from urllib.parse import SplitResult, urlsplit
 
 import msgspec
 
@@ -265,9 +267,33 @@ def _send_webhook(job: Job, left: _Left) -> Outcome:
     }
     if job.get("token"):
         headers["Authorization"] = f"Bearer {job['token']}"
-    # The standard library's: it follows no redirect and reads no proxy from the environment.
+    answer = _post(parts, port, body, headers)
+    if isinstance(answer, OSError | http.client.HTTPException):
+        return _make_outcome("unsure" if left.yes else "again", _describe_error(answer))
+    # A redirect is none of these.
+    if 200 <= answer.status < 300:
+        return _make_outcome("sent")
+    # Not followed: it could lead anywhere.
+    return _make_outcome(_by_status(answer.status), f"it answered {answer}")
+
+
+class _Answer(NamedTuple):
+    """What a server of HTTP said."""
+
+    status: int
+    reason: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.status} {self.reason}: {self.text}"
+
+
+def _post(
+    parts: SplitResult, port: int | None, body: bytes, headers: dict[str, str]
+) -> _Answer | OSError | http.client.HTTPException:
+    """Post; the standard library's follows no redirect and reads no proxy from the environment."""
     kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
-    connection = kind(parts.hostname, port, timeout=_PATIENCE_S)
+    connection = kind(parts.hostname or "", port, timeout=_PATIENCE_S)
     try:
         path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
         connection.request("POST", path, body, headers)
@@ -275,22 +301,25 @@ def _send_webhook(job: Job, left: _Left) -> Outcome:
         # Enough for its reason, whatever it sends.
         said = answer.read(300).decode("utf-8", "replace")
     except (OSError, http.client.HTTPException) as error:
-        return _make_outcome("unsure" if left.yes else "again", _describe_error(error))
+        return error
     finally:
         connection.close()
-    # A redirect is none of these.
-    if 200 <= answer.status < 300:
-        return _make_outcome("sent")
-    # Not followed: it could lead anywhere.
-    return _make_outcome(
-        "again" if answer.status >= 500 or answer.status == 429 else "failed",
-        f"it answered {answer.status} {answer.reason}: {said}",
-    )
+    return _Answer(answer.status, answer.reason, said)
+
+
+def _by_status(status: int) -> str:
+    return "again" if status >= 500 or status == 429 else "failed"
 
 
 def _send_chat(job: Job, left: _Left) -> Outcome:
-    import apprise
-
+    try:
+        import apprise
+    except ModuleNotFoundError as error:
+        return _make_outcome(
+            "failed",
+            f"chats need the Python package {error.name!r}, which is not installed; on the hub's "
+            "machine run: pip install 'talaia[chats]'",
+        )
     scheme = job["url"].partition("://")[0].lower()
     if scheme not in _CHATS:
         return _make_outcome("failed", f"{scheme!r} is none of {', '.join(_CHATS)}")
@@ -325,48 +354,29 @@ def _send_chat(job: Job, left: _Left) -> Outcome:
 
 def _send_push(job: Job, left: _Left) -> Outcome:
     """Send to every browser of the person; one that has gone away is named for removal."""
-    # Only this way needs it.
-    from pywebpush import (  # type: ignore[import-untyped]
-        WebPushException,
-        webpush,
-    )
-
     gone, problems, outcomes = [], [], set()
     for number, subscription in job["browsers"]:
         # Each browser has a push service of its own.
         left.yes = False
-        said = {key: job[key] for key in ("key", "title", "body", "severity", "open")}
-        # A push service need not take more than 4096 bytes, sealed (RFC 8030, 7.2).
-        said["body"] = said["body"][:1500]
-        # The picture itself would not fit: the browser asks the hub for it, as its person.
-        if job.get("picture_path"):
-            said["picture"] = job["picture_path"]
         try:
-            webpush(
-                subscription_info={
-                    "endpoint": subscription["endpoint"],
-                    "keys": {"p256dh": subscription["p256dh"], "auth": subscription["auth"]},
-                },
-                data=json.dumps(said),
-                vapid_private_key=job["private_key"],
-                vapid_claims={"sub": job["subject"]},
-                # For a browser that is off the service keeps it for a day (s).
-                ttl=86_400,
-                timeout=_PATIENCE_S,
-                # RFC 8030, 5.3 and 5.4: a phone wakes up for it, and sent again it replaces itself.
-                headers={"Urgency": "high", "Topic": job["key"][:32]},
-            )
-            outcomes.add("sent")
-        except WebPushException as error:
-            status = error.response.status_code if error.response is not None else 0
-            # The subscription is over: the person, or the browser, ended it.
-            if status in {404, 410}:
-                gone.append(number)
-            outcomes.add("again" if status >= 500 or status in {0, 429} else "failed")
-            problems.append(f"a browser's push service answered {status}: {error.message}")
-        except OSError as error:
+            parts, body, headers = _seal_push(job, subscription)
+            answer = _post(parts, parts.port, body, headers)
+        except ValueError as error:
+            # Of an address or of keys that a browser gave; no other try would read them.
+            outcomes.add("failed")
+            problems.append(str(error))
+            continue
+        if isinstance(answer, OSError | http.client.HTTPException):
             outcomes.add("unsure" if left.yes else "again")
-            problems.append(_describe_error(error))
+            problems.append(_describe_error(answer))
+        elif 200 <= answer.status < 300:
+            outcomes.add("sent")
+        else:
+            # The subscription is over: the person, or the browser, ended it.
+            if answer.status in {404, 410}:
+                gone.append(number)
+            outcomes.add(_by_status(answer.status))
+            problems.append(f"a browser's push service answered {answer}")
     # One browser that has it is enough; else what may have arrived is not sent again.
     best = next(
         (outcome for outcome in ("sent", "unsure", "again") if outcome in outcomes), "failed"
@@ -374,6 +384,39 @@ def _send_push(job: Job, left: _Left) -> Outcome:
     problem = "; ".join(problems) or "no browser of yours takes messages yet"
     outcome = _make_outcome(best, "" if best == "sent" else problem)
     return {**outcome, "gone": ",".join(str(number) for number in gone)}
+
+
+def _seal_push(
+    job: Job, subscription: dict[str, str]
+) -> tuple[SplitResult, bytes, dict[str, str]]:
+    # Only this way needs the library behind it.
+    from cryptography.hazmat.primitives.asymmetric import ec
+
+    from talaia.hub.notify.sealed_push import seal_message, vouch_for
+
+    said = {key: job[key] for key in ("key", "title", "body", "severity", "open")}
+    # A push service need not take more than 4096 bytes, sealed (RFC 8030, 7.2).
+    said["body"] = said["body"][:1500]
+    # The picture itself would not fit: the browser asks the hub for it, as its person.
+    if job.get("picture_path"):
+        said["picture"] = job["picture_path"]
+    endpoint = subscription["endpoint"]
+    parts = urlsplit(endpoint)
+    if parts.scheme not in {"http", "https"} or not parts.hostname:
+        raise ValueError("a browser's push service has no address of https://")
+    key = ec.generate_private_key(ec.SECP256R1())
+    sealed = seal_message(json.dumps(said).encode(), subscription, key, os.urandom(16))
+    headers = {
+        "Authorization": vouch_for(endpoint, job["subject"], job["private_key"], time.time()),
+        "Content-Encoding": "aes128gcm",
+        "Content-Type": "application/octet-stream",
+        # For a browser that is off the service keeps it for a day (s).
+        "TTL": "86400",
+        # RFC 8030, 5.3 and 5.4: a phone wakes up for it, and sent again it replaces itself.
+        "Urgency": "high",
+        "Topic": job["key"][:32],
+    }
+    return parts, sealed, headers
 
 
 def _send_extension(job: Job, left: _Left) -> Outcome:

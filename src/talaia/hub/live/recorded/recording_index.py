@@ -7,16 +7,15 @@ anything is unpacked.
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING, NamedTuple
-
-from mcap.data_stream import ReadDataStream
-from mcap.reader import SeekingReader
-from mcap.records import Chunk, Message
-from mcap.stream_reader import breakup_chunk
 
 from talaia.clock import SECOND
 from talaia.hub.live.recorded.errors import RecordingUnreadable
+from talaia.hub.live.recorded.mcap_records import (
+    McapDamaged,
+    messages_of_chunk,
+    read_mcap_summary,
+)
 from talaia.model.topics import is_latched_by_convention
 
 if TYPE_CHECKING:
@@ -24,8 +23,13 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import BinaryIO
 
-    from mcap.records import Channel, ChunkIndex, Schema
-    from mcap.summary import Summary
+    from talaia.hub.live.recorded.mcap_records import (
+        ChannelRecord,
+        ChunkIndexRecord,
+        McapSummary,
+        MessageRecord,
+        SchemaRecord,
+    )
 
 __all__ = ["RecordedMessage", "RecordedStretch", "RecordedTopic", "RecordingIndex"]
 
@@ -129,8 +133,7 @@ class RecordingIndex:
         # A latched message that was put before the others has no time of its own.
         self.begin_us = min(chunk.message_start_time for chunk in self._chunks) // 1000
         self.end_us = max(chunk.message_end_time for chunk in self._chunks) // 1000
-        statistics = self._summary.statistics
-        self.count = 0 if statistics is None else statistics.message_count
+        self.count = self._summary.message_count
 
     def read_stretch(
         self, rates: Mapping[str, float], from_us: int, to_us: int, *, most_bytes: int
@@ -174,9 +177,9 @@ class RecordingIndex:
 
     def _within(
         self, chunks: _ChunkReader, gate: _RateGate, span_ns: tuple[int, int], most_bytes: int
-    ) -> tuple[list[Message], int]:
+    ) -> tuple[list[MessageRecord], int]:
         from_ns, until_ns = span_ns
-        found: list[Message] = []
+        found: list[MessageRecord] = []
         size = 0
         for chunk in self._chunks:
             if chunk.message_start_time >= until_ns:
@@ -196,7 +199,7 @@ class RecordingIndex:
         found.sort(key=lambda message: message.log_time)
         return [message for message in found if message.log_time < until_ns], until_ns
 
-    def _last_before(self, chunks: _ChunkReader, topic: str, from_ns: int) -> list[Message]:
+    def _last_before(self, chunks: _ChunkReader, topic: str, from_ns: int) -> list[MessageRecord]:
         latched = self.topics[topic].latched if topic in self.topics else False
         held = [
             chunk
@@ -205,7 +208,7 @@ class RecordingIndex:
         ]
         # The one that ends last is looked at first.
         held.sort(key=lambda chunk: chunk.message_end_time, reverse=True)
-        found: list[Message] = []
+        found: list[MessageRecord] = []
         for chunk in held[: _MOST_LATCHED_CHUNKS if latched else _MOST_BACK]:
             # No chunk that is left has anything later.
             if found and not latched and chunk.message_end_time < found[-1].log_time:
@@ -227,7 +230,7 @@ class _RateGate:
         self._least_ns = {topic: SECOND / rate for topic, rate in rates.items() if rate > 0}
         self._next_ns: dict[str, float] = {}
 
-    def passes(self, topic: str, message: Message) -> bool:
+    def passes(self, topic: str, message: MessageRecord) -> bool:
         if len(message.data) <= _LIGHT:
             return True
         least_ns = self._least_ns.get(topic, 0.0)
@@ -246,7 +249,7 @@ class _ChunkReader:
 
     """
 
-    def __init__(self, stream: BinaryIO, summary: Summary, topics: Mapping[str, float]) -> None:
+    def __init__(self, stream: BinaryIO, summary: McapSummary, topics: Mapping[str, float]) -> None:
         self._stream = stream
         self.topic_of = {
             number: channel.topic
@@ -254,22 +257,22 @@ class _ChunkReader:
             if channel.topic in topics
         }
         self._unpacked = 0
-        self._read: dict[int, list[Message]] = {}
+        self._read: dict[int, list[MessageRecord]] = {}
 
-    def holds_any(self, chunk: ChunkIndex) -> bool:
+    def holds_any(self, chunk: ChunkIndexRecord) -> bool:
         """Tell whether any topic that is wanted may be in a chunk."""
         offsets = chunk.message_index_offsets
         # Some writers leave out which channels a chunk holds.
         return not offsets or any(number in offsets for number in self.topic_of)
 
-    def holds(self, chunk: ChunkIndex, topic: str) -> bool:
+    def holds(self, chunk: ChunkIndexRecord, topic: str) -> bool:
         """Tell whether a topic may be in a chunk."""
         offsets = chunk.message_index_offsets
         return not offsets or any(
             name == topic and number in offsets for number, name in self.topic_of.items()
         )
 
-    def messages_of(self, chunk: ChunkIndex) -> list[Message]:
+    def messages_of(self, chunk: ChunkIndexRecord) -> list[MessageRecord]:
         """Give the messages that are wanted of a chunk, by time.
 
         Raises:
@@ -283,7 +286,7 @@ class _ChunkReader:
             )
         return known
 
-    def _unpack(self, index: ChunkIndex) -> Iterator[Message]:
+    def _unpack(self, index: ChunkIndexRecord) -> Iterator[MessageRecord]:
         self._unpacked += index.uncompressed_size
         if max(index.chunk_length, index.uncompressed_size) > _MOST_CHUNK:
             raise RecordingUnreadable(
@@ -294,35 +297,24 @@ class _ChunkReader:
         self._stream.seek(index.chunk_start_offset)
         raw = self._stream.read(index.chunk_length)
         try:
-            # Behind its opcode and its length.
-            chunk = Chunk.read(ReadDataStream(io.BytesIO(raw[9:])))
-            # It must not unpack to more than its index says.
-            fits = chunk.uncompressed_size == index.uncompressed_size
-            records = breakup_chunk(chunk, validate_crc=True) if fits else []
-        except Exception as error:
-            # The library raises whatever the bytes lead to.
+            for message in messages_of_chunk(raw, index):
+                if message.channel_id in self.topic_of:
+                    yield message
+        except McapDamaged as error:
             raise RecordingUnreadable(f"a part of it is damaged: {error}") from error
-        if not fits:
-            raise RecordingUnreadable("a part of it is damaged: its index does not fit to it")
-        for record in records:
-            if isinstance(record, Message) and record.channel_id in self.topic_of:
-                yield record
 
 
-def _read_summary(stream: BinaryIO) -> Summary:
+def _read_summary(stream: BinaryIO) -> McapSummary:
     try:
-        summary = SeekingReader(stream, record_size_limit=_MOST_CHUNK).get_summary()
-    except OSError:
-        raise
-    except Exception as error:
-        # As above.
+        summary = read_mcap_summary(stream, _MOST_CHUNK)
+    except McapDamaged as error:
         raise RecordingUnreadable(f"it is no whole MCAP file: {error}") from error
     if summary is None or not summary.chunk_indexes:
         raise RecordingUnreadable("it has no index; `mcap recover` makes one")
     return summary
 
 
-def _topic_of(channel: Channel, schema: Schema | None) -> RecordedTopic:
+def _topic_of(channel: ChannelRecord, schema: SchemaRecord | None) -> RecordedTopic:
     name, form, text = (
         ("", "", b"") if schema is None else (schema.name, schema.encoding, schema.data)
     )
@@ -343,7 +335,7 @@ def _topic_of(channel: Channel, schema: Schema | None) -> RecordedTopic:
     )
 
 
-def _is_latched(channel: Channel, type_name: str) -> bool:
+def _is_latched(channel: ChannelRecord, type_name: str) -> bool:
     """Tell whether what a topic said holds on: as the recorder says, else as ROS names it."""
     told = channel.metadata
     if told.get("latching") in ("1", "true"):
