@@ -1,5 +1,5 @@
 /** The language first: the pages have words in constants, too. */
 
-import { startLanguage } from "./state/language.js";
+import { startLanguage } from "./words/language.js";
 
 void startLanguage().then(() => import("./pages/shell/app.js"));

@@ -1,7 +1,7 @@
 /** Numbers as people read them from across a room. */
 
 import { UNITS } from "../generated/units.js";
-import { intlLocale } from "./locale.js";
+import { intlLocale } from "../words/locale.js";
 
 /** Shown where there is no value. */
 export const NOTHING = "–";

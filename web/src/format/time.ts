@@ -1,6 +1,6 @@
 /** Moments in a site's own time zone, with UTC beside it. */
 
-import { intlLocale } from "./locale.js";
+import { intlLocale } from "../words/locale.js";
 
 export interface TimeText {
   /** `14:05:09`, or with the date before it when it is another day than `today`. */

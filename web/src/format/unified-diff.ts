@@ -1,7 +1,7 @@
 /** Lines of a unified difference, told apart for eyes and for screen readers. */
 
 import { msg, str } from "@lit/localize";
-import { plural } from "./plural.js";
+import { plural } from "../words/plural.js";
 
 export type LineKind = "added" | "removed" | "same" | "place";
 

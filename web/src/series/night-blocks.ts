@@ -1,7 +1,7 @@
 /** The blocks of a night's line: what was taken, by the archive; what is observed; what is planned. Pure. */
 
 import { msg, str } from "@lit/localize";
-import { plural } from "../format/plural.js";
+import { plural } from "../words/plural.js";
 import type { FrameShape, NightStateShape, PlanShape } from "../generated/api.js";
 import type { NightBlock } from "./plan-layout.js";
 

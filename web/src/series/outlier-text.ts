@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { formatNumber } from "../format/number.js";
-import { plural } from "../format/plural.js";
+import { plural } from "../words/plural.js";
 import type { Outliers } from "./outliers.js";
 
 /**

@@ -7,7 +7,7 @@ import { ContextStoreController } from "../controllers/context-store.js";
 import { TickerController } from "../controllers/ticker.js";
 import { base, quietText } from "../elements/base/base-style.js";
 import { formatDuration } from "../format/duration.js";
-import { plural } from "../format/plural.js";
+import { plural } from "../words/plural.js";
 import { alarmsContext, sitesContext } from "../state/contexts.js";
 import { sitePath } from "../state/router.js";
 import type { SignalShape, SiteShape, SiteSummary } from "../generated/api.js";

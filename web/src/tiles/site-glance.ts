@@ -3,7 +3,7 @@
 import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { formatNumber } from "../format/number.js";
-import { plural } from "../format/plural.js";
+import { plural } from "../words/plural.js";
 import type { SiteSummary } from "../generated/api.js";
 import "../elements/values/time.js";
 

@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { countedText } from "../format/number.js";
-import { plural } from "../format/plural.js";
+import { plural } from "../words/plural.js";
 
 /** A long array: its first entries, and how many there are. */
 interface CutArray {

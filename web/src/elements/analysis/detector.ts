@@ -4,7 +4,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { subjectOf, type Detector } from "../../state/anomaly-detectors.js";
 import { base, quietText } from "../base/base-style.js";

@@ -4,8 +4,8 @@ import { msg } from "@lit/localize";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
-import { shownLanguage } from "../../format/locale.js";
-import { chooseLanguage, languageName, LANGUAGES } from "../../state/language.js";
+import { shownLanguage } from "../../words/locale.js";
+import { chooseLanguage, languageName, LANGUAGES } from "../../words/language.js";
 import { renderOptions } from "./form-parts.js";
 import "./field.js";
 

@@ -1,7 +1,7 @@
 /** How STOP stands, in words. */
 
 import { msg, str } from "@lit/localize";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 
 export type StopPhase = "unknown" | "clear" | "sent" | "latched" | "confirmed";
 

@@ -16,7 +16,7 @@ import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
 import { formatDuration } from "../../format/duration.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { AnomalyList, AlarmDefinition, AlarmKind, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";

@@ -17,7 +17,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { AlarmUpdate } from "../../generated/wire.js";
 import { alarmsContext, alarmSoundContext, apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";

@@ -11,7 +11,7 @@ import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.j
 import type { StatusKind } from "../../elements/feedback/status.js";
 import { control } from "../../elements/forms/input-style.js";
 import { formText, submittedForm } from "../../format/form-values.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { BudgetShape } from "../../generated/api.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";

@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { sitePath } from "../../state/router.js";
 import type { BackTestShape, PastAnomalyShape } from "../../generated/api.js";
 import "../../elements/feedback/status.js";

@@ -15,7 +15,7 @@ import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
 import { fixedText, roundText } from "../../format/number.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { ArchiveApi, obscorePath, previewPath } from "../../wire/archive-api.js";

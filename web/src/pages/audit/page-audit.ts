@@ -10,7 +10,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderTable, tables, type TableColumn } from "../../elements/layout/data-table.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { withQuery } from "../../state/router.js";
 import type { AuditChain, AuditList, AuditRow } from "../../generated/api.js";

@@ -11,7 +11,7 @@ import { base } from "../../elements/base/base-style.js";
 import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText, submittedForm } from "../../format/form-values.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { BrokerShape, ClientProtocolShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";

@@ -12,7 +12,7 @@ import { styled } from "../../elements/base/style-directive.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import { EditHistory } from "../../state/edit-history.js";
 import { DescriptionsApi, type Schema } from "../../wire/descriptions-api.js";

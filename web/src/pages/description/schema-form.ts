@@ -5,7 +5,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { UNITS } from "../../generated/units.js";
 import type { Schema } from "../../wire/descriptions-api.js";
 import type { FindingShape } from "../../generated/api.js";

@@ -13,7 +13,7 @@ import { base } from "../../elements/base/base-style.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { formatClock } from "../../format/time.js";
 import { MINUTE_US } from "../../series/zone-clock.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";

@@ -13,7 +13,7 @@ import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { DeviceSummary, SiteShape } from "../../generated/api.js";

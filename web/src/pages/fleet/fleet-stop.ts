@@ -7,7 +7,7 @@ import { repeat } from "lit/directives/repeat.js";
 import type { GroupStopClient, GroupStopRow } from "../../controllers/drive/group-stop-client.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { SiteSummary } from "../../generated/api.js";
 import { sitePath } from "../../state/router.js";
 import { nameList } from "./group-preview.js";

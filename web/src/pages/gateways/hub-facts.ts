@@ -3,7 +3,7 @@
 import { msg, str } from "@lit/localize";
 import { formatBytes } from "../../format/bytes.js";
 import { formatAge, formatDuration, formatWholeMs } from "../../format/duration.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { HubShape } from "../../generated/api.js";
 
 /** @param nowUs UTC, by this browser's clock */

@@ -15,7 +15,7 @@ import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import type { DeviceSummary, GatewayList, GatewayShape, HubList, OpenCodeShape, ReleaseList } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";

@@ -13,7 +13,7 @@ import { renderFormActions, renderOptions } from "../../elements/forms/form-part
 import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatBytes } from "../../format/bytes.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { GatewayReleaseShape, ReleaseList, ReleaseShape, RolloutShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";

@@ -1,7 +1,7 @@
 /** How releases stand at gateways, in words for people. */
 
 import { msg, str } from "@lit/localize";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { GatewayReleaseShape, ReleaseList, RolloutShape } from "../../generated/api.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 

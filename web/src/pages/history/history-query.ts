@@ -1,7 +1,7 @@
 /** What the history page shows, as it stands in the address bar. */
 
 import { msg, str } from "@lit/localize";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { KINDS, type MarkKind } from "./chart/event-marks.js";
 import { LEAST_K, MOST_K } from "../../series/outliers.js";

@@ -13,7 +13,7 @@ import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { MissionList, MissionReading, MissionRow, MissionRunList, MissionRunShape, MissionShape, RunActAsk, SiteShape } from "../../generated/api.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";

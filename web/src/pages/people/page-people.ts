@@ -12,7 +12,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base, plainList } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import type { PersonAsk, PersonShape, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";

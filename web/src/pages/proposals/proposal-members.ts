@@ -11,7 +11,7 @@ import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText, submittedForm } from "../../format/form-values.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { ProposalRole, ProposalShape } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";

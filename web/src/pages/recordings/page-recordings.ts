@@ -22,7 +22,7 @@ import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { isForbidden } from "../../format/error-advice.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";

@@ -1,7 +1,7 @@
 /** A file of requests that another program wrote: whose it is, and what is said of what was read. Pure. */
 
 import { msg, str } from "@lit/localize";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { FileKind, GroupAsk, ImportAnswer } from "../../generated/api.js";
 
 export const FILE_KINDS = ["csv", "lco", "nina", "ekos"] as const satisfies readonly FileKind[];

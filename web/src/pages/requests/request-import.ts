@@ -14,7 +14,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formatDuration } from "../../format/duration.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { zoneName } from "../../format/time.js";
 import type { FileKind, GroupAsk, ImportAnswer, ImportAsk, ProposalShape } from "../../generated/api.js";
 import { clockOf, DAY_US } from "../../series/zone-clock.js";

@@ -11,7 +11,7 @@ import { OpenSubject } from "../../controllers/open-subject.js";
 import { base, quietText } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { DeviceSummary, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";

@@ -6,7 +6,7 @@ import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { EXTRA_RIGHT_NAMES, LEVELS, levelRank, type AccessLevel, type ExtraRight } from "../../state/rights.js";
 import { cellOf, isFixed, lineKey, type ExtraCell, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import { matrixStyle } from "./role-matrix-style.js";

@@ -6,7 +6,7 @@ import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { alarmsContext, alarmSoundContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import { alarmPath } from "../../state/router.js";

@@ -10,7 +10,7 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import { allWords } from "../../state/language.js";
+import { allWords } from "../../words/language.js";
 import { ADMIN_PAGES, localPath, type PageName } from "../../state/router.js";
 import type { NightList, SiteShape, SiteSummary } from "../../generated/api.js";
 import { ArchiveApi } from "../../wire/archive-api.js";

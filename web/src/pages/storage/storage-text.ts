@@ -3,7 +3,7 @@
 import { msg, str } from "@lit/localize";
 import { formatBytes } from "../../format/bytes.js";
 import { fixedText } from "../../format/number.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import { formatDate } from "../../format/time.js";
 import type { OutlookShape, StorageShape } from "../../generated/api.js";
 

@@ -13,7 +13,7 @@ import type { FieldChoice } from "../../elements/topic/message-tree.js";
 import { renderTopicStatus, renderTopicTrouble, type TopicFacts } from "../../elements/topic/topic-state.js";
 import { formatBytes } from "../../format/bytes.js";
 import { countedText } from "../../format/number.js";
-import { plural } from "../../format/plural.js";
+import { plural } from "../../words/plural.js";
 import type { TopicMessage } from "../../generated/wire.js";
 import { sessionContext } from "../../state/contexts.js";
 import { isSiteAdmin } from "../../state/rights.js";

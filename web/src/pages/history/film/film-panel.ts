@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, panelBox, quietText } from "../../../elements/base/base-style.js";
 import { momentText } from "../../../elements/chart/cursor-values.js";
-import { plural } from "../../../format/plural.js";
+import { plural } from "../../../words/plural.js";
 import { formatClock, knownZone } from "../../../format/time.js";
 import type { FilmController } from "./film-controller.js";
 import type { FilmView } from "../../../tiles/camera/film-view.js";

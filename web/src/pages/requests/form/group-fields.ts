@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { settled } from "../../../elements/base/stable-field.js";
 import { renderOptions } from "../../../elements/forms/form-parts.js";
 import { URGENCY_WORDS } from "../../../format/observing-words.js";
-import { plural } from "../../../format/plural.js";
+import { plural } from "../../../words/plural.js";
 import { MOST_REQUESTS, URGENCIES, type RequestDraft } from "./draft.js";
 import { numberInput, renderGroupField, type FormView } from "./form-view.js";
 import "../../../elements/forms/button.js";

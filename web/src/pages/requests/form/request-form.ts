@@ -11,7 +11,7 @@ import { renderAdvice } from "../../../elements/feedback/load-state.js";
 import { forms } from "../../../elements/forms/form-style.js";
 import { sheets } from "../../../elements/layout/page-sections.js";
 import { formatDuration } from "../../../format/duration.js";
-import { plural } from "../../../format/plural.js";
+import { plural } from "../../../words/plural.js";
 import type { AbilitiesShape, GroupShape, ProposalShape } from "../../../generated/api.js";
 import type { GeoPlace } from "../../../sky/coordinates.js";
 import { targetPlace } from "../../../sky/target-place.js";

@@ -4,7 +4,7 @@ import { msg, str } from "@lit/localize";
 import { html, nothing, type TemplateResult } from "lit";
 import { map } from "lit/directives/map.js";
 import { settled } from "../../../elements/base/stable-field.js";
-import { plural } from "../../../format/plural.js";
+import { plural } from "../../../words/plural.js";
 import { timeText, zoneName } from "../../../format/time.js";
 import { rowField } from "./draft.js";
 import type { CadenceDraft, CadenceField, ReadCadence } from "./cadence.js";

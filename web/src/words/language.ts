@@ -2,7 +2,7 @@
 
 import { configureLocalization } from "@lit/localize";
 import { catalogues } from "virtual:catalogues";
-import { ENGLISH, shownLanguage, useLanguage } from "../format/locale.js";
+import { ENGLISH, shownLanguage, useLanguage } from "./locale.js";
 
 type Messages = Awaited<ReturnType<(typeof catalogues)[string]["first"]>>["templates"];
 

@@ -1,7 +1,7 @@
 import { afterEach, expect, test } from "vitest";
-import { intlLocale, useLanguage } from "../../src/format/locale.js";
+import { intlLocale, useLanguage } from "../../src/words/locale.js";
 import { fixedText, formatNumber } from "../../src/format/number.js";
-import { plural } from "../../src/format/plural.js";
+import { plural } from "../../src/words/plural.js";
 import { formatDate } from "../../src/format/time.js";
 
 afterEach(() => {

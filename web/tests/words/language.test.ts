@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { languageFor, languageName } from "../../src/state/language.js";
+import { languageFor, languageName } from "../../src/words/language.js";
 
 const THERE = ["en", "ca", "es", "pt-BR"];
 
