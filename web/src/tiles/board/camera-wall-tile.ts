@@ -4,6 +4,7 @@ import { msg } from "@lit/localize";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { wallColumns } from "../../boards/wall-columns.js";
 import { ElementSizeController } from "../../controllers/element-size.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
@@ -11,7 +12,6 @@ import type { StreamShape } from "../../generated/api.js";
 import "../camera/camera-tile.js";
 import "../../elements/feedback/empty.js";
 import type { BoardTileContext } from "./board-tile-entry.js";
-import { wallColumns } from "./wall-columns.js";
 
 @customElement("t-tile-cameras")
 export class CameraWallTile extends LitElement {

@@ -18,8 +18,14 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import EventSink
 
 __all__ = [
-    "LogBounds", "LogHead", "LogLines", "LogRates", "head_of_ros1", "level_word", "read_head",
-]  # fmt: skip
+    "LogBounds",
+    "LogHead",
+    "LogLines",
+    "LogRates",
+    "head_of_ros1",
+    "level_word",
+    "read_head",
+]
 
 _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
