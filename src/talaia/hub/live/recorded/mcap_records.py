@@ -268,7 +268,7 @@ class _Fields:
         """Give texts by their names, behind the length of all."""
         inner = _Fields(self.take(self.number("<I")))
         found: dict[str, str] = {}
-        while inner._at < len(inner._raw):  # noqa: SLF001 - of this class
+        while inner._at < len(inner._raw):
             name = inner.text()
             found[name] = inner.text()
         return found
