@@ -60,7 +60,7 @@ async def test_an_admin_downloads_a_bundle_without_any_of_the_planted_secrets(
     assert {"README.txt", "versions.txt", "doctor.txt", "database.txt", "site/agv.yaml"} <= set(
         texts
     )
-    assert "rows of accounts" in texts["database.txt"]
+    assert "rows of users" in texts["database.txt"]
     assert "the hub listens" in texts["logs/hub.log"]
     assert "North dome" in texts["site/agv.yaml"]
     for where, secret in SECRETS.items():
