@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults fuzz soak docs site lock pages clean
+.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench bench-peers faults fuzz soak docs site lock pages clean
 
 help:  ## list the words
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -49,6 +49,9 @@ check: setup  ## style, types, import direction, generated files
 
 bench: setup  ## measure speed and memory; prints each figure beside its limit
 	$(VENV)/python bench/run.py $(ARGS)
+
+bench-peers: setup  ## measure Talaia beside others, each installed for it and removed again
+	$(VENV)/python bench/peers.py docs/beside-table.md
 
 faults: setup  ## `make proofs ONLY=faults`, again; MINUTES=5 for a short look, not written down
 	$(VENV)/python tools/proofs.py faults --again $(if $(MINUTES),--minutes $(MINUTES))

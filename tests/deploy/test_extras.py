@@ -60,13 +60,16 @@ def test_an_extra_brings_none_of_the_large_packages_but_its_own(extra: str) -> N
     assert {canonicalize_name(each.name) for each in found} & LARGE == BROUGHT[extra]
 
 
-@pytest.mark.parametrize("extra", ["hub", "arrow", "chats", "fast", "gateway", "objects", "mariadb", "postgresql"])
+@pytest.mark.parametrize(
+    "extra", ["hub", "arrow", "chats", "fast", "gateway", "objects", "mariadb", "postgresql"]
+)
 def test_images_have_whatever_an_extra_asks_for(extra: str) -> None:
     locked = {canonicalize_name(each.name) for each in read_image_lock() if extra in each.groups}
     asked = [Requirement(word) for word in own_words()]
     wanted = {
         canonicalize_name(each.name)
         for each in asked
-        if not each.name.startswith("talaia") and (each.marker is None or each.marker.evaluate({"extra": extra}))
+        if not each.name.startswith("talaia")
+        and (each.marker is None or each.marker.evaluate({"extra": extra}))
     }
     assert wanted <= locked

@@ -87,7 +87,16 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Talaia's own wheels, built from this tree, by the name of their package."""
     folder = tmp_path_factory.mktemp("wheels")
     for part in (".", "packages/models", "packages/simulators"):
-        run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", folder, ROOT / part)
+        run(
+            sys.executable,
+            "-m",
+            "build",
+            "--wheel",
+            "--no-isolation",
+            "--outdir",
+            folder,
+            ROOT / part,
+        )
     made = {each.name.split("-")[0]: each for each in folder.glob("*.whl")}
     assert set(made) == {"talaia", "talaia_models", "talaia_simulators"}
     return made
@@ -138,10 +147,7 @@ def test_no_robot_carries_simulators_and_none_without_cameras_their_detectors(
     ):
         assert inside[one] & inside[other] == set()
     # All of the tree is in one of them.
-    sources = {
-        str(path.relative_to(ROOT / "src"))
-        for path in (ROOT / "src/talaia").rglob("*.py")
-    }
+    sources = {str(path.relative_to(ROOT / "src")) for path in (ROOT / "src/talaia").rglob("*.py")}
     assert sources <= set().union(*inside.values())
 
 
@@ -326,7 +332,9 @@ def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:
     assert "apt-get" not in recipe
 
 
-@pytest.mark.parametrize(("at", "extras"), [("hub", "hub,arrow,chats,fast,objects"), ("gateway", "hub,arrow,chats,fast")])
+@pytest.mark.parametrize(
+    ("at", "extras"), [("hub", "hub,arrow,chats,fast,objects"), ("gateway", "hub,arrow,chats,fast")]
+)
 def test_a_hubs_image_sees_objects_where_a_camera_wants_it_to(
     at: str, extras: str, tmp_path: Path
 ) -> None:

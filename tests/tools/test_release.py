@@ -111,4 +111,7 @@ def test_all_wheels_are_built_once_and_published_together() -> None:
     parts = sorted(each.parent for each in (ROOT / "packages").glob("*/pyproject.toml"))
     assert parts
     for part in parts:
-        assert f"python -m build --no-isolation --wheel --outdir dist {part.relative_to(ROOT)}" in built
+        assert (
+            f"python -m build --no-isolation --wheel --outdir dist {part.relative_to(ROOT)}"
+            in built
+        )

@@ -70,9 +70,10 @@ The gateway runs in the host's network, where DDS finds the robot. Its key is ma
 first start, by the service `enrol`, and kept in the volume `link`. To make another, remove \
 that volume.
 
-Talaia's own wheels lie in `wheels/`, and the build takes them from nowhere else. What they need \
-is installed by version and hash (`locks/`): what does not fit ends the build. The images of others \
-stand by their tags; `talaia generate --force --pin IMAGE@sha256:…` writes their digests.
+Talaia's own wheels lie in `wheels/`, and the build takes them from nowhere else. What they \
+need is installed by version and hash (`locks/`): what does not fit ends the build. The images \
+of others stand by their tags; `talaia generate --force --pin IMAGE@sha256:…` writes their \
+digests.
 
 ## The gateway on the robot's own computer
 

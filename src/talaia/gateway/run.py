@@ -9,11 +9,8 @@ import signal
 import sys
 from typing import TYPE_CHECKING
 
-
-from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
-from talaia.event_loop import new_event_loop
 from talaia.gateway.app import Gateway
 from talaia.gateway.command_line import settings_of
 from talaia.gateway.reload.description_file import DescriptionFile
@@ -21,9 +18,11 @@ from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.log_setup import add_log_field, set_up_log
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import site_in
+from talaia.process_tuning.allocator import keep_little_free_memory
+from talaia.process_tuning.event_loop import new_event_loop
+from talaia.process_tuning.time_slice import shorten_time_slice
 from talaia.resource_usage import report_usage_on_signal
 from talaia.service_manager import own_service_manager
-from talaia.time_slice import shorten_time_slice
 
 if TYPE_CHECKING:
     import argparse

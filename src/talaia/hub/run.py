@@ -18,9 +18,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import uvicorn
 
-from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
-from talaia.event_loop import new_event_loop
 from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.dead_peers import drop_dead_peers
@@ -45,9 +43,11 @@ from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.lead.only_hub import hold_only_hub
 from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.log_setup import set_up_log
+from talaia.process_tuning.allocator import keep_little_free_memory
+from talaia.process_tuning.event_loop import new_event_loop
+from talaia.process_tuning.time_slice import shorten_time_slice
 from talaia.resource_usage import report_usage_on_signal
 from talaia.service_manager import own_service_manager
-from talaia.time_slice import shorten_time_slice
 from talaia.wire.frames import MAX_PICTURE
 
 if TYPE_CHECKING:

@@ -386,9 +386,7 @@ def _send_push(job: Job, left: _Left) -> Outcome:
     return {**outcome, "gone": ",".join(str(number) for number in gone)}
 
 
-def _seal_push(
-    job: Job, subscription: dict[str, str]
-) -> tuple[SplitResult, bytes, dict[str, str]]:
+def _seal_push(job: Job, subscription: dict[str, str]) -> tuple[SplitResult, bytes, dict[str, str]]:
     # Only this way needs the library behind it.
     from cryptography.hazmat.primitives.asymmetric import ec
 

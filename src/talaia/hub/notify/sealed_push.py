@@ -89,7 +89,7 @@ def vouch_for(endpoint: str, subject: str, private_key: str, now_s: float) -> st
         "sub": subject,
     }
     words = ({"typ": "JWT", "alg": "ES256"}, said)
-    text = ".".join(_encode_base64(json.dumps(each).encode()) for each in words)
+    text = ".".join(_encode_base64(json.dumps(part).encode()) for part in words)
     signature = key.sign(text.encode(), ec.ECDSA(SHA256()))
     # JSON Web Signatures have both numbers beside each other (RFC 7518, 3.4).
     numbers = b"".join(number.to_bytes(32, "big") for number in decode_dss_signature(signature))

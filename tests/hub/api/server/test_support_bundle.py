@@ -45,7 +45,8 @@ async def test_an_admin_downloads_a_bundle_without_any_of_the_planted_secrets(
 ) -> None:
     (settings.data / "seal-other.key").write_text(SECRETS["key"])
     (settings.data / "hub.log").write_text(
-        f"the hub listens\npassword={SECRETS['log']} and {SECRETS['key']} {SECRETS['environment']}\n"
+        f"the hub listens\npassword={SECRETS['log']}\n"
+        f"{SECRETS['key']} and {SECRETS['environment']}\n"
     )
     monkeypatch.setenv("TALAIA_MQTT_PASSWORD", SECRETS["environment"])
     gateway = await hub.gateway()
@@ -56,8 +57,10 @@ async def test_an_admin_downloads_a_bundle_without_any_of_the_planted_secrets(
     assert answer.headers["content-type"] == "application/zip"
     assert 'filename="talaia-support.zip"' in answer.headers["content-disposition"]
     texts = texts_of(answer.content)
-    assert {"README.txt", "versions.txt", "doctor.txt", "database.txt", "site/agv.yaml"} <= set(texts)
-    assert "rows of accounts" in texts["database.txt"]
+    assert {"README.txt", "versions.txt", "doctor.txt", "database.txt", "site/agv.yaml"} <= set(
+        texts
+    )
+    assert "rows of users" in texts["database.txt"]
     assert "the hub listens" in texts["logs/hub.log"]
     assert "North dome" in texts["site/agv.yaml"]
     for where, secret in SECRETS.items():
@@ -74,9 +77,7 @@ async def test_nobody_but_an_admin_gets_one(hub) -> None:
 
 async def test_one_is_made_at_a_time(hub) -> None:
     admin = await hub.client("admin")
-    answers = await asyncio.gather(
-        *(admin.post("/api/support-bundle", json={}) for _ in range(3))
-    )
+    answers = await asyncio.gather(*(admin.post("/api/support-bundle", json={}) for _ in range(3)))
     assert sorted(answer.status_code for answer in answers) == [200, 409, 409]
     busy = next(answer for answer in answers if answer.status_code == 409)
     assert busy.json()["code"] == "busy"

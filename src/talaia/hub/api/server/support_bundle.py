@@ -71,17 +71,17 @@ class SupportBundlePages:
     async def _text_of(self, site: str) -> str:
         """Give the text that a site goes by; empty where it is not known."""
         newest = await self._descriptions.versions_of(site, most=1)
-        return (await self._descriptions.version_text(site, newest[0].number) or "") if newest else ""
+        return (
+            (await self._descriptions.version_text(site, newest[0].number) or "") if newest else ""
+        )
 
     async def _make_bundle(self, texts: Mapping[str, str]) -> bytes:
         # Of its owner alone, and of no name that anybody could lay something at before.
         with tempfile.TemporaryDirectory(prefix="talaia-support-") as name:
             folder = Path(name)
             target = folder / "bundle.zip"
-            words = [
-                "support-bundle", str(target), "--data", str(self._settings.data),
-                "--port", str(self._settings.port),
-            ]  # fmt: skip
+            data, port = str(self._settings.data), str(self._settings.port)
+            words = ["support-bundle", str(target), "--data", data, "--port", port]
             for site, text in texts.items():
                 if text:
                     file = folder / f"{site}.yaml"
@@ -109,14 +109,15 @@ class SupportBundlePages:
 async def _run_talaia(words: Sequence[str], more: Mapping[str, str]) -> str:
     """Run a command of Talaia's; gives the last it said where it failed, else nothing."""
     child = await asyncio.create_subprocess_exec(
-        *_NICE, sys.executable, "-m", "talaia", *words,
+        *_NICE,
+        *(sys.executable, "-m", "talaia", *words),
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.DEVNULL,
         stderr=asyncio.subprocess.PIPE,
         env={**os.environ, **more},
         # A group of its own, so that what it started ends with it.
         start_new_session=True,
-    )  # fmt: skip
+    )
     try:
         async with asyncio.timeout(_LONGEST_S):
             _, said = await child.communicate()

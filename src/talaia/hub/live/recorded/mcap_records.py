@@ -141,10 +141,10 @@ def messages_of_chunk(raw: bytes, index: ChunkIndexRecord) -> Iterator[MessageRe
     if code != _CHUNK:
         raise McapDamaged("there is no chunk where its index says")
     # Its times, which the index has as well.
-    content.take(16)
+    content.next_bytes(16)
     size, crc = content.number("<Q"), content.number("<I")
     compression = content.text()
-    packed = content.take(content.number("<Q"))
+    packed = content.next_bytes(content.number("<Q"))
     if size != index.uncompressed_size:
         raise McapDamaged("its index does not fit to it")
     data = _unpack(compression, packed, size)
@@ -154,9 +154,9 @@ def messages_of_chunk(raw: bytes, index: ChunkIndexRecord) -> Iterator[MessageRe
     for kind, record in _records_of(data):
         if kind == _MESSAGE:
             channel, _sequence, log_time, publish_time = _MESSAGE_HEAD.unpack(
-                record.take(_MESSAGE_HEAD.size)
+                record.next_bytes(_MESSAGE_HEAD.size)
             )
-            yield MessageRecord(channel, log_time, publish_time, record.rest())
+            yield MessageRecord(channel, log_time, publish_time, record.rest_bytes())
 
 
 def _unpack(compression: str, packed: bytes, size: int) -> bytes:
@@ -188,7 +188,7 @@ def _summary_of(raw: bytes) -> McapSummary:
         if code == _SCHEMA:
             number = fields.number("<H")
             name, encoding = fields.text(), fields.text()
-            schemas[number] = SchemaRecord(name, encoding, fields.take(fields.number("<I")))
+            schemas[number] = SchemaRecord(name, encoding, fields.next_bytes(fields.number("<I")))
         elif code == _CHANNEL:
             number, schema = fields.number("<H"), fields.number("<H")
             topic, encoding = fields.text(), fields.text()
@@ -202,7 +202,7 @@ def _summary_of(raw: bytes) -> McapSummary:
 
 def _chunk_index_of(fields: _Fields) -> ChunkIndexRecord:
     start, end, offset, length = (fields.number("<Q") for _ in range(4))
-    pairs = fields.take(fields.number("<I"))
+    pairs = fields.next_bytes(fields.number("<I"))
     if len(pairs) % 10:
         raise McapDamaged("what a chunk holds is cut off")
     offsets = dict(struct.iter_unpack("<HQ", pairs))
@@ -231,7 +231,7 @@ class _Fields:
     def __init__(self, raw: bytes) -> None:
         self._raw, self._at = raw, 0
 
-    def take(self, length: int) -> bytes:
+    def next_bytes(self, length: int) -> bytes:
         """Give so many bytes.
 
         Raises:
@@ -243,13 +243,13 @@ class _Fields:
             raise McapDamaged("a field is cut off")
         return self._raw[begin : self._at]
 
-    def rest(self) -> bytes:
+    def rest_bytes(self) -> bytes:
         """Give what is left."""
         return self._raw[self._at :]
 
     def number(self, form: str) -> int:
         """Give a number of one of struct's forms."""
-        (value,) = struct.unpack(form, self.take(struct.calcsize(form)))
+        (value,) = struct.unpack(form, self.next_bytes(struct.calcsize(form)))
         return int(value)
 
     def text(self) -> str:
@@ -260,15 +260,15 @@ class _Fields:
 
         """
         try:
-            return self.take(self.number("<I")).decode()
+            return self.next_bytes(self.number("<I")).decode()
         except UnicodeDecodeError as error:
             raise McapDamaged("a text is no UTF-8") from error
 
     def texts(self) -> dict[str, str]:
         """Give texts by their names, behind the length of all."""
-        inner = _Fields(self.take(self.number("<I")))
+        inner = _Fields(self.next_bytes(self.number("<I")))
         found: dict[str, str] = {}
-        while inner._at < len(inner._raw):  # noqa: SLF001 - of this class
+        while inner._at < len(inner._raw):
             name = inner.text()
             found[name] = inner.text()
         return found

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.time_slice import shorten_time_slice
+from talaia.process_tuning.time_slice import shorten_time_slice
 
 pytestmark = pytest.mark.skipif(
     platform.machine() not in {"x86_64", "aarch64"} or platform.system() != "Linux",

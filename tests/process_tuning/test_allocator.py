@@ -9,7 +9,7 @@ import pytest
 # Once a lot is read; then half as much, and a little after it that is kept.
 WORK = """
 import ctypes, sys
-from talaia.allocator import keep_little_free_memory
+from talaia.process_tuning.allocator import keep_little_free_memory
 if sys.argv[1] == "set":
     assert keep_little_free_memory()
 bytearray(20_000_000)
@@ -28,7 +28,7 @@ print(libc.mallinfo2().fordblks)
 # Pieces as raw topics of a megabyte need them, again and again: how many pages are mapped for them.
 PIECES = """
 import resource
-from talaia.allocator import keep_little_free_memory
+from talaia.process_tuning.allocator import keep_little_free_memory
 assert keep_little_free_memory()
 def pass_on():
     for _ in range(20):
