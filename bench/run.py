@@ -30,6 +30,7 @@ import link
 import numpy as np
 import objects
 import pages
+import scenes
 import signin
 import stack
 import taps
@@ -482,7 +483,47 @@ async def taps_drive() -> list[Figure]:
     ]
 
 
+async def scene() -> list[Figure]:
+    """A robot of 30 links and a scan in space, then with 100 000 points, beside a bare page."""
+    words = ("--links", str(scenes.LINKS), "--scan", "10")
+    async with stack.running(0, tapped=True) as here, scenes.robot(here, *words):
+        alone = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
+        async with scenes.robot(here, "--cloud", "10"):
+            whole = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
+            looking, elsewhere = await scenes.heard_elsewhere(here)
+    figures = []
+    for what, (ours, bare) in (("scan and links", alone), ("with the cloud", whole)):
+        ratio = float(np.median([a.frames / b.frames for a, b in zip(ours, bare, strict=True)]))
+        ages = [np.concatenate([one.scan_ms for one in them]) for them in (ours, bare)]
+        own, theirs = (float(np.median(each)) for each in ages)
+        limit = 60 if ours is alone[0] else theirs + 30
+        figures += [
+            Figure(f"{what}: bare page's frames beside ours, of the median round", 1 / ratio,
+                   1 / 0.9, "times"),
+            Figure(f"{what}: frames", -float(np.median([one.frames for one in ours])), math.inf,
+                   "Hz (-)"),
+            Figure(f"{what}: frames of the bare page",
+                   -float(np.median([one.frames for one in bare])), math.inf, "Hz (-)"),
+            Figure(f"{what}: scan published → painted, p50 of {ages[0].size}", own, limit, "ms"),
+            Figure(f"{what}: the same of the bare page, p50 of {ages[1].size}", theirs, math.inf,
+                   "ms"),
+            Figure(f"{what}: the page's process",
+                   float(np.median([one.page for one in ours])), math.inf, "% of a core"),
+            Figure(f"{what}: that of the bare page",
+                   float(np.median([one.page for one in bare])), math.inf, "% of a core"),
+            Figure(f"{what}: clouds painted, ours and bare",
+                   float(np.median([one.clouds for one in ours])),
+                   math.inf, f"Hz ({np.median([one.clouds for one in bare]):.1f})"),
+        ]  # fmt: skip
+    return [
+        *figures,
+        Figure("subscriptions on the robot while it is looked at", looking, 3, ""),
+        Figure("the same from another page", elsewhere, 0, ""),
+    ]
+
+
 PARTS = {
+    "scene": scene,
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,
