@@ -134,7 +134,7 @@ async def filmed(stack: Stack, seconds: float, *, film: bool) -> np.ndarray:
     script = NOTE_PICTURES + ("" if film else "delete window.VideoDecoder;")
     async with browser_page(script) as page:
         await sign_in(page, stack, "/sites/bench/devices/base")
-        await _until(page, "window.__pictured.length > 30")
+        await until_true(page, "window.__pictured.length > 30")
         await asyncio.sleep(4)
         await page.evaluate("window.__pictured = []")
         await asyncio.sleep(seconds)
@@ -163,14 +163,15 @@ async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.nd
             end = day_us + 86_400_000_000 - 600_000_000
             await page.evaluate(f"Object.assign(window.__drawn, {{all: {charts}, upTo: {end}}})")
             await page.get_by_label("Yesterday").click()
-            await _until(page, "window.__drawn.took > 0")
+            await until_true(page, "window.__drawn.took > 0")
             took.append(float(await page.evaluate("window.__drawn.took")))
             await page.evaluate("window.__drawn.upTo = Infinity")
             await page.go_back()
     return np.array(took)
 
 
-async def _until(page: Page, true: str) -> None:
+async def until_true(page: Page, true: str) -> None:
+    """Wait until something is true in a page."""
     for _ in range(1500):  # polling from inside is eval, which the pages forbid
         if await page.evaluate(true):
             return

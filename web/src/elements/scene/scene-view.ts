@@ -20,6 +20,7 @@ import { disposeObject, drawLayer } from "./layer-drawing.js";
 import { MeshStore } from "./meshes.js";
 import { redrawPoints, shownCount } from "./point-layer.js";
 import { GhostModels } from "./ghost-models.js";
+import { isSoftware, rendererName } from "./graphics.js";
 import { RobotModel } from "./robot-model.js";
 
 declare global {
@@ -75,7 +76,8 @@ export class SceneView implements SceneDrawing {
     colours: SceneColours,
     private readonly onTrouble: (why: string) => void,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
+    // In software smooth edges take as long as all the rest together.
+    this.renderer = new WebGLRenderer({ canvas, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
     this.meshes = new MeshStore(site);
     // REP-103: z is up.
     this.camera.up.set(0, 0, 1);
