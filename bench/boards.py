@@ -141,7 +141,7 @@ async def socket_to_paint(here: Stack, key: str, seconds: float) -> tuple[np.nda
         return np.array(found[0]), np.array(found[1])
 
 
-async def board_opened(here: Stack, times: int) -> tuple[np.ndarray, np.ndarray]:
+async def board_opened(here: Stack, key: str, times: int) -> tuple[np.ndarray, np.ndarray]:
     """Click the board in the list of boards; ms from the click, and from the first data, on."""
     clicked, data = [], []
     async with pages.browser_page(NOTE_BOARD, height=HEIGHT) as page:

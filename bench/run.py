@@ -493,7 +493,7 @@ async def board() -> list[Figure]:
         key = await boards.keep_board(here)
         used = await boards.page_percent(here, key, 6)
         charts, rest = await boards.socket_to_paint(here, key, 12)
-        clicked, data = await boards.board_opened(here, 5)
+        clicked, data = await boards.board_opened(here, key, 5)
     return [
         Figure("40 tiles at 20 Hz: the page's process, least of three", min(used), 35,
                "% of a core"),
