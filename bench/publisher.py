@@ -75,7 +75,9 @@ def main() -> int:
             time.sleep(wait)
         if publishers:
             now = time.time()
-            message.data = 10 * math.sin(now / 5 + turn % options.topics) if options.waves else now * 1e6
+            message.data = (
+                10 * math.sin(now / 5 + turn % options.topics) if options.waves else now * 1e6
+            )
             publishers[turn % options.topics].publish(message)
             turn += 1
         if film and time.monotonic() >= frame_due:

@@ -4,7 +4,8 @@
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
                                  demo, history, history-page, signin, press, many, spool, storm,
                                  load-description, camera, camera-slow, camera-crowd,
-                                 objects, objects-drive, taps, taps-cloud, taps-drive
+                                 objects, objects-drive, taps, taps-cloud, taps-drive,
+                                 board, scene, fleet
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -525,9 +526,9 @@ async def scene() -> list[Figure]:
     """A robot of 30 links and a scan in space, then with 100 000 points, beside a bare page."""
     words = ("--links", str(scenes.LINKS), "--scan", "10")
     async with stack.running(0, tapped=True) as here, scenes.robot(here, *words):
-        alone = await scenes.side_by_side(here, cloud=False, rounds=2, seconds=6)
+        alone = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
         async with scenes.robot(here, "--cloud", "10"):
-            whole = await scenes.side_by_side(here, cloud=True, rounds=2, seconds=6)
+            whole = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
             looking, elsewhere = await scenes.heard_elsewhere(here)
     figures = []
     for what, (ours, bare) in (("scan and links", alone), ("with the cloud", whole)):

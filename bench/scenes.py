@@ -104,7 +104,8 @@ async def look(page: Page, seconds: float) -> Seen:
         np.array(found["ages"].get("/bench/scan", [])),
         len(found["ages"].get("/bench/cloud", [])) / took,
         100 * (used["renderer"] - before["renderer"]) / took,
-        1000 * sum(used[kind] - before[kind] for kind in ("renderer", "GPU"))
+        1000
+        * sum(used[kind] - before[kind] for kind in ("renderer", "GPU"))
         / max(1, found["painted"]),
     )
 
