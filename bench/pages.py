@@ -28,6 +28,12 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+# Draws in space by software, where there is no graphics hardware either.
+SPACE_FLAGS = [
+    *(flag for flag in FLAGS if flag != "--disable-gpu"),
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+]
 # Each paint leaves the age of the newest sample it drew, once the frame is on its way.
 NOTE_PAINTS = """
 window.__ages = [];
@@ -68,12 +74,14 @@ window.__talaiaPainted = (address, timeUs) => {
 
 
 @asynccontextmanager
-async def browser_page(script: str = "", height: int = 900) -> AsyncIterator[Page]:
+async def browser_page(
+    script: str = "", height: int = 900, flags: list[str] = FLAGS
+) -> AsyncIterator[Page]:
     """Open a page that trusts the hub's own certificate."""
     path = shutil.which("chromium") or shutil.which("google-chrome")
     clean = {k: v for k, v in os.environ.items() if k != "LD_LIBRARY_PATH"}
     async with async_playwright() as play:
-        browser = await play.chromium.launch(executable_path=path, args=FLAGS, env=clean)
+        browser = await play.chromium.launch(executable_path=path, args=flags, env=clean)
         context = await browser.new_context(
             ignore_https_errors=True, viewport={"width": 1440, "height": height}
         )
@@ -90,9 +98,21 @@ async def sign_in(page: Page, stack: Stack, path: str) -> None:
     await page.goto(f"{stack.origin}/login")
     await page.get_by_label("Name").fill("admin")
     await page.get_by_label("Password").fill(PASSWORD)
-    await page.get_by_role("button", name="Sign in").click()
+    await page.get_by_role("button", name="Sign in", exact=True).click()
     await page.wait_for_url("**/home")
     await page.goto(f"{stack.origin}{path}")
+
+
+async def process_seconds(page: Page) -> dict[str, float]:
+    """Give the processor time of the browser's processes so far, by their kind."""
+    assert page.context.browser is not None
+    session = await page.context.browser.new_browser_cdp_session()
+    found = await session.send("SystemInfo.getProcessInfo")
+    await session.detach()
+    used: dict[str, float] = {}
+    for process in found["processInfo"]:
+        used[process["type"]] = used.get(process["type"], 0.0) + process["cpuTime"]
+    return used
 
 
 async def painted(stack: Stack, seconds: float) -> np.ndarray:
@@ -114,7 +134,7 @@ async def filmed(stack: Stack, seconds: float, *, film: bool) -> np.ndarray:
     script = NOTE_PICTURES + ("" if film else "delete window.VideoDecoder;")
     async with browser_page(script) as page:
         await sign_in(page, stack, "/sites/bench/devices/base")
-        await _until(page, "window.__pictured.length > 30")
+        await until_true(page, "window.__pictured.length > 30")
         await asyncio.sleep(4)
         await page.evaluate("window.__pictured = []")
         await asyncio.sleep(seconds)
@@ -143,14 +163,15 @@ async def day_drawn(stack: Stack, charts: int, day_us: int, times: int) -> np.nd
             end = day_us + 86_400_000_000 - 600_000_000
             await page.evaluate(f"Object.assign(window.__drawn, {{all: {charts}, upTo: {end}}})")
             await page.get_by_label("Yesterday").click()
-            await _until(page, "window.__drawn.took > 0")
+            await until_true(page, "window.__drawn.took > 0")
             took.append(float(await page.evaluate("window.__drawn.took")))
             await page.evaluate("window.__drawn.upTo = Infinity")
             await page.go_back()
     return np.array(took)
 
 
-async def _until(page: Page, true: str) -> None:
+async def until_true(page: Page, true: str) -> None:
+    """Wait until something is true in a page."""
     for _ in range(1500):  # polling from inside is eval, which the pages forbid
         if await page.evaluate(true):
             return
@@ -284,7 +305,7 @@ async def pressed_in_demo(data: Path, presses: int) -> np.ndarray:
         await page.goto(f"{address}/login")
         await page.get_by_label("Name").fill("operator")
         await page.get_by_label("Password").fill(password)
-        await page.get_by_role("button", name="Sign in").click()
+        await page.get_by_role("button", name="Sign in", exact=True).click()
         await page.wait_for_url("**/home")
         await page.goto(f"{address}/sites/agv/drive")
         await page.get_by_role("button", name="Take control").click()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import array
+import math
 import sys
 import threading
 import time
@@ -38,6 +39,7 @@ def main() -> int:
     parser.add_argument("--cameras", type=int, default=0, help="numbered ones, 10 pictures/s each")
     parser.add_argument("--film", type=int, default=0, help="a moving scene at 30 Hz; its noise")
     parser.add_argument("--clouds", type=float, default=0, help="1 MB each, so many a second")
+    parser.add_argument("--waves", action="store_true", help="values that swing, as a sensor's")
     parser.add_argument("--listen", type=Path)
     options = parser.parse_args()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -72,7 +74,10 @@ def main() -> int:
         if wait > 0:
             time.sleep(wait)
         if publishers:
-            message.data = time.time() * 1e6
+            now = time.time()
+            message.data = (
+                10 * math.sin(now / 5 + turn % options.topics) if options.waves else now * 1e6
+            )
             publishers[turn % options.topics].publish(message)
             turn += 1
         if film and time.monotonic() >= frame_due:

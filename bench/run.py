@@ -4,7 +4,8 @@
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
                                  demo, history, history-page, signin, press, many, spool, storm,
                                  load-description, camera, camera-slow, camera-crowd,
-                                 objects, objects-drive, taps, taps-cloud, taps-drive
+                                 objects, objects-drive, taps, taps-cloud, taps-drive,
+                                 board, scene, fleet
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -23,6 +24,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+import boards
 import cameras
 import clients
 import day
@@ -30,6 +32,7 @@ import link
 import numpy as np
 import objects
 import pages
+import scenes
 import signin
 import stack
 import taps
@@ -482,7 +485,87 @@ async def taps_drive() -> list[Figure]:
     ]
 
 
+async def board() -> list[Figure]:
+    """A board of 40 live tiles, all on the screen, each signal at 20 Hz."""
+    async with (
+        stack.running(boards.SIGNALS) as here,
+        stack.publisher(here, boards.SIGNALS, 20.0, "--waves"),
+    ):
+        key = await boards.keep_board(here)
+        used = await boards.page_percent(here, key, 6)
+        charts, rest = await boards.socket_to_paint(here, key, 12)
+        clicked, data = await boards.board_opened(here, key, 5)
+    return [
+        Figure("40 tiles at 20 Hz: the page's process, least of three", min(used), 35,
+               "% of a core"),
+        *percentiles("socket → charts painted", charts, 60, 60),
+        *percentiles("socket → the rest painted", rest, 60, 60),
+        Figure("the board opened: first data → painted, median of 5", float(np.median(data)), 300,
+               "ms"),
+        Figure("click → painted, median of 5", float(np.median(clicked)), math.inf, "ms"),
+    ]  # fmt: skip
+
+
+async def fleet() -> list[Figure]:
+    """A thousand sites: how soon they are there, and the longest pause while one scrolls."""
+    figures = []
+    async with stack.running(1) as here, link.crowd(here, 1000) as many:
+        await many.all_back(300)
+        for path, ready in (("/home", "t-fleet-card"), ("/fleet", "t-fleet-chooser label")):
+            found = await boards.fleet_opened(here, path, ready, 8)
+            figures += [
+                Figure(f"1 000 sites, {path}: first paint", found.first_paint, 1000, "ms"),
+                Figure(f"1 000 sites, {path}: listed", found.listed, math.inf, "ms"),
+                Figure(f"scrolling: longest pause between {found.pauses.size} frames",
+                       float(found.pauses.max()), 1000, "ms"),
+            ]  # fmt: skip
+    return figures
+
+
+async def scene() -> list[Figure]:
+    """A robot of 30 links and a scan in space, then with 100 000 points, beside a bare page."""
+    words = ("--links", str(scenes.LINKS), "--scan", "10")
+    async with stack.running(0, tapped=True) as here, scenes.robot(here, *words):
+        alone = await scenes.side_by_side(here, cloud=False, rounds=3, seconds=8)
+        async with scenes.robot(here, "--cloud", "10"):
+            whole = await scenes.side_by_side(here, cloud=True, rounds=3, seconds=8)
+            looking, elsewhere = await scenes.heard_elsewhere(here)
+    figures = []
+    for what, (ours, bare) in (("scan and links", alone), ("with the cloud", whole)):
+        ratio = float(np.median([a.frames / b.frames for a, b in zip(ours, bare, strict=True)]))
+        ages = [np.concatenate([one.scan_ms for one in them]) for them in (ours, bare)]
+        own, theirs = (float(np.median(each)) for each in ages)
+        limit = 60 if ours is alone[0] else theirs + 30
+        figures += [
+            Figure(f"{what}: bare page's frames beside ours, of the median round", 1 / ratio,
+                   1 / 0.9, "times"),
+            Figure(f"{what}: frames", -float(np.median([one.frames for one in ours])), math.inf,
+                   "Hz (-)"),
+            Figure(f"{what}: frames of the bare page",
+                   -float(np.median([one.frames for one in bare])), math.inf, "Hz (-)"),
+            Figure(f"{what}: scan published → painted, p50 of {ages[0].size}", own, limit, "ms"),
+            Figure(f"{what}: the same of the bare page, p50 of {ages[1].size}", theirs, math.inf,
+                   "ms"),
+            Figure(f"{what}: processor time of a frame beside the bare page's",
+                   float(np.median([a.frame_ms / b.frame_ms
+                                    for a, b in zip(ours, bare, strict=True)])), 1 / 0.9, "times"),
+            Figure(f"{what}: the page's process",
+                   float(np.median([one.page for one in ours])), math.inf, "% of a core"),
+            Figure(f"{what}: that of the bare page",
+                   float(np.median([one.page for one in bare])), math.inf, "% of a core"),
+            Figure(f"{what}: clouds painted, ours and bare",
+                   float(np.median([one.clouds for one in ours])),
+                   math.inf, f"Hz ({np.median([one.clouds for one in bare]):.1f})"),
+        ]  # fmt: skip
+    return [
+        *figures,
+        Figure("subscriptions on the robot while it is looked at", looking, 3, ""),
+        Figure("the same from another page", elsewhere, 0, ""),
+    ]
+
+
 PARTS = {
+    "scene": scene, "board": board, "fleet": fleet,
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,

@@ -7,6 +7,7 @@ export class MessageError extends Error {}
 
 /** Longer lists than a message of this size can hold are not believed. */
 const ENCAPSULATION = 4;
+const decoder = new TextDecoder();
 
 export class MessageReader {
   readonly ros1: boolean;
@@ -54,7 +55,7 @@ export class MessageReader {
     const raw = this.rawBytes(this.uint32());
     // In CDR a zero closes it.
     const end = raw.length > 0 && raw[raw.length - 1] === 0 ? raw.length - 1 : raw.length;
-    return new TextDecoder().decode(raw.subarray(0, end));
+    return decoder.decode(raw.subarray(0, end));
   }
 
   /** How many entries follow, each of at least `least` bytes. */

@@ -1,7 +1,7 @@
 /** Colours of points from a share of 0 to 1. Pure. */
 
 import type { CloudColour, PointCloud } from "./cloud.js";
-import { spread } from "./cloud.js";
+import { spanOf } from "./cloud.js";
 
 /** Dark violet to yellow, near enough to matplotlib's viridis: told apart by those who see few colours, too. */
 const STOPS: readonly (readonly [number, number, number])[] = [
@@ -21,21 +21,34 @@ export function ramp(share: number, night: boolean): readonly [number, number, n
   return [mix(0), mix(1), mix(2)];
 }
 
-/** Red, green and blue of each point, 0 to 1: by what was chosen, or by height where the points have none of it. */
-export function cloudColours(cloud: PointCloud, by: CloudColour, night: boolean): Float32Array {
-  const count = cloud.positions.length / 3;
-  const found = new Float32Array(count * 3);
-  if (by === "rgb" && cloud.rgb !== null && !night) {
-    for (let i = 0; i < found.length; i++) found[i] = (cloud.rgb[i] ?? 0) / 255;
-    return found;
+/** A ramp in steps that no eye tells apart, each as the four bytes of a point's colour. */
+const STEPS = 256;
+const ramps = new Map<boolean, Uint32Array>();
+
+function rampBytes(night: boolean): Uint32Array {
+  let found = ramps.get(night);
+  if (found === undefined) {
+    const bytes = new Uint8Array(4 * STEPS);
+    for (let step = 0; step < STEPS; step++) bytes.set([...ramp(step / (STEPS - 1), night).map((part) => Math.round(255 * part)), 255], 4 * step);
+    found = new Uint32Array(bytes.buffer);
+    ramps.set(night, found);
   }
-  const shares = by === "intensity" && cloud.intensity !== null ? cloud.intensity : spread(heightsOf(cloud.positions));
-  for (let i = 0; i < count; i++) found.set(ramp(shares[i] ?? 0, night), 3 * i);
   return found;
 }
 
-function heightsOf(positions: Float32Array): Float32Array {
-  const found = new Float32Array(positions.length / 3);
-  for (let i = 0; i < found.length; i++) found[i] = positions[3 * i + 2] ?? 0;
+/** Red, green, blue and 255 of each point: by what was chosen, or by height where the points have none of it. */
+export function cloudColours(cloud: PointCloud, by: CloudColour, night: boolean): Uint8Array {
+  const count = cloud.positions.length / 3;
+  const found = new Uint8Array(4 * count).fill(255);
+  if (by === "rgb" && cloud.rgb !== null && !night) {
+    for (let i = 0; i < count; i++) for (let part = 0; part < 3; part++) found[4 * i + part] = cloud.rgb[3 * i + part] ?? 0;
+    return found;
+  }
+  const [values, first, stride] = by === "intensity" && cloud.intensity !== null ? [cloud.intensity, 0, 1] : [cloud.positions, 2, 3];
+  const [least, most] = spanOf(values, first, stride);
+  const [whole, table] = [new Uint32Array(found.buffer), rampBytes(night)];
+  const scale = most > least ? (STEPS - 1) / (most - least) : 0;
+  const middle = most > least ? 0.5 : (STEPS - 1) / 2;
+  for (let i = 0, at = first; i < count; i++, at += stride) whole[i] = table[Math.floor(((values[at] ?? 0) - least) * scale + middle)] ?? 0;
   return found;
 }

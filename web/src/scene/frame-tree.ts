@@ -90,7 +90,9 @@ export class FrameTree {
   find(target: string, frame: string, timeUs: number): Transform | null {
     const [a, b] = [frameName(target), frameName(frame)];
     if (a === b) return IDENTITY;
-    const up = this.toRoot(b, timeUs);
+    // As a rule one is asked for in its parent, or farther up.
+    const up = this.toRoot(b, timeUs, a);
+    if (up.root === a) return up.transform;
     const other = this.toRoot(a, timeUs);
     if (up.root !== other.root || !this.has(a) || !this.has(b)) return null;
     return composed(inverted(other.transform), up.transform);
@@ -116,13 +118,15 @@ export class FrameTree {
     return found;
   }
 
-  private toRoot(name: string, timeUs: number): { readonly root: string; readonly transform: Transform } {
+  /** Up to the root, or to `end` where that is on the way. */
+  private toRoot(name: string, timeUs: number, end = ""): { readonly root: string; readonly transform: Transform } {
     let transform = IDENTITY;
     let root = name;
-    for (let depth = 0; depth < MOST_DEPTH; depth++) {
+    for (let depth = 0; depth < MOST_DEPTH && root !== end; depth++) {
       const entry = this.frames.get(root);
       if (entry === undefined) break;
-      transform = composed(sampleAt(entry.samples, timeUs), transform);
+      const step = sampleAt(entry.samples, timeUs);
+      transform = transform === IDENTITY ? step : composed(step, transform);
       root = entry.parent;
     }
     return { root, transform };

@@ -7,10 +7,15 @@ import { Store } from "./store.js";
 
 export type LoadState = "idle" | "loading" | "ready" | "failed";
 
+/** With more sites than this (each tells of itself every few seconds), pages are told of news together, so often (ms). */
+const MANY = 50;
+const TOGETHER_MS = 500;
+
 export class Sites extends Store {
   private rows: readonly SiteSummary[] = [];
   private loading: LoadState = "idle";
   private problem: unknown = null;
+  private telling: ReturnType<typeof setTimeout> | undefined;
   private readonly details = new Map<string, { catalogue: string; detail: Promise<SiteShape> }>();
   private readonly catalogues = new Map<string, string>();
 
@@ -112,7 +117,18 @@ export class Sites extends Store {
           }
         : other,
     );
-    this.notifyWatchers();
+    this.tellOfNews();
+  }
+
+  private tellOfNews(): void {
+    if (this.rows.length <= MANY) {
+      this.notifyWatchers();
+      return;
+    }
+    this.telling ??= setTimeout(() => {
+      this.telling = undefined;
+      this.notifyWatchers();
+    }, TOGETHER_MS);
   }
 
   /** Forgets all: another person may see other things. */

@@ -1,4 +1,5 @@
 /** The catalogues of `locales/`, as `catalogue/plugin.mjs` gives them. */
+// eslint-disable-next-line @typescript-eslint/consistent-type-imports -- a declared module may import nothing
 declare module "virtual:catalogues" {
   interface Words {
     readonly templates: Readonly<Record<string, import("@lit/localize").LocaleModule["templates"][string]>>;

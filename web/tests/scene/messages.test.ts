@@ -58,6 +58,16 @@ describe("messages", () => {
     expect(markers.map(({ key, kind, lifetimeMs, text }) => [key, kind, lifetimeMs, text])).toEqual([["n/7", "cube", 2500, "hi"], ["n/8", "sphere", 2500, "hi"]]);
   });
 
+  it("of clouds are read alike, floats that lie well and any others", () => {
+    // x, y and z of two points, and a third that is nowhere, as float32 and as float64.
+    const numbers = [1, 2, 3, 4, 5, 6, Number.NaN, 0, 0];
+    for (const [datatype, size] of [[7, 4], [8, 8]] as const) {
+      const read = readCloud(new MessageReader(cloudBytes(numbers, datatype, size), "cdr"));
+      expect([...read.positions]).toEqual([1, 2, 3, 4, 5, 6]);
+      expect(read.intensity).toBeNull();
+    }
+  });
+
   it("of ROS 1 are packed without gaps, and names begin with no slash", () => {
     expect(readJoints(reader("joints_ros1", "ros1"))).toEqual({ timeUs: STAMP_US, frame: "base", names: ["a", "bc"], positions: [0.25, -1.5] });
   });
@@ -123,3 +133,26 @@ it("a place fills a command's arguments in its own units", () => {
   const filled = filledCommand(command, { frame: "map", x: 1.23456, y: 0, yaw: Math.PI / 2 });
   expect(filled.arguments.map(({ default: value }) => value)).toEqual([1.235, 90, 0.707, null, "map"]);
 });
+
+/** A cloud of one row without a frame, as CDR. */
+function cloudBytes(numbers: readonly number[], datatype: number, size: number): Uint8Array {
+  const bytes: number[] = [];
+  const number32 = (value: number): void => {
+    while (bytes.length % 4 !== 0) bytes.push(0);
+    bytes.push(...new Uint8Array(new Uint32Array([value]).buffer));
+  };
+  [0, 0, 1].forEach(number32);
+  bytes.push(0);
+  [1, numbers.length / 3, 3].forEach(number32);
+  ["x", "y", "z"].forEach((name, at) => {
+    number32(2);
+    bytes.push(name.charCodeAt(0), 0);
+    number32(at * size);
+    bytes.push(datatype);
+    number32(1);
+  });
+  bytes.push(0);
+  [3 * size, numbers.length * size, numbers.length * size].forEach(number32);
+  const data = size === 4 ? new Float32Array(numbers) : new Float64Array(numbers);
+  return new Uint8Array([0, 1, 0, 0, ...bytes, ...new Uint8Array(data.buffer), 1]);
+}

@@ -117,11 +117,13 @@ describe("the colours of points", () => {
     const { data, encoding } = recorded("cloud");
     const cloud = readCloud(new MessageReader(data, encoding));
     const own = cloudColours(cloud, "rgb", false);
-    [0x10, 0x20, 0x30].forEach((part, at) => {
-      expect(own[at]).toBeCloseTo(part / 255, 6);
-    });
+    expect([...own.subarray(0, 4)]).toEqual([0x10, 0x20, 0x30, 255]);
     const bare = { ...cloud, rgb: null, intensity: null };
     expect(cloudColours(bare, "rgb", false)).toEqual(cloudColours(bare, "height", false));
+    // The lowest is as dark as the ramp begins, the highest as bright as it ends.
+    const heights = { ...bare, positions: new Float32Array([9, 9, -1, 9, 9, 3]) };
+    const ends = [0, 1].flatMap((share) => [...ramp(share, false).map((part) => Math.round(255 * part)), 255]);
+    expect([...cloudColours(heights, "height", false)]).toEqual(ends);
     // Nobody's own colours where eyes are used to the dark.
     expect(cloudColours(cloud, "rgb", true)).toEqual(cloudColours(cloud, "height", true));
   });

@@ -1,4 +1,4 @@
-import { describe, expect, test } from "vitest";
+import { describe, expect, test, vi } from "vitest";
 import { Session } from "../../src/state/session.js";
 import { Sites } from "../../src/state/sites.js";
 import type { SiteShape, SiteSummary } from "../../src/generated/api.js";
@@ -91,4 +91,24 @@ describe("sites", () => {
     well = true;
     await expect(sites.loadDetail("agv")).resolves.toEqual(detail);
   });
+});
+test("with many sites, news of them are told together; with few, each at once", () => {
+  vi.useFakeTimers();
+  try {
+    for (const [count, atOnce, inAll] of [[3, 3, 3], [200, 0, 1]] as const) {
+      const sites = new Sites(hub(() => json([])).api);
+      sites["rows"] = Array.from({ length: count }, (_, at) => ({ ...row, site: `s${String(at)}`, online: false }));
+      let told = 0;
+      sites.subscribe(() => {
+        told += 1;
+      });
+      for (let at = 0; at < 3; at++) sites.applyUpdate({ ...news, site: `s${String(at)}` });
+      // What is asked for is of now, whenever pages are told.
+      expect([told, sites.siteRow("s2")?.online]).toEqual([atOnce, true]);
+      vi.runAllTimers();
+      expect(told).toBe(inAll);
+    }
+  } finally {
+    vi.useRealTimers();
+  }
 });

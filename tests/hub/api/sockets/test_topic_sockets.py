@@ -36,6 +36,7 @@ ENTRIES = [
     TopicEntry(number=2, topic="/secret", type=KIND),
     TopicEntry(number=3, topic="/other", type=KIND),
 ]
+PIECE = 64 * 1024
 SCHEMA = TapSchema(type=KIND, encoding="ros2msg", definition="string data", message_encoding="cdr")
 
 
@@ -59,6 +60,18 @@ class Robot:
                 size=len(raw), data=raw,
             )
         )  # fmt: skip
+
+    async def publish_large(self, letter: str) -> None:
+        """Publish more than half of what may be under way, in pieces."""
+        raw = serialized(letter * 700_000)
+        self.seq += 1
+        for at in range(0, len(raw), PIECE):
+            await self.media.say(
+                TapMessage(
+                    number=1, seq=self.seq, log_us=self.seq * 1_000_000, kept=False,
+                    at=at, size=len(raw), data=raw[at : at + PIECE],
+                )
+            )  # fmt: skip
 
     async def until_asked(self, *topics: str) -> None:
         await self.gateway.hear(TapSubscription, lambda asked: set(asked.topics) == set(topics))
@@ -200,6 +213,23 @@ async def test_page_that_confirms_nothing_gets_a_few_and_then_the_newest(robot) 
     await page.say(browser.TopicShown(number=sent.number))
     # One was in hand; of those that waited behind it the newest comes.
     assert [await tree_of(page) for _ in range(2)] == [{"data": "said 4"}, {"data": "said 6"}]
+
+
+async def test_of_large_messages_one_is_under_way_and_then_the_newest_goes(robot) -> None:
+    page = await followed(robot, more="&as=bytes")
+    second = await robot.hub.follower("admin", "/said", "&as=bytes")
+    await second.hear(browser.TopicUpdate, lambda told: told.definition != "")
+    for letter in "abcd":
+        await robot.publish_large(letter)
+        # Who reads is not held up by who does not.
+        got = await second.hear(browser.TopicBytes)
+        await second.say(browser.TopicShown(number=got.number))
+        assert got.data[8:9] == letter.encode()
+    first = await page.hear(browser.TopicBytes)
+    assert not [said for said in page.heard if isinstance(said, browser.TopicBytes)]
+    await page.say(browser.TopicShown(number=first.number))
+    newest = await page.hear(browser.TopicBytes)
+    assert (first.data[8:9], newest.data[8:9], newest.number) == (b"a", b"d", 2)
 
 
 async def test_topic_that_comes_seldom_loses_nothing(robot) -> None:

@@ -53,6 +53,8 @@ const DRAWN: readonly (keyof Chart)[] = [
 const NO_AXIS: ChartAxis = { limits: { minimum: null, maximum: null }, least: 0 };
 /** The cursor finds a value within so many pixels. */
 const REACH = 14;
+/** New samples are drawn so soon after those before (ms): with 50, what comes every 50 ms would as often as not wait a second time. */
+const SOON_MS = 33;
 const NO_INDENT: ChartIndent = indentOf(0, 0);
 const NO_OUTLIERS: ReadonlyMap<string, OutlierPoints> = new Map();
 const NO_LEVELS: readonly number[] = [];
@@ -204,7 +206,7 @@ export class Chart extends LitElement implements Paintable {
     if (follow === null || shown === null) return false;
     const moved = (follow(nowMs).toUs - shown.toUs) / this.widthUs(shown);
     // Half a pixel is seen as movement; less is not worth a picture, unless something new came.
-    return moved >= 0.5 || (this.dataVersion() !== this.drawnVersion && nowMs - this.drawnAt >= 50);
+    return moved >= 0.5 || (this.dataVersion() !== this.drawnVersion && nowMs - this.drawnAt >= SOON_MS);
   }
 
   paintFrame(nowMs: number): void {

@@ -191,10 +191,10 @@ export class FlatView implements SceneDrawing {
     }
   }
 
-  private paintPoints(points: Float32Array, size: number, shades: Float32Array | null = null): void {
+  private paintPoints(points: Float32Array, size: number, shades: Uint8Array | null = null): void {
     for (let i = 0; i + 2 < points.length; i += 3) {
       const { x, y } = this.canvasPlace([points[i] ?? 0, points[i + 1] ?? 0, 0]);
-      if (shades !== null) this.pen.fillStyle = `rgb(${[0, 1, 2].map((part) => String(Math.round(255 * (shades[i + part] ?? 0)))).join(" ")})`;
+      if (shades !== null) this.pen.fillStyle = `rgb(${shades.subarray((i / 3) * 4, (i / 3) * 4 + 3).join(" ")})`;
       this.pen.fillRect(x - size / 2, y - size / 2, size, size);
     }
   }

@@ -5,19 +5,16 @@ import {
   LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter, Object3D, PlaneGeometry, Points, PointsMaterial,
   SphereGeometry, SRGBColorSpace, type Material,
 } from "three";
-import { cloudColours } from "../../scene/colours.js";
 import type { Marker } from "../../scene/markers.js";
 import type { OccupancyGrid } from "../../scene/messages.js";
 import type { LayerContent } from "../../scene/scene-model.js";
 import type { Transform, Vector } from "../../scene/transform.js";
 import type { SceneColours, SceneOptions } from "./drawing.js";
 import { gridPixels } from "./grid-pixels.js";
+import { drawPoints } from "./point-layer.js";
 
 type Paints = SceneColours & Pick<SceneOptions, "cloudBy">;
 
-/** A scan's and a cloud's points (px). */
-const SCAN_PX = 4;
-const CLOUD_PX = 2;
 const ARROW = 0.3;
 /** Entries of a list of cubes or spheres that are drawn. */
 const MOST_INSTANCES = 20_000;
@@ -25,12 +22,8 @@ const MOST_INSTANCES = 20_000;
 export function drawLayer(content: LayerContent, paints: Paints): Object3D {
   switch (content.shape) {
     case "scan":
-      return new Points(geometryOf(content.positions), new PointsMaterial({ color: paints.scan, size: SCAN_PX, sizeAttenuation: false }));
-    case "cloud": {
-      const geometry = geometryOf(content.cloud.positions);
-      geometry.setAttribute("color", new BufferAttribute(cloudColours(content.cloud, paints.cloudBy, paints.night), 3));
-      return new Points(geometry, new PointsMaterial({ vertexColors: true, size: CLOUD_PX, sizeAttenuation: false }));
-    }
+    case "cloud":
+      return drawPoints(content, paints);
     case "grid":
       return drawGrid(content.grid, paints);
     case "line":

@@ -1,4 +1,9 @@
-/** The scene in space (three.js): loaded when a scene is first shown. It draws when something has changed, and else rests. */
+/**
+ * The scene in space (three.js): loaded when a scene is first shown. It draws when something has changed, and else rests.
+ *
+ * After each frame `window.__talaiaSceneDrawn(news)` is called where a page has set it, with topic and time (µs) of each
+ * layer that was drawn for the first time; the benchmarks do.
+ */
 
 import { FrameSchedule } from "../base/frame-schedule.js";
 import {
@@ -13,8 +18,18 @@ import { composed, type Transform, type Vector } from "../../scene/transform.js"
 import type { MeasuredLine, SceneColours, SceneDrawing, SceneOptions } from "./drawing.js";
 import { disposeObject, drawLayer } from "./layer-drawing.js";
 import { MeshStore } from "./meshes.js";
+import { redrawPoints, shownCount } from "./point-layer.js";
 import { GhostModels } from "./ghost-models.js";
+import { isSoftware, rendererName } from "./graphics.js";
 import { RobotModel } from "./robot-model.js";
+
+declare global {
+  interface Window {
+    __talaiaSceneDrawn?: (news: readonly SceneNews[]) => void;
+  }
+}
+
+type SceneNews = readonly [topic: string, timeUs: number];
 
 interface Drawn {
   readonly object: Object3D;
@@ -42,6 +57,7 @@ export class SceneView implements SceneDrawing {
   private robot: RobotModel | null = null;
   private urdf = "";
   private jointsUs = -1;
+  private news: SceneNews[] = [];
   private ground: Object3D | null = null;
   private preview: Object3D[] = [];
   private followed: Vector | null = null;
@@ -60,7 +76,8 @@ export class SceneView implements SceneDrawing {
     colours: SceneColours,
     private readonly onTrouble: (why: string) => void,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
+    // In software smooth edges take as long as all the rest together.
+    this.renderer = new WebGLRenderer({ canvas, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
     this.meshes = new MeshStore(site);
     // REP-103: z is up.
     this.camera.up.set(0, 0, 1);
@@ -177,10 +194,11 @@ export class SceneView implements SceneDrawing {
   /** Where a topic's points are in the scene (m), as they are drawn. */
   pointsOf(topic: string): readonly Vector[] {
     const object = this.drawn.get(topic)?.object;
-    const positions = (object as (Object3D & { readonly geometry?: BufferGeometry }) | undefined)?.geometry?.getAttribute("position");
-    if (object === undefined || positions === undefined) return [];
+    const geometry = (object as (Object3D & { readonly geometry?: BufferGeometry }) | undefined)?.geometry;
+    const positions = geometry?.getAttribute("position");
+    if (object === undefined || geometry === undefined || positions === undefined) return [];
     object.updateWorldMatrix(true, false);
-    return Array.from({ length: positions.count }, (_, at) => {
+    return Array.from({ length: shownCount(geometry) }, (_, at) => {
       const point = new Vector3().fromBufferAttribute(positions, at).applyMatrix4(object.matrixWorld);
       return [point.x, point.y, point.z];
     });
@@ -203,6 +221,8 @@ export class SceneView implements SceneDrawing {
     this.followRobot();
     this.renderer.render(this.scene, this.camera);
     this.painted += 1;
+    window.__talaiaSceneDrawn?.(this.news);
+    this.news = [];
   }
 
   private updateRobot(nowMs: number): void {
@@ -258,15 +278,22 @@ export class SceneView implements SceneDrawing {
   }
 
   private drawnLayer(layer: SceneLayer): Object3D {
-    const known = this.drawn.get(layer.topic);
-    if (known?.number === layer.number) return known.object;
+    const { topic, number, content, timeUs } = layer;
+    const known = this.drawn.get(topic);
+    if (known?.number === number) return known.object;
+    this.news.push([topic, timeUs]);
+    const paints = { ...this.colours, cloudBy: this.options.cloudBy };
+    if (known !== undefined && redrawPoints(known.object, content, paints)) {
+      this.drawn.set(topic, { object: known.object, number });
+      return known.object;
+    }
     if (known !== undefined) {
       this.scene.remove(known.object);
       disposeObject(known.object);
     }
-    const object = drawLayer(layer.content, { ...this.colours, cloudBy: this.options.cloudBy });
+    const object = drawLayer(content, paints);
     object.frustumCulled = false;
-    this.drawn.set(layer.topic, { object, number: layer.number });
+    this.drawn.set(topic, { object, number });
     this.scene.add(object);
     return object;
   }

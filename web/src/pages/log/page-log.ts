@@ -1,6 +1,7 @@
 /** The log of a site's robots: the lines that the hub keeps, found by words, level, node and time; new ones come by themselves. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -110,17 +111,17 @@ export class PageLog extends LitElement {
   override render(): TemplateResult {
     const row = this.sites.store?.siteRow(this.site);
     return html`${renderPageHead(
-        "Robot's log",
-        `What the nodes of ${row?.name ?? this.site} wrote, as far as it is kept; newest first.`,
+        msg("Robot's log"),
+        msg(str`What the nodes of ${row?.name ?? this.site} wrote, as far as it is kept; newest first.`),
         html`<div class="actions">
-          <t-button pressed=${String(!this.paused)} @click=${this.togglePause}>New lines come by themselves</t-button>
-          <a href=${sitePath(this.site, "logbook")}>Logbook</a>
-          <a href=${sitePath(this.site, "topics")}>Topics</a>
+          <t-button pressed=${String(!this.paused)} @click=${this.togglePause}>${msg("New lines come by themselves")}</t-button>
+          <a href=${sitePath(this.site, "logbook")}>${msg("Logbook")}</a>
+          <a href=${sitePath(this.site, "topics")}>${msg("Topics")}</a>
         </div>`,
       )}
-      ${row?.online === false ? html`<t-banner kind="warn">The robot's gateway is not connected: what it writes meanwhile comes when it is back.</t-banner>` : nothing}
+      ${row?.online === false ? html`<t-banner kind="warn">${msg("The robot's gateway is not connected: what it writes meanwhile comes when it is back.")}</t-banner>` : nothing}
       ${this.renderSearch(this.filter())}
-      ${renderInfiniteList(this.list, { label: "Lines", what: "the robot's log", row: (line) => this.renderLine(line), nothing: () => this.renderEmpty() })}`;
+      ${renderInfiniteList(this.list, { label: msg("Lines"), what: msg("the robot's log"), row: (line) => this.renderLine(line), nothing: () => this.renderEmpty() })}`;
   }
 
   private renderSearch(filter: LogFilter): TemplateResult {
@@ -131,17 +132,17 @@ export class PageLog extends LitElement {
     const known = this.nodes.value ?? [];
     // One that has said nothing for long may still stand in the address.
     const nodes = filter.node === "" || known.includes(filter.node) ? known : [filter.node, ...known];
-    return html`<section class="sheet" aria-label="Filter">
+    return html`<section class="sheet" aria-label=${msg("Filter")}>
       <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
-        <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
-        <t-field label="From level">
-          <select name="level">${renderOptions([["", "All"], ...LOG_LEVELS.map(([level, word]) => [String(level), word] as const)], filter.level)}</select>
+        <t-field label=${msg("Search")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
+        <t-field label=${msg("From level")}>
+          <select name="level">${renderOptions([["", msg("All")], ...LOG_LEVELS.map(([level, word]) => [String(level), word] as const)], filter.level)}</select>
         </t-field>
-        <t-field label="Node">
-          <select name="node">${renderOptions([["", "All"], ...nodes.map((node) => [node, node] as const)], filter.node)}</select>
+        <t-field label=${msg("Node")}>
+          <select name="node">${renderOptions([["", msg("All")], ...nodes.map((node) => [node, node] as const)], filter.node)}</select>
         </t-field>
-        ${time("from", "From", filter.fromUs)} ${time("to", "To", filter.toUs)}
-        <t-button kind="quiet" ?disabled=${writeLogFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        ${time("from", msg("From"), filter.fromUs)} ${time("to", msg("To"), filter.toUs)}
+        <t-button kind="quiet" ?disabled=${writeLogFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
       </form>
     </section>`;
   }
@@ -160,9 +161,9 @@ export class PageLog extends LitElement {
       <div class="ways">
         ${map(
           [
-            ["Chart", `${sitePath(this.site, "history")}?${momentQuery(timeUs)}`],
-            ["Board then", boardAtPath(this.site, timeUs)],
-            ["Cause", `${sitePath(this.site, "cause")}?${causeQuery(timeUs)}`],
+            [msg("Chart"), `${sitePath(this.site, "history")}?${momentQuery(timeUs)}`],
+            [msg("Board then"), boardAtPath(this.site, timeUs)],
+            [msg("Cause"), `${sitePath(this.site, "cause")}?${causeQuery(timeUs)}`],
           ] as const,
           ([name, path]) => html`<a href=${path}>${name}</a>`,
         )}
@@ -172,13 +173,13 @@ export class PageLog extends LitElement {
 
   private renderEmpty(): TemplateResult {
     if (writeLogFilter(this.filter()) !== "") {
-      return html`<t-empty heading="No matches" icon="logbook">
-        <p>No line that is kept is like this.</p>
-        <t-button @click=${this.form.clearFilter}>Show everything</t-button>
+      return html`<t-empty heading=${msg("No matches")} icon="logbook">
+        <p>${msg("No line that is kept is like this.")}</p>
+        <t-button @click=${this.form.clearFilter}>${msg("Show everything")}</t-button>
       </t-empty>`;
     }
-    return html`<t-empty heading="No line is kept yet" icon="logbook">
-      <p>Of a robot with ROS, warnings and worse are kept as they come. From which level on is said by <code>keep_log</code> in the site's description; a site without ROS has no such log.</p>
+    return html`<t-empty heading=${msg("No line is kept yet")} icon="logbook">
+      <p>${msg(html`Of a robot with ROS, warnings and worse are kept as they come. From which level on is said by <code>keep_log</code> in the site's description; a site without ROS has no such log.`)}</p>
     </t-empty>`;
   }
 

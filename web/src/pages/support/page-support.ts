@@ -1,6 +1,7 @@
 /** One file for whoever helps: made at the hub, downloaded, handed on by a person. */
 
 import { consume } from "@lit/context";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
@@ -20,14 +21,14 @@ import "../admin-tabs.js";
 const FILE = "talaia-support.zip";
 /** What is in it, in the order of the file. */
 const PARTS: readonly (readonly [string, string])[] = [
-  ["Versions", "Talaia, Python, the system, every installed package"],
-  ["Machine", "what talaia doctor finds: ports, clock, disk, certificates, ROS"],
-  ["Programs", "Talaia's programs that run, and their memory"],
-  ["Settings", "variables and settings files of this hub"],
-  ["Database", "kind, size and the number of rows of each table; no content"],
-  ["Gateways", "their versions, and when they were seen last"],
-  ["Descriptions", "of all sites, without comments, and what is wrong in them"],
-  ["Logs", "the last lines of each log that the hub's machine keeps"],
+  [msg("Versions"), msg("Talaia, Python, the system, every installed package")],
+  [msg("Machine"), msg("what talaia doctor finds: ports, clock, disk, certificates, ROS")],
+  [msg("Programs"), msg("Talaia's programs that run, and their memory")],
+  [msg("Settings"), msg("variables and settings files of this hub")],
+  [msg("Database"), msg("kind, size and the number of rows of each table; no content")],
+  [msg("Gateways"), msg("their versions, and when they were seen last")],
+  [msg("Descriptions"), msg("of all sites, without comments, and what is wrong in them")],
+  [msg("Logs"), msg("the last lines of each log that the hub's machine keeps")],
 ];
 
 @customElement("t-page-support")
@@ -48,22 +49,19 @@ export class PageSupport extends LitElement {
 
   override render(): TemplateResult {
     return html`<t-admin-tabs page="support"></t-admin-tabs>
-      ${renderPageHead("Support")}
+      ${renderPageHead(msg("Support"))}
       <section class="sheet" aria-labelledby="bundle">
-        <h2 id="bundle">Support bundle</h2>
-        <p>
-          One ZIP file with what somebody who helps you needs to know of this hub. It goes nowhere by itself: look through it, then
-          hand it on.
-        </p>
+        <h2 id="bundle">${msg("Support bundle")}</h2>
+        <p>${msg("One ZIP file with what somebody who helps you needs to know of this hub. It goes nowhere by itself: look through it, then hand it on.")}</p>
         <div class="actions">
-          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.make}>Make a support bundle</t-button>
-          ${this.url === "" ? nothing : html`<a download=${FILE} href=${this.url}>Download it again</a>`}
+          <t-button kind="primary" ?busy=${this.action.busy} @click=${this.make}>${msg("Make a support bundle")}</t-button>
+          ${this.url === "" ? nothing : html`<a download=${FILE} href=${this.url}>${msg("Download it again")}</a>`}
         </div>
-        <p role="status">${this.action.busy ? "It takes up to a minute…" : this.url === "" ? "" : `${FILE}, ${formatBytes(this.size)}, is among your downloads.`}</p>
+        <p role="status">${this.action.busy ? msg("It takes up to a minute…") : this.url === "" ? "" : msg(str`${FILE}, ${formatBytes(this.size)}, is among your downloads.`)}</p>
         ${renderAdvice(this.action.problem)}
       </section>
       <section class="sheet" aria-labelledby="inside">
-        <h2 id="inside">What is in it</h2>
+        <h2 id="inside">${msg("What is in it")}</h2>
         <dl>
           ${map(
             PARTS,
@@ -73,25 +71,16 @@ export class PageSupport extends LitElement {
             </div>`,
           )}
         </dl>
-        <p>
-          <strong>Masked</strong> (as <code>***</code>): keys, tokens and passwords, wherever they stand; arguments of programs; mail
-          addresses; whatever looks drawn at random.
-        </p>
-        <p>
-          <strong>Not masked</strong>: names of sites, devices and signals, host names, network addresses. A password that somebody
-          wrote into a device's name is known to nobody.
-        </p>
-        <p>
-          A gateway's own log lies on the robot's computer: <code>talaia support-bundle help.zip --site site.yaml</code> makes the
-          same file there.
-        </p>
+        <p>${msg(html`<strong>Masked</strong> (as <code>***</code>): keys, tokens and passwords, wherever they stand; arguments of programs; mail addresses; whatever looks drawn at random.`)}</p>
+        <p>${msg(html`<strong>Not masked</strong>: names of sites, devices and signals, host names, network addresses. A password that somebody wrote into a device's name is known to nobody.`)}</p>
+        <p>${msg(html`A gateway's own log lies on the robot's computer: <code>talaia support-bundle help.zip --site site.yaml</code> makes the same file there.`)}</p>
       </section>`;
   }
 
   private readonly make = async (): Promise<void> => {
     this.forget();
     let bytes = new ArrayBuffer(0);
-    const made = await this.action.run("make the support bundle", async () => {
+    const made = await this.action.run(msg("make the support bundle"), async () => {
       bytes = await new AdminApi(this.api).supportBundle();
     });
     if (!made) return;

@@ -40,7 +40,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     ],
     past: "moves",
     load: () => import("../signal-value.js"),
-    titleOf: signalTitle("Value"),
+    titleOf: signalTitle(msg("Value")),
     render: (settings, context) =>
       html`<t-signal-value bare .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .size=${settingText(settings, "size", "xl")}></t-signal-value>`,
   },
@@ -107,7 +107,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     ],
     past: "moves",
     load: () => import("./gauge-board-tile.js"),
-    titleOf: signalTitle("Gauge or level"),
+    titleOf: signalTitle(msg("Gauge or level")),
     render: (settings, context) =>
       html`<t-tile-gauge
         .context=${context}
@@ -164,7 +164,7 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     settings: [{ key: "signal", label: msg("Position"), kind: "signal", types: ["position"], needed: true }, { key: "colour", label: msg("Trail coloured by"), kind: "signal", types: ["number"], hint: msg("On a map: from blue for its least to orange for its most") }],
     past: "moves",
     load: () => import("../map/position-map.js"),
-    titleOf: signalTitle("Position and trail"),
+    titleOf: signalTitle(msg("Position and trail")),
     render: (settings, context) => html`<t-map .site=${context.site} .signal=${findSignal(settingText(settings, "signal"), context)} .colour=${findSignal(settingText(settings, "colour"), context)} .online=${context.online}></t-map>`,
   },
   {

@@ -6,6 +6,7 @@ Long, because trees and bytes share one socket, its bounds and its end.
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocketDisconnect
@@ -58,6 +59,9 @@ MOST_RAW_RATE = 100.0
 # Messages under way to the page that it has not confirmed: one that reads slowly gets fewer, and
 # none is old when it comes.
 _MOST_UNDER_WAY, _MOST_RAW_UNDER_WAY = 4, 16
+# Bytes of them, beside the first: of clouds one is under way, or what waits on the line would be
+# seconds old.
+_MOST_BYTES_UNDER_WAY = 1024 * 1024
 # Bytes of a message that is handed on as it is, although a newer one waits: transforms and joints
 # that come behind one another are often of different parts.
 _LIGHT = 4096
@@ -125,6 +129,8 @@ class TopicViewer:
         # Numbers of the message that was sent last and of the one that was confirmed last.
         self._sent = self._shown = 0
         self._confirmed = asyncio.Event()
+        # Number and bytes of what was sent and is not confirmed, the oldest first.
+        self._under_way: deque[tuple[int, int]] = deque()
         # The session is over, and why.
         self._over = asyncio.Event()
         self._reason = ""
@@ -181,6 +187,8 @@ class TopicViewer:
                 continue
             # Never beyond what was sent: a page cannot make room for more than it has got.
             self._shown = max(self._shown, min(said.number, self._sent))
+            while self._under_way and self._under_way[0][0] <= self._shown:
+                self._under_way.popleft()
             self._confirmed.set()
 
     async def _send_events(self, max_rate: float) -> None:
@@ -292,7 +300,10 @@ class TopicViewer:
         schema = self._schema
         if schema is None:
             return
-        await self._wait_for_room()
+        waited = await self._wait_for_room(len(message.data))
+        if waited and not message.kept and len(message.data) > _LIGHT and self._taker.waiting_bytes:
+            # A newer one has come meanwhile.
+            return
         data, every = message.data, 1
         ros1 = schema.message_encoding == "ros1"
         if schema.type == CLOUD_TYPE:
@@ -303,6 +314,7 @@ class TopicViewer:
         now_ms = self._clock.monotonic_ns() // 1_000_000
         self._problem = ""
         self._sent += 1
+        self._under_way.append((self._sent, len(data)))
         await self._send(
             TopicBytes(
                 number=self._sent,
@@ -316,18 +328,32 @@ class TopicViewer:
             )
         )
 
-    async def _wait_for_room(self) -> None:
+    async def _wait_for_room(self, size: int = 0) -> bool:
         """Wait until the page has confirmed enough of what was sent.
+
+        Args:
+            size: bytes of what is to be sent.
+
+        Returns:
+            Whether there was none at first.
 
         Raises:
             TimeoutError: it does not.
 
         """
+        waited = False
         async with asyncio.timeout(_SILENT_S):
-            most = _MOST_RAW_UNDER_WAY if self._points else _MOST_UNDER_WAY
-            while self._sent - self._shown >= most:
+            while not self._has_room(size):
+                waited = True
                 self._confirmed.clear()
                 await self._confirmed.wait()
+        return waited
+
+    def _has_room(self, size: int) -> bool:
+        most = _MOST_RAW_UNDER_WAY if self._points else _MOST_UNDER_WAY
+        waiting = sum(each for _, each in self._under_way)
+        full = bool(waiting) and waiting + size > _MOST_BYTES_UNDER_WAY
+        return self._sent - self._shown < most and not full
 
     async def _send_problem(self, code: str, why: str) -> None:
         # Each once, however many messages it is about.
