@@ -38,7 +38,11 @@ export function repeatable(similar: SimilarShape | null): Verdict | null {
 /** The word of a person that was said of the last one, for this one. */
 export function repeatedComment({ comment }: SimilarShape, when: string): string {
   const said = msg(str`same as ${when}`);
-  return comment === "" ? said : `${said}: ${comment.replace(/^same as [^:]*(:\d\d)*: /, "")}`.slice(0, 500);
+  // What was said before of a former one goes, in whichever of the two languages somebody said it.
+  const [here = ""] = msg(str`same as ${"\u0000"}`).split("\u0000");
+  const begun = [here, "same as "].find((start) => start !== "" && comment.startsWith(start)) ?? "";
+  const rest = begun === "" ? comment : comment.slice(begun.length).replace(/^[^:]*(:\d\d)*: /, "");
+  return comment === "" ? said : `${said}: ${rest}`.slice(0, 500);
 }
 
 /** While what it holds, and whether it does now. */
