@@ -6,9 +6,8 @@ import asyncio
 
 import pytest
 from patience import PATIENCE_S
-from sqlalchemy import update
+from sqlalchemy import event, update
 
-from talaia.hub.store.mission_tables import missions
 from talaia.hub.store.missions.mission_store import RunRecord, StepRecord
 from talaia.hub.store.tables import users
 from talaia.wire import frames
@@ -255,12 +254,8 @@ async def missed_events(client) -> list[dict]:
 
 async def _make_due(hub, number: str, ago_us: int) -> None:
     service = hub.hub.missions.service
-    async with hub.hub.core.database.write() as connection:
-        await connection.execute(
-            update(missions)
-            .where(missions.c.id == int(number))
-            .values(due_us=service._now_us() - ago_us)
-        )
+    kept = await service._store.find_mission("agv", int(number))
+    assert await service._store.claim_due(kept, service._now_us() - ago_us)
 
 
 async def test_schedule_begins_with_the_rights_of_who_saved_it(hub, operator, gateway) -> None:
@@ -325,3 +320,24 @@ async def test_mission_is_written_as_a_file_and_read_back(operator) -> None:
     assert told["where"] == "$.steps[0].command"
     assert (await operator.delete(f"{AT}/{number}")).status_code == 204
     assert (await operator.get(f"{AT}/{number}/text")).status_code == 404
+
+
+async def test_database_is_asked_for_due_missions_only_when_one_is_due_or_a_time_changed(
+    hub, operator
+) -> None:
+    store = hub.hub.missions.service._store
+    number = await save(operator, wander(), schedule={"at": "06:00", "days": [], "date": ""})
+    kept = await store.find_mission("agv", int(number))
+    assert await store.due_missions(kept.due_us - 1) == []
+    asked = []
+    engine = hub.hub.core.database._engine.sync_engine
+    event.listen(engine, "before_cursor_execute", lambda *words: asked.append(words[2]))
+    assert await store.due_missions(kept.due_us - 1) == []
+    assert not [sql for sql in asked if "FROM missions" in sql]
+    assert [one.id for one in await store.due_missions(kept.due_us)] == [kept.id]
+    # It is not there any more, and nothing else has a time: nothing is due for ever.
+    assert await store.claim_due(kept, 0)
+    assert await store.due_missions(kept.due_us) == []
+    # A time that is written is seen at once.
+    assert await store.claim_due(kept._replace(due_us=0), kept.due_us - 5)
+    assert [one.id for one in await store.due_missions(kept.due_us)] == [kept.id]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -14,7 +15,10 @@ from talaia.hub.store.tables import users
 from talaia.model.missions.mission_file import read_mission_json, write_mission_json
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     from sqlalchemy import Row, Select
+    from sqlalchemy.ext.asyncio import AsyncConnection
 
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
@@ -89,6 +93,11 @@ class MissionStore:
         """Work on ``database``; ``clock`` stamps what is saved."""
         self._database = database
         self._clock = clock
+        # When the next is due (µs, UTC; 0: never; None: not known), so that the database is not
+        # asked each second. Whatever writes a due time forgets it, and all of that is below.
+        self._next_due_us: int | None = None
+        # Counts these writes: what was read beside one is not remembered.
+        self._due_writes = 0
 
     async def list_missions(self, site: str = "") -> list[KeptMission]:
         """List those of a site, or of all; by name."""
@@ -107,7 +116,7 @@ class MissionStore:
 
     async def add_mission(self, site: str, mission: Mission, owner: int, due_us: int) -> int | None:
         """Keep a new one; None when its site has as many as may be."""
-        async with self._database.write() as connection:
+        async with self._write_due_times() as connection:
             count = select(func.count()).where(missions.c.site == site)
             if int((await connection.execute(count)).scalar_one()) >= MOST_MISSIONS:
                 return None
@@ -120,7 +129,7 @@ class MissionStore:
         self, site: str, number: int, *, mission: Mission, owner: int, due_us: int
     ) -> bool:
         """Save another version: from now on it is of whoever saved it."""
-        async with self._database.write() as connection:
+        async with self._write_due_times() as connection:
             changed = await connection.execute(
                 update(missions)
                 .where(missions.c.id == number, missions.c.site == site)
@@ -138,19 +147,37 @@ class MissionStore:
 
     async def due_missions(self, now_us: int) -> list[KeptMission]:
         """List those whose schedule is due."""
+        known, writes = self._next_due_us, self._due_writes
+        if known is not None and (known == 0 or now_us < known):
+            return []
         query = _select_missions().where(missions.c.due_us > 0, missions.c.due_us <= now_us)
+        first = select(func.min(missions.c.due_us)).where(missions.c.due_us > 0)
         async with self._database.read() as connection:
-            return [_mission_of(row) for row in await connection.execute(query)]
+            due = [_mission_of(row) for row in await connection.execute(query)]
+            next_us = int((await connection.execute(first)).scalar() or 0)
+        if self._due_writes == writes:
+            self._next_due_us = next_us
+        return due
 
     async def claim_due(self, kept: KeptMission, next_us: int) -> bool:
         """Take a due time, so that it is acted on at most once, whatever happens next."""
-        async with self._database.write() as connection:
+        async with self._write_due_times() as connection:
             taken = await connection.execute(
                 update(missions)
                 .where(missions.c.id == kept.id, missions.c.due_us == kept.due_us)
                 .values(due_us=next_us)
             )
         return bool(taken.rowcount)
+
+    @asynccontextmanager
+    async def _write_due_times(self) -> AsyncIterator[AsyncConnection]:
+        try:
+            async with self._database.write() as connection:
+                yield connection
+        finally:
+            # Of one that failed it is not known what is written.
+            self._next_due_us = None
+            self._due_writes += 1
 
     async def add_run(self, run: RunRecord) -> None:
         """Keep a new run; it gets its number."""
