@@ -1,4 +1,4 @@
-"""The yardstick of the scene: a page of three.js and nothing else, fed by rclpy over a plain socket.
+"""The yardstick of the scene: a page of three.js alone, fed by rclpy over a plain socket.
 
     python bench/bare_scene.py PORT WIDTH HEIGHT LINKS [--cloud]
 

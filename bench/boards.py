@@ -37,7 +37,8 @@ NOTE_BOARD = """
         const at = event.timeStamp;
         if (note.dataAt === 0) note.dataAt = at;
         waiting.push(at);
-        requestAnimationFrame(() => requestAnimationFrame(() => note.rest.push(performance.now() - at)));
+        const noteRest = () => note.rest.push(performance.now() - at);
+        requestAnimationFrame(() => requestAnimationFrame(noteRest));
       });
     }
   };
@@ -62,7 +63,11 @@ NOTE_FRAMES = """
 window.__frames = [];
 (() => {
   let before = performance.now();
-  const tick = (now) => { window.__frames.push(now - before); before = now; requestAnimationFrame(tick); };
+  const tick = (now) => {
+    window.__frames.push(now - before);
+    before = now;
+    requestAnimationFrame(tick);
+  };
   requestAnimationFrame(tick);
 })();
 """

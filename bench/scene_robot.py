@@ -75,7 +75,7 @@ def repeat(rate: float, publish: Callable[[], None]) -> None:
         publish()
 
 
-def stamp_now(message: Any) -> None:
+def stamp_now(message: LaserScan | PointCloud2) -> None:
     """Write the moment into a message's header."""
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 10**9)
 
@@ -91,7 +91,8 @@ def publish_form(node: Node, links: int) -> None:
         )
         if link:
             parts.append(
-                f'<joint name="joint{link}" type="continuous"><parent link="{link_name(link - 1)}"/>'
+                f'<joint name="joint{link}" type="continuous">'
+                f'<parent link="{link_name(link - 1)}"/>'
                 f'<child link="{link_name(link)}"/><origin xyz="{LINK_M} 0 0"/>'
                 '<axis xyz="0 0 1"/></joint>'
             )
@@ -105,7 +106,7 @@ def link_name(link: int) -> str:
     return f"link{link}" if link else "base_link"
 
 
-def transforms_class() -> Any:
+def transforms_class() -> Any:  # noqa: ANN401 - as rosidl's classes
     """Make the class of transforms, whose package need not be on this machine."""
     found = made_class(TRANSFORMS, STORE.hash_rihs01(TRANSFORMS))
     forget_error()

@@ -1,4 +1,4 @@
-"""A robot in space, in Talaia's page and in a bare one of three.js, in turn in the same Chromium."""
+"""A robot in space, in Talaia's page and in a bare one of three.js, by turns in one Chromium."""
 
 from __future__ import annotations
 
