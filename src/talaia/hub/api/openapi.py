@@ -58,6 +58,7 @@ _SAID: Mapping[int, str] = {
     421: "The hub is not known by that name.",
     422: "The request is not as described here, or what it says breaks a rule.",
     429: "Too much at once, or too many wrong tries; Retry-After says how long to wait.",
+    500: "The hub could not do it; the message says why.",
     502: "The provider of sign-ins does not answer as one.",
     503: "The hub's database does not answer, so nothing is done.",
 }
