@@ -351,7 +351,7 @@ class TopicViewer:
 
     def _has_room(self, size: int) -> bool:
         most = _MOST_RAW_UNDER_WAY if self._points else _MOST_UNDER_WAY
-        waiting = sum(size for _, size in self._under_way)
+        waiting = sum(taken for _, taken in self._under_way)
         full = bool(waiting) and waiting + size > _MOST_BYTES_UNDER_WAY
         return self._sent - self._shown < most and not full
 
