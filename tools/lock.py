@@ -94,6 +94,9 @@ def write_image_lock(folder: Path, project: Path) -> None:
         else:
             words = [str(project), "--extra", group]
         made = folder / f"{group}.txt"
+        # Of versions that stand there already uv keeps all hashes, also of wheels for platforms
+        # that the index at hand does not show.
+        made.write_text((ROOT / "requirements/dev.txt").read_text())
         # For the Python of images, and for that of the tests, which install by it, too.
         more = ["--python-version", "3.11", "--constraint", str(ROOT / "requirements/dev.txt")]
         subprocess.run(

@@ -8,16 +8,15 @@ whoever stacks or differences pictures relies on their order.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 import os
-import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import msgspec
 
 from talaia.hub.archive.obscore import number_or_none
+from talaia.hub.child_end import finish_child
 from talaia.hub.errors import StoreDown
 
 if TYPE_CHECKING:
@@ -133,21 +132,13 @@ class HookCommand:
             )
         except OSError as error:
             return f"it could not be started: {error}"
+        # On its input, never among its arguments: a target's name is a stranger's text.
+        given = msgspec.json.encode(document) + b"\n"
         try:
-            async with asyncio.timeout(self._settings.timeout):
-                # On its input, never among its arguments: a target's name is a stranger's text.
-                _, said = await child.communicate(msgspec.json.encode(document) + b"\n")
+            end = await finish_child(child, self._settings.timeout, given)
         except TimeoutError:
             return f"no end after {self._settings.timeout:g} s"
-        finally:
-            if child.returncode is None:
-                with contextlib.suppress(ProcessLookupError):
-                    os.killpg(child.pid, signal.SIGKILL)
-                await child.wait()
-        if child.returncode == 0:
-            return ""
-        last = said.decode("utf-8", "replace").strip().splitlines()[-1:]
-        return f"it ended with {child.returncode}: {''.join(last)[:300]}"
+        return "" if end.code == 0 else f"it ended with {end.code}: {end.last_line[:300]}"
 
 
 class HookPost:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import os
-import signal
 import sys
 import tempfile
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +14,7 @@ from fastapi import APIRouter, Request, Response
 from talaia.hub.api.access import address_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
+from talaia.hub.child_end import finish_child
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -119,16 +118,7 @@ async def _run_talaia(words: Sequence[str], more: Mapping[str, str]) -> str:
         start_new_session=True,
     )
     try:
-        async with asyncio.timeout(_LONGEST_S):
-            _, said = await child.communicate()
+        end = await finish_child(child, _LONGEST_S)
     except TimeoutError:
         return f"it took longer than {_LONGEST_S:g} s"
-    finally:
-        # Also when the request is given up: nothing outlives the wish for it.
-        if child.returncode is None:
-            with suppress(ProcessLookupError):
-                os.killpg(child.pid, signal.SIGKILL)
-            await child.wait()
-    if child.returncode == 0:
-        return ""
-    return "".join(said.decode("utf-8", "replace").strip().splitlines()[-1:])[:500]
+    return "" if end.code == 0 else end.last_line[:500]
