@@ -77,7 +77,7 @@ def test_a_documentation_site_comes_before_the_files() -> None:
 
 @pytest.mark.parametrize("address", ["forge.example/owner", "ftp://x/y", "https://", "a b"])
 def test_an_address_that_leads_nowhere_ends_the_build_and_is_named(address: str) -> None:
-    with pytest.raises(hatch_project.AddressError, match="TALAIA_PROJECT_URL is .*expected an"):
+    with pytest.raises(hatch_project.AddressError, match=r"TALAIA_PROJECT_URL is .*expected an"):
         read_addresses(address)
 
 
