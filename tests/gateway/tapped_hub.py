@@ -23,11 +23,18 @@ def pieces(hub: FakeHub, topic: str) -> list[TapMessage]:
 
 
 def whole(hub: FakeHub, topic: str) -> list[bytes]:
-    """Put the messages of a topic together."""
-    found: dict[int, bytes] = {}
+    """Put the messages of a topic together, of which all pieces are here.
+
+    It is asked with each piece: what is not whole is not copied.
+    """
+    found: dict[int, list[TapMessage]] = {}
     for piece in pieces(hub, topic):
-        before = found.setdefault(piece.seq, b"")
-        assert piece.at == len(before)
-        found[piece.seq] = before + piece.data
-        assert len(found[piece.seq]) <= piece.size
-    return list(found.values())
+        parts = found.setdefault(piece.seq, [])
+        assert piece.at == (parts[-1].at + len(parts[-1].data) if parts else 0)
+        assert piece.at + len(piece.data) <= piece.size
+        parts.append(piece)
+    return [
+        b"".join(part.data for part in parts)
+        for parts in found.values()
+        if parts[-1].at + len(parts[-1].data) == parts[-1].size
+    ]
