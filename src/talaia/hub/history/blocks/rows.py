@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from sqlalchemy import Column, Table
 
-__all__ = ["SUMMARY", "cells_to_rows", "rows_to_cells", "summary_of", "to_cell", "to_float"]
+__all__ = ["SUMMARY", "cells_to_rows", "rows_to_cells", "summary_of", "to_cells", "to_float"]
 
 SUMMARY = Cells._fields[1:]
 _FLOATS = frozenset(("total", "squares", "low", "high", "last"))
@@ -30,7 +30,7 @@ def summary_of(table: Table) -> list[Column[Any]]:
 def cells_to_rows(cells: Cells, **same: int) -> list[dict[str, Any]]:
     """Give a row for each cell; ``same`` are further columns that are the same in all."""
     columns = [
-        _finite_or_null(column) if name in _FLOATS else column.tolist()
+        to_cells(column) if name in _FLOATS else column.tolist()
         for name, column in zip(Cells._fields, cells, strict=True)
     ]
     return [
@@ -56,12 +56,8 @@ def to_float(column: Sequence[float | None] | NDArray[np.float64]) -> NDArray[np
     return value
 
 
-def to_cell(value: float) -> float | None:
-    """Give a value as it stands in a row."""
-    return None if value != value else max(-_MAX, min(_MAX, value))
-
-
-def _finite_or_null(column: NDArray[Any]) -> list[float | None]:
+def to_cells(column: NDArray[Any]) -> list[float | None]:
+    """Give values, of shape (n,), as they stand in rows."""
     # MariaDB keeps no infinities, and neither it nor SQLite keeps NaN.
     if np.isfinite(column).all():
         return column.tolist()  # type: ignore[no-any-return]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sqlalchemy import and_, delete, func, or_, select
 
-from talaia.hub.history.blocks.rows import to_cell
+from talaia.hub.history.blocks.rows import to_cells
 from talaia.hub.history.writing.bulk_writes import put_rows
 from talaia.hub.store import history_tables as tables
 
@@ -87,20 +87,15 @@ class Recent:
         self._turn[chosen] = self._turns
         self._written_us[chosen] = self._time_us[chosen]
         rows = []
-        for channel in chosen.tolist():
+        times, values = self._time_us[chosen].tolist(), to_cells(self._value[chosen])
+        for channel, time_us, value in zip(chosen.tolist(), times, values, strict=True):
             text = self._texts.get(channel, "")
             if text:
                 self._written_texts[channel] = text
             else:
                 self._written_texts.pop(channel, None)
-            rows.append(
-                {
-                    "time_us": int(self._time_us[channel]),
-                    "channel_id": channel,
-                    "value": to_cell(float(self._value[channel])),
-                    "text": text.replace("\0", "�") or None,
-                }
-            )
+            words = text.replace("\0", "�") or None
+            rows.append({"time_us": time_us, "channel_id": channel, "value": value, "text": words})
         return rows
 
     def _sum_up(self) -> None:

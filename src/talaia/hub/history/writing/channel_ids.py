@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
-from sqlalchemy import insert, select, update
+from sqlalchemy import select, update
 
 from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.writing.bulk_writes import insert_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -132,7 +133,7 @@ class Names:
         for table in (tables.channel, tables.boot, tables.catalogue):
             rows = [row for owner, row in self._new if owner is table]
             if rows:
-                connection.execute(insert(table), rows)
+                insert_rows(connection, table, rows)
         table = tables.channel
         for channel, address in self._renamed.items():
             same = table.c.id == channel

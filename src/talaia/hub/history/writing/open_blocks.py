@@ -8,7 +8,6 @@ the channels' *tails* a few thousand samples at a time. One thread writes, any t
 from __future__ import annotations
 
 import threading
-from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -220,10 +219,22 @@ def _deal_by_channel(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]
     in_turn = together.select_positions(order)
     ids = ids[order]
     starts = np.flatnonzero(np.concatenate(([True], ids[1:] != ids[:-1])))
-    bounds = [*starts.tolist(), ids.size]
+    texts: dict[int, dict[int, str]] = {}
+    for position, text in in_turn.texts.items():
+        number = int(np.searchsorted(starts, position, "right")) - 1
+        texts.setdefault(number, {})[position - int(starts[number])] = text
+    # With ten thousand channels each call for each of them counts: all that can be is done at once.
+    bounds = zip(starts.tolist(), [*starts[1:].tolist(), ids.size], strict=True)
+    owners = zip(ids[starts].tolist(), rows[order[starts]].tolist(), bounds, strict=True)
+    time_us, value = in_turn.time_us, in_turn.value
     return [
-        (int(ids[first]), int(rows[order[first]]), _own_copy(in_turn.slice_positions(first, past)))
-        for first, past in pairwise(bounds)
+        # A view would keep the batch of all channels in memory for as long as this one.
+        (
+            channel,
+            row,
+            BlockSamples(time_us[first:past].copy(), value[first:past].copy(), texts.get(at, {})),
+        )
+        for at, (channel, row, (first, past)) in enumerate(owners)
     ]
 
 
