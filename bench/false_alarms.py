@@ -79,8 +79,10 @@ def _new_site(made: MadeSite) -> _Site:
             continue
         signals = tuple(made.names[at] for at in of_it)
         group = SignalGroup(device=device, modes=4, learn=_LEARN_ROWS, step=float(_GROUP_S))
-        asked = GroupSignals(device, group, signals, signals, device)
-        site.groups.append((GroupRunner(asked), of_it))
+        beside = [at for at in range(len(made.names)) if at not in of_it]
+        others = tuple(made.names[at] for at in beside)
+        asked = GroupSignals(device, group, signals, signals, device, beside=others)
+        site.groups.append((GroupRunner(asked), of_it + beside))
     for runner in site.runners():
         runner.tail = ScoreTail()
     return site

@@ -1,0 +1,311 @@
+"""What each signal of a group does that neither its own past nor the other signals explain.
+
+One distance over all signals (`GroupDetector`) says that a machine is not as usual; this says so of
+each signal by itself, so that a small fault of a quiet signal is not hidden by a great one that is
+usual elsewhere. A budget of false alarms gives each a threshold of its own.
+
+- Departures of all signals from a level that follows them, at a few paces, are taken together as
+  one normal variable with the covariance ``S`` that was seen in the last days. What of a signal's
+  departures the others do not explain is then ``(K_ii)⁻¹ (K d)_i``, where ``K = S⁻¹`` and ``i`` are
+  the places of that signal at all paces; its covariance is ``(K_ii)⁻¹`` (Whittaker 1990, "Graphical
+  models in applied multivariate statistics": what a partial regression on all others leaves).
+- Signals beside the group (`beside`) explain, and are not judged.
+- How much a signal scatters is the smoothed square of what is left at the fastest pace.
+- How long it has not moved at all is counted in its samples.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+import numpy as np
+
+from talaia.hub.anomaly.base import Floats, format_duration, format_number
+from talaia.hub.anomaly.groups.held_values import NEVER, HeldValues
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["SignalResiduals", "StrangeSignal"]
+
+# Fast and slow spans of each pace (steps); a mean of span n follows by 2/(n+1) a step.
+_PACES = ((1, 30), (10, 100), (30, 300))
+_SPANS = (10, 30, 100, 300)
+_COUNT = len(_PACES)
+# Besides: how much it scatters, how long it has not moved.
+_KINDS = _COUNT + 2
+_SCATTER = 2.0 / (20 + 1)
+# Fewer samples alike are nothing.
+_LEAST_STILL = 10
+# It learns for a day before it judges, but for so many steps at the least; so many days of the past
+# count, the newest most.
+_DAY_US, _LEAST_ROWS, _DAYS = 86_400_000_000, 1_000, 3
+# Departures count as no more than so many spreads of theirs while it learns.
+_FARTHEST = 8.0
+# Correlations are taken for so much smaller than they seem.
+_RIDGE = 0.003
+# Rows that are learned from at once, and after how many the covariance is inverted anew.
+_BATCH, _RENEWED = 64, 1_024
+# A residual counts as no greater than so many spreads.
+_MOST = 1e6
+# Magnitudes are such powers of spreads: on this scale the tails of all kinds of signals lie between
+# the slopes that a budget reckons with.
+_POWER = 4
+# What a person called usual is told again from so much more on.
+_EXCUSED = 1.5
+
+
+class StrangeSignal(NamedTuple):
+    """A signal that does what is not explained.
+
+    Attributes:
+        place: of the signal among those of the group.
+        excess: its magnitude in thresholds.
+        spreads: its residual in usual ones.
+        why: in words.
+
+    """
+
+    place: int
+    excess: float
+    spreads: float
+    why: str
+
+
+class SignalResiduals(msgspec.Struct, kw_only=True):
+    """Judges each signal of a group against the others; bounded by their number squared.
+
+    Attributes:
+        own: so many signals are judged.
+        beside: so many more, which come after these, only explain.
+        step_us: so long is a step (µs).
+        heard: so many rows came.
+        judged: so many of them were judged.
+
+    """
+
+    own: int
+    beside: int = 0
+    step_us: int = 1_000_000
+    heard: int = 0
+    judged: int = 0
+    held: HeldValues = msgspec.field(default_factory=lambda: HeldValues(count=0))
+    # Means of each signal (spans × signals), row after row; and which signals are there (1; 0).
+    means: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    there: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    # The newest departures (paces × signals), those that are still to be learned from, how many.
+    apart: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    recent: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    waiting: int = 0
+    # Mean products of departures, row after row; of so many rows.
+    moments: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    learned: int = 0
+    # By what departures become residuals in their spreads, row after row; the departures' spreads.
+    # Reckoned from the moments: empty in what is kept.
+    weights: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    spreads: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    # Of each signal: residuals at each pace in spreads, smoothed squares of the fastest, samples
+    # without a move, the newest value.
+    residuals: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    scatter: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    still: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    newest: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    # Up to such magnitudes a person called usual what was told.
+    excused: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        """Make room for as many signals as there are."""
+        count = self.own + self.beside
+        if self.held.count == count:
+            return
+        self.held = HeldValues(count=count)
+        self.means = np.full(len(_SPANS) * count, np.nan)
+        self.there, self.apart = np.zeros(count), np.zeros(_COUNT * count)
+        self.recent = np.zeros(_BATCH * _COUNT * count)
+        self.moments = np.zeros((_COUNT * count) ** 2)
+        self.residuals = np.zeros(_COUNT * self.own)
+        self.scatter, self.still, self.newest = np.zeros(self.own), np.zeros(self.own), self._none()
+        self.excused = np.zeros(_KINDS * self.own)
+
+    def _none(self) -> Floats:
+        return np.full(self.own, np.nan)
+
+    @property
+    def kinds(self) -> int:
+        """So many magnitudes each signal has."""
+        return _KINDS
+
+    @property
+    def learns(self) -> int:
+        """It learns from so many rows."""
+        return max(_LEAST_ROWS, _DAY_US // self.step_us)
+
+    @property
+    def trusted(self) -> bool:
+        """It has judged for as long as it learned: thresholds of it stand on something."""
+        return self.judged >= self.learns
+
+    def see(self, time_us: int, place: int, value: float) -> None:
+        """Take a sample of one signal; a step is judged once a sample of a later one comes."""
+        held, step = self.held, time_us // self.step_us
+        if step < held.gathering:
+            return
+        if step > held.gathering:
+            if held.gathering != NEVER:
+                self.see_row(held.gathering * self.step_us, held.gathered)
+            held.begin_step(step)
+        held.gathered[place] = value
+
+    def see_row(self, time_us: int, values: Sequence[float] | Floats) -> None:
+        """Take a value of each signal, NaN where there is none, and judge them."""
+        held = self.held
+        if time_us <= held.newest_us:
+            return
+        steps = 1
+        if held.newest_us != NEVER:
+            steps = max(1, round((time_us - held.newest_us) / self.step_us))
+        came = np.array(values, dtype=np.float64)
+        row = held.hold_row(time_us, steps, came)
+        self.heard += 1
+        if self.heard == _LEAST_ROWS:
+            held.learn_holds(self.heard, np.zeros(held.count, bool))
+        self._count_still(came[: self.own])
+        self._follow_row(row)
+        if self.weights.size or self._is_learned():
+            self._judge_departures()
+        self._learn_departures()
+
+    def _is_learned(self) -> bool:
+        """Make what is not kept, where it has learned enough."""
+        if self.learned < self.learns:
+            return False
+        self._renew_weights()
+        return True
+
+    def _count_still(self, came: Floats) -> None:
+        alike = came == self.newest
+        self.still = np.where(alike, self.still + 1.0, np.where(np.isnan(came), self.still, 0.0))
+        self.newest = np.where(np.isnan(came), self.newest, came)
+
+    def _follow_row(self, row: Floats) -> None:
+        count = self.held.count
+        means, there = self.means.reshape(len(_SPANS), count), np.isfinite(row)
+        # One that comes back begins anew: what was before says nothing of now.
+        new = there & (self.there == 0.0)
+        if new.any():
+            means[:, new] = row[new]
+        if not np.array_equal(there, self.there):
+            self.there = there.astype(np.float64)
+            self.weights = np.empty(0)
+        apart = self.apart.reshape(_COUNT, count)
+        slow = means.copy()
+        means += _FOLLOWS * (np.where(there, row, means) - means)
+        for at, (fast, far) in enumerate(_PACES):
+            newest = row if fast == 1 else means[_SPANS.index(fast)]
+            apart[at] = np.where(there, newest - slow[_SPANS.index(far)], 0.0)
+
+    def _learn_departures(self) -> None:
+        size = len(self.apart)
+        self.recent[self.waiting * size : (self.waiting + 1) * size] = self.apart
+        self.waiting += 1
+        if self.waiting < _BATCH:
+            return
+        rows = self.recent.reshape(_BATCH, size)
+        if self.spreads.size:
+            far = _FARTHEST * self.spreads
+            rows = np.minimum(np.maximum(rows, -far), far)
+        self.learned += _BATCH
+        share = max(_BATCH / self.learned, _BATCH / (_DAYS * self.learns))
+        moments = self.moments.reshape(size, size)
+        moments *= 1.0 - share
+        moments += (share / _BATCH) * (rows.T @ rows)
+        self.waiting = 0
+        if self.weights.size and self.learned % _RENEWED == 0:
+            self._renew_weights()
+
+    def _renew_weights(self) -> None:
+        """Reckon by what departures become residuals, of the signals that are there."""
+        count, size = self.held.count, len(self.apart)
+        moments = self.moments.reshape(size, size)
+        self.spreads = np.sqrt(np.maximum(np.diag(moments), 1e-300))
+        known = np.tile(self.there, _COUNT) > 0.0
+        known &= np.diag(moments) > 0.0
+        places = np.flatnonzero(known)
+        weights = np.zeros((self.own, _COUNT, size))
+        self.weights = weights.ravel()
+        if not len(places):
+            return
+        scales = self.spreads[places]
+        correlated = moments[np.ix_(places, places)] / np.outer(scales, scales)
+        np.fill_diagonal(correlated, 1.0 + _RIDGE)
+        inverse = np.linalg.inv(correlated)
+        position = np.full(size, -1)
+        position[places] = np.arange(len(places))
+        for signal in range(self.own):
+            mine = np.arange(_COUNT) * count + signal
+            at = position[mine]
+            if (at < 0).any():
+                continue
+            left = np.linalg.inv(inverse[np.ix_(at, at)])
+            spread = np.sqrt(np.diag(left))
+            weights[signal][:, places] = (left @ inverse[at]) / spread[:, None] / scales
+
+    def _judge_departures(self) -> None:
+        size = len(self.apart)
+        found = self.weights.reshape(self.own * _COUNT, size) @ self.apart
+        self.residuals = np.minimum(np.maximum(found, -_MOST), _MOST)
+        fastest = self.residuals[::_COUNT]
+        self.scatter += _SCATTER * (fastest * fastest - self.scatter)
+        self.judged += 1
+
+    def magnitudes(self) -> Floats:
+        """Give what each signal's newest residuals are: by pace, its scatter, and how still it is.
+
+        All of the first signal come first. Zero while it learns.
+        """
+        found = np.zeros((self.own, _KINDS))
+        if self.weights.size:
+            found[:, :_COUNT] = self.residuals.reshape(self.own, _COUNT) ** _POWER
+            found[:, _COUNT] = self.scatter ** (_POWER // 2)
+            found[:, _COUNT + 1] = np.where(self.still >= _LEAST_STILL, self.still, 0.0)
+        flat = found.ravel()
+        return np.where(flat <= self.excused, 0.0, flat)
+
+    def excuse_newest(self, needs: Floats) -> None:
+        """Learn that what is above its threshold now is usual."""
+        found = self.magnitudes()
+        self.excused = np.where(found >= needs, _EXCUSED * found, self.excused)
+
+    def list_strange(self, needs: Floats, names: Sequence[str]) -> list[StrangeSignal]:
+        """List the signals that are nearest to or above their thresholds, the strangest first."""
+        excess = (self.magnitudes() / needs).reshape(self.own, _KINDS)
+        kinds = excess.argmax(axis=1)
+        found = [
+            StrangeSignal(
+                place,
+                float(excess[place, kind]),
+                float(self.residuals[place * _COUNT + min(kind, _COUNT - 1)]),
+                self._why(place, kind, names[place]),
+            )
+            for place, kind in enumerate(kinds.tolist())
+            if excess[place, kind] > 0.0
+        ]
+        return sorted(found, key=lambda strange: -strange.excess)
+
+    def _why(self, place: int, kind: int, name: str) -> str:
+        if kind == _COUNT + 1:
+            return f"{name} has not moved for {self.still[place]:.0f} samples"
+        if kind == _COUNT:
+            times = format_number(float(np.sqrt(self.scatter[place])))
+            return f"{name} scatters {times} times as much as usual around what is expected of it"
+        spreads = float(self.residuals[place * _COUNT + kind])
+        lasts = format_duration(_PACES[kind][0] * self.step_us / 1e6)
+        way = "above" if spreads >= 0.0 else "below"
+        return (
+            f"{name} is {format_number(abs(spreads))} usual spreads {way} what its past and the"
+            f" other signals make of it ({lasts})"
+        )
+
+
+_FOLLOWS = np.array([[2.0 / (span + 1)] for span in _SPANS])
