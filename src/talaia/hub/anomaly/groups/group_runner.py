@@ -296,10 +296,9 @@ class GroupRunner(EpisodeRunner):
     def dismiss_peak(self) -> bool:
         """Learn that the newest peak was no anomaly; false while it learns."""
         self.changed = True
-        excused = bool(self._list_strange())
-        if excused:
-            self.residuals.excuse_newest(_LEAVE * self._thresholds[1:])
-        self.forgiven = self.detector.forgive() or excused
+        if self._thresholds.size:
+            self.residuals.excuse_newest(self._thresholds[1:])
+        self.forgiven = self.detector.forgive()
         return self.forgiven
 
     def take_residuals(self, past: GroupRunner) -> None:

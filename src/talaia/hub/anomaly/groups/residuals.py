@@ -49,11 +49,10 @@ _RIDGE = 0.003
 _BATCH, _RENEWED = 64, 1_024
 # A residual counts as no greater than so many spreads.
 _MOST = 1e6
-# Magnitudes are such powers of spreads: on this scale the tails of all kinds of signals lie between
-# the slopes that a budget reckons with.
-_POWER = 4
 # What a person called usual is told again from so much more on.
-_EXCUSED = 1.5
+_EXCUSED = 5.0
+# A peak of late fades so much with each row.
+_FADING = 0.98
 
 
 class StrangeSignal(NamedTuple):
@@ -91,9 +90,9 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     heard: int = 0
     judged: int = 0
     held: HeldValues = msgspec.field(default_factory=lambda: HeldValues(count=0))
-    # Means of each signal (spans × signals), row after row; and which signals are there (1; 0).
+    # Means of each signal (spans × signals), row after row; and of how many rows, 0: it is not there.
     means: Floats = msgspec.field(default_factory=lambda: np.empty(0))
-    there: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    followed: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     # The newest departures (paces × signals), those that are still to be learned from, how many.
     apart: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     recent: Floats = msgspec.field(default_factory=lambda: np.empty(0))
@@ -111,7 +110,10 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     scatter: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     still: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     newest: Floats = msgspec.field(default_factory=lambda: np.empty(0))
-    # Up to such magnitudes a person called usual what was told.
+    # What `magnitudes` gives, the greatest of these of late, and up to which a person called usual
+    # what was told.
+    rated: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    peaks: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     excused: Floats = msgspec.field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
@@ -121,12 +123,12 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
             return
         self.held = HeldValues(count=count)
         self.means = np.full(len(_SPANS) * count, np.nan)
-        self.there, self.apart = np.zeros(count), np.zeros(_COUNT * count)
+        self.followed, self.apart = np.zeros(count), np.zeros(_COUNT * count)
         self.recent = np.zeros(_BATCH * _COUNT * count)
         self.moments = np.zeros((_COUNT * count) ** 2)
         self.residuals = np.zeros(_COUNT * self.own)
         self.scatter, self.still, self.newest = np.zeros(self.own), np.zeros(self.own), self._none()
-        self.excused = np.zeros(_KINDS * self.own)
+        self.rated, self.peaks, self.excused = np.zeros((3, _KINDS * self.own))
 
     def _none(self) -> Floats:
         return np.full(self.own, np.nan)
@@ -191,16 +193,17 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     def _follow_row(self, row: Floats) -> None:
         count = self.held.count
         means, there = self.means.reshape(len(_SPANS), count), np.isfinite(row)
-        # One that comes back begins anew: what was before says nothing of now.
-        new = there & (self.there == 0.0)
-        if new.any():
+        if not np.array_equal(there, self.followed > 0.0):
+            # One that comes back begins anew: what was before says nothing of now.
+            new = there & (self.followed == 0.0)
             means[:, new] = row[new]
-        if not np.array_equal(there, self.there):
-            self.there = there.astype(np.float64)
             self.weights = np.empty(0)
+        self.followed = np.where(there, self.followed + 1.0, 0.0)
         apart = self.apart.reshape(_COUNT, count)
         slow = means.copy()
-        means += _FOLLOWS * (np.where(there, row, means) - means)
+        # A mean of few rows is that of all of them.
+        follows = np.maximum(_FOLLOWS, 1.0 / np.maximum(self.followed, 1.0))
+        means += follows * (np.where(there, row, means) - means)
         for at, (fast, far) in enumerate(_PACES):
             newest = row if fast == 1 else means[_SPANS.index(fast)]
             apart[at] = np.where(there, newest - slow[_SPANS.index(far)], 0.0)
@@ -229,7 +232,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         count, size = self.held.count, len(self.apart)
         moments = self.moments.reshape(size, size)
         self.spreads = np.sqrt(np.maximum(np.diag(moments), 1e-300))
-        known = np.tile(self.there, _COUNT) > 0.0
+        known = np.tile(self.followed, _COUNT) > 0.0
         known &= np.diag(moments) > 0.0
         places = np.flatnonzero(known)
         weights = np.zeros((self.own, _COUNT, size))
@@ -255,27 +258,31 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         size = len(self.apart)
         found = self.weights.reshape(self.own * _COUNT, size) @ self.apart
         self.residuals = np.minimum(np.maximum(found, -_MOST), _MOST)
-        fastest = self.residuals[::_COUNT]
-        self.scatter += _SCATTER * (fastest * fastest - self.scatter)
+        squares = np.square(self.residuals)
+        self.scatter += _SCATTER * (squares[::_COUNT] - self.scatter)
         self.judged += 1
+        rated = np.empty((self.own, _KINDS))
+        rated[:, :_COUNT] = np.square(squares).reshape(self.own, _COUNT)
+        rated[:, _COUNT] = np.square(self.scatter)
+        rated[:, _COUNT + 1] = self.still * (self.still >= _LEAST_STILL)
+        flat = rated.ravel()
+        self.rated = flat * (flat > self.excused)
+        self.peaks *= _FADING
+        np.maximum(self.peaks, self.rated, out=self.peaks)
 
     def magnitudes(self) -> Floats:
         """Give what each signal's newest residuals are: by pace, its scatter, and how still it is.
 
-        All of the first signal come first. Zero while it learns.
+        All of the first signal come first. They are fourth powers of spreads, on which scale the
+        tails of all kinds of signals lie between the slopes that a budget reckons with; and
+        samples. Zero while it learns.
         """
-        found = np.zeros((self.own, _KINDS))
-        if self.weights.size:
-            found[:, :_COUNT] = self.residuals.reshape(self.own, _COUNT) ** _POWER
-            found[:, _COUNT] = self.scatter ** (_POWER // 2)
-            found[:, _COUNT + 1] = np.where(self.still >= _LEAST_STILL, self.still, 0.0)
-        flat = found.ravel()
-        return np.where(flat <= self.excused, 0.0, flat)
+        return self.rated
 
     def excuse_newest(self, needs: Floats) -> None:
-        """Learn that what is above its threshold now is usual."""
-        found = self.magnitudes()
-        self.excused = np.where(found >= needs, _EXCUSED * found, self.excused)
+        """Learn that what was above its threshold of late is usual."""
+        self.excused = np.where(self.peaks >= needs, _EXCUSED * self.peaks, self.excused)
+        self.peaks[:] = 0.0
 
     def list_strange(self, needs: Floats, names: Sequence[str]) -> list[StrangeSignal]:
         """List the signals that are nearest to or above their thresholds, the strangest first."""
