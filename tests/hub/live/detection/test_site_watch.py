@@ -9,6 +9,7 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
+from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.api.schemas.anomaly_schemas import AnomalyList
 from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.wire.browser import AlarmUpdate, AnomalyUpdate, EventUpdate, Subscribe, Subscribed
@@ -228,4 +229,21 @@ async def test_the_switch_makes_a_group_of_each_device_that_has_several_numbers(
     groups = {address: each for address, each in found.items() if each.detector == "group"}
     assert sorted(groups) == ["/base", "/power", "/sensors"]
     assert groups["/power"].signals == ["power/charge", "power/voltage"]
+    await gateway.close()
+
+
+async def test_numbers_of_other_devices_explain_those_of_a_group_of_the_switch(hub) -> None:
+    gateway = await hub.gateway()
+    await gateway.hello(DESCRIPTION + GROUP + "\nservices: {anomaly_detection: true}\n")
+    power, body = runner_of(hub, "power"), runner_of(hub, "body")
+    assert set(power.members) == {"power/charge", "power/voltage"}
+    assert "base/speed" in power.group.beside
+    assert not set(power.group.beside) & set(power.members)
+    # What a person chose is looked at by itself.
+    assert body.group.beside == ()
+    power.tail = ScoreTail()
+    await gateway.samples(*samples(30))
+    await until(lambda: power.residuals.heard >= 20)
+    speed = power.watched.index("base/speed")
+    assert power.residuals.held.values[speed] == pytest.approx(0.5, abs=0.3)
     await gateway.close()

@@ -173,10 +173,6 @@ class GroupRunner(EpisodeRunner):
             known = self._thresholds[: len(needs)]
             known[:] = np.maximum(needs[: len(known)], _LEAST_NEED)
 
-    def counts_peak(self, score: float) -> bool:
-        """See `EpisodeRunner.counts_peak`: from the lowest bar on that a budget may set."""
-        return score > 0.0
-
     def reason(self) -> str:
         """Say in words what the newest score stands on."""
         strange = self._list_strange()

@@ -90,7 +90,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     heard: int = 0
     judged: int = 0
     held: HeldValues = msgspec.field(default_factory=lambda: HeldValues(count=0))
-    # Means of each signal (spans × signals), row after row; and of how many rows, 0: it is not there.
+    # Means of each signal (spans × signals), row after row; of how many rows, 0: it is not there.
     means: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     followed: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     # The newest departures (paces × signals), those that are still to be learned from, how many.
