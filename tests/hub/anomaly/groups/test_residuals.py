@@ -146,6 +146,25 @@ def test_samples_make_the_same_of_it_as_rows():
     assert np.array_equal(by_row.magnitudes(), by_sample.magnitudes())
 
 
+def test_many_rows_at_once_are_judged_as_one_by_one():
+    rows = wheel_rows(LEARNED + 500, seed=14)
+    # One is away for a while, and one stands still.
+    rows[LEARNED + 300 : LEARNED + 303, 1] = np.nan
+    rows[LEARNED + 100 : LEARNED + 140, 2] = 41.0
+    times = np.arange(len(rows)) * STEP_US
+    one, many = (SignalResiduals(own=3, beside=1, step_us=STEP_US) for _ in range(2))
+    wanted = feed(one, rows).reshape(len(rows), -1)
+    parts = [many.see_rows(times[at : at + 150], rows[at : at + 150]) for at in range(0, 1588, 150)]
+    found = np.vstack(parts)
+    assert np.allclose(found, wanted, rtol=1e-6, atol=1e-9)
+    assert found[:, : SCATTER + 1].max() > 1.0
+    assert found[LEARNED + 139, 2 * KINDS + STILL] == 39
+    assert np.allclose(one.moments, many.moments, rtol=1e-9)
+    assert np.allclose(one.peaks, many.peaks, rtol=1e-6)
+    assert (one.heard, one.judged, one.waiting) == (many.heard, many.judged, many.waiting)
+    assert np.array_equal(one.held.came, many.held.came)
+
+
 def new_runner() -> GroupRunner:
     group = SignalGroup(device="base", learn=400, step=STEP_US / 1e6)
     members = tuple(f"base/{name}" for name in NAMES)
@@ -178,9 +197,7 @@ def slipping_rows(count: int) -> list[list[float]]:
 
 
 def show(runner: GroupRunner, rows: list[list[float]]) -> list[AnomalyBegan]:
-    turns = [
-        runner.score_row((4 * LEARNED + at) * STEP_US, row, -1) for at, row in enumerate(rows)
-    ]
+    turns = [runner.score_row((4 * LEARNED + at) * STEP_US, row, -1) for at, row in enumerate(rows)]
     return [turn for turn in turns if isinstance(turn, AnomalyBegan)]
 
 
