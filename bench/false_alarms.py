@@ -163,7 +163,7 @@ def _watch_residuals(
     found = runner.residuals.see_rows(times, rows)
     # Its first magnitude is the distance, which is not looked at.
     rated = np.hstack((np.zeros((len(found), 1)), found))
-    runner.tail.record_many(times, np.ones(len(times), bool), rated)
+    runner.tail.record_many(times, (rated > 0.0).any(axis=1), rated)
     if not runner.needs or not runner.residuals.trusted:
         return []
     excess = (rated[:, 1:] / np.maximum(runner.needs[1:], 1e-300)).max(axis=1)

@@ -212,6 +212,24 @@ def test_what_is_usual_is_not_told(runner):
     assert not show(runner, wheel_rows(400, seed=13).tolist())
 
 
+def test_the_past_is_rated_as_what_is_live():
+    live, past, tail = new_runner(), new_runner(), ScoreTail()
+    live.tail = ScoreTail()
+    rows = wheel_rows(LEARNED + 200, seed=11)
+    times = np.arange(len(rows)) * STEP_US
+    for time_us, row in zip(times.tolist(), rows.tolist(), strict=True):
+        live.score_row(time_us, row, -1)
+    for at in range(0, len(rows), 32):
+        part = slice(at, at + 32)
+        past.rate_past(times[part], rows[part], [-1] * len(rows[part]), tail=tail)
+    assert tail.days == live.tail.days
+    for mine, its in zip(tail.peaks, live.tail.peaks, strict=True):
+        greatest = [peak.greatest for peak in its]
+        assert [peak.greatest for peak in mine] == pytest.approx(greatest, rel=1e-6)
+    assert max(peak.greatest for peak in tail.peaks[0]) > 0.0
+    assert max(peak.greatest for peak in tail.peaks[1]) > 0.0
+
+
 def test_without_a_budget_residuals_cost_nothing_and_say_nothing():
     runner = new_runner()
     for at, row in enumerate(wheel_rows(2 * LEARNED, seed=11).tolist()):

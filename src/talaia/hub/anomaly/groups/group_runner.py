@@ -21,6 +21,8 @@ from talaia.model.alarms.signal_groups import GROUP_DETECTOR
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from talaia.hub.anomaly.budget.score_tail import ScoreTail
     from talaia.hub.anomaly.episode_runner import AnomalyBegan, AnomalyEnded
     from talaia.hub.anomaly.groups.residuals import StrangeSignal
@@ -156,10 +158,12 @@ class GroupRunner(EpisodeRunner):
         return tuple(self._rate_row().tolist())
 
     def _rate_row(self) -> Floats:
+        return np.concatenate([[self._distance()], self.residuals.magnitudes()])
+
+    def _distance(self) -> float:
         current = self.detector.current
         judged = current is not None and self.detector.score > 0.0
-        distance = current.distance if current is not None and judged else 0.0
-        return np.concatenate([[distance], self.residuals.magnitudes()])
+        return current.distance if current is not None and judged else 0.0
 
     def set_needs(self, needs: tuple[float, ...]) -> None:
         """See `EpisodeRunner.set_needs`; the bar goes with it, for the distance is all there is."""
@@ -217,6 +221,25 @@ class GroupRunner(EpisodeRunner):
             self.residuals.see_row(time_us, values)
         self.detector.see_row(time_us, values[: len(self.members)], state)
         return self._take_judged(time_us, learning)
+
+    def rate_past(
+        self, times: NDArray[np.int64], rows: Floats, states: Sequence[int], *, tail: ScoreTail
+    ) -> None:
+        """Look at rows of the past for their magnitudes alone, which go into ``tail``.
+
+        Args:
+            times: rising, and newer than all that came before (µs) (n,).
+            rows: a value of each signal of `watched`, NaN where nothing came (n, signals).
+            states: the way of running at each; -1: not known.
+            tail: takes what could begin an anomaly.
+
+        """
+        own, rated = len(self.members), []
+        for time_us, row, state in zip(times.tolist(), rows, states, strict=True):
+            self.detector.see_row(time_us, row[:own], state)
+            rated.append(self._distance())
+        found = np.column_stack((rated, self.residuals.see_rows(times, rows)))
+        tail.record_many(times, (found > 0.0).any(axis=1), found)
 
     def _judges_residuals(self) -> bool:
         """Only a budget can say how great they may be."""

@@ -293,7 +293,7 @@ class _SignalPast:
 class _GroupPast:
     """A group on rows of the past."""
 
-    rows_at_once = 8
+    rows_at_once = 32
 
     def __init__(self, runner: GroupRunner) -> None:
         self.runner = GroupRunner(runner.group)
@@ -304,14 +304,16 @@ class _GroupPast:
         self._state = -1
 
     def see_rows(self, part: PastRows, rows: slice, tail: ScoreTail) -> None:
-        self.runner.tail = tail
-        for time_us, row in zip(part.time_us[rows].tolist(), part.values[rows], strict=True):
-            values = row
-            if self._has_state:
-                values, state = row[:-1], float(row[-1])
-                # A state holds until another comes.
-                self._state = int(state) if state == state and state >= 0 else self._state
-            self.runner.score_row(time_us, values, self._state)
+        values, states = part.values[rows], [-1] * len(part.values[rows])
+        if self._has_state:
+            values, told = values[:, :-1], values[:, -1].tolist()
+            states = [self._hold_state(state) for state in told]
+        self.runner.rate_past(part.time_us[rows], values, states, tail=tail)
+
+    def _hold_state(self, told: float) -> int:
+        # A state holds until another comes; NaN is not equal to itself.
+        self._state = int(told) if told == told and told >= 0 else self._state
+        return self._state
 
 
 def _trial_of(runner: EpisodeRunner) -> _SignalPast | _GroupPast:
