@@ -9,7 +9,6 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
-from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.api.schemas.anomaly_schemas import AnomalyList
 from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.wire.browser import AlarmUpdate, AnomalyUpdate, EventUpdate, Subscribe, Subscribed
@@ -234,14 +233,17 @@ async def test_the_switch_makes_a_group_of_each_device_that_has_several_numbers(
 
 async def test_numbers_of_other_devices_explain_those_of_a_group_of_the_switch(hub) -> None:
     gateway = await hub.gateway()
-    await gateway.hello(DESCRIPTION + GROUP + "\nservices: {anomaly_detection: true}\n")
+    switch = "services: {anomaly_detection: true, false_alarms_a_week: 1}"
+    await gateway.hello(f"{DESCRIPTION}{GROUP}\n{switch}\n")
     power, body = runner_of(hub, "power"), runner_of(hub, "body")
     assert set(power.members) == {"power/charge", "power/voltage"}
     assert "base/speed" in power.group.beside
     assert not set(power.group.beside) & set(power.members)
     # What a person chose is looked at by itself.
     assert body.group.beside == ()
-    power.tail = ScoreTail()
+    client = await hub.client("operator")
+    await client.put("/api/sites/agv/anomalies/budget", json={"a_week": 2})
+    assert power.tail is not None
     await gateway.samples(*samples(30))
     await until(lambda: power.residuals.heard >= 20)
     speed = power.watched.index("base/speed")

@@ -239,7 +239,8 @@ class GroupRunner(EpisodeRunner):
             self.detector.see_row(time_us, row[:own], state)
             rated.append(self._distance())
         found = np.column_stack((rated, self.residuals.see_rows(times, rows)))
-        tail.record_many(times, (found > 0.0).any(axis=1), found)
+        strange: NDArray[np.bool_] = np.any(found > 0.0, axis=1)
+        tail.record_many(times, strange, found)
 
     def _judges_residuals(self) -> bool:
         """Only a budget can say how great they may be."""
@@ -335,6 +336,9 @@ class GroupRunner(EpisodeRunner):
 
 def _decode_kept(kept: bytes) -> tuple[bytes, bytes, int, tuple[str, ...], bytes]:
     try:
-        return msgspec.msgpack.decode(kept, type=_KEPT)
+        found: tuple[bytes, bytes, int, tuple[str, ...], bytes]
+        found = msgspec.msgpack.decode(kept, type=_KEPT)
     except msgspec.MsgspecError:
-        return (*msgspec.msgpack.decode(kept, type=_KEPT_BEFORE), (), b"")
+        asked, state, since = msgspec.msgpack.decode(kept, type=_KEPT_BEFORE)
+        return asked, state, since, (), b""
+    return found
