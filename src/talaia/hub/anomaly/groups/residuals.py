@@ -310,30 +310,11 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
 
     def _renew_weights(self) -> None:
         """Reckon by what departures become residuals, of the signals that are there."""
-        count, size = self.held.count, len(self.apart)
+        size = len(self.apart)
         moments = self.moments.reshape(size, size)
         self.spreads = np.sqrt(np.maximum(np.diag(moments), 1e-300))
         known = np.tile(self.followed, _COUNT) > 0.0
-        known &= np.diag(moments) > 0.0
-        places = np.flatnonzero(known)
-        weights = np.zeros((self.own, _COUNT, size))
-        self.weights = weights.ravel()
-        if not len(places):
-            return
-        scales = self.spreads[places]
-        correlated = moments[np.ix_(places, places)] / np.outer(scales, scales)
-        np.fill_diagonal(correlated, 1.0 + _RIDGE)
-        inverse = np.linalg.inv(correlated)
-        position = np.full(size, -1)
-        position[places] = np.arange(len(places))
-        for signal in range(self.own):
-            mine = np.arange(_COUNT) * count + signal
-            at = position[mine]
-            if (at < 0).any():
-                continue
-            left = np.linalg.inv(inverse[np.ix_(at, at)])
-            spread = np.sqrt(np.diag(left))
-            weights[signal][:, places] = (left @ inverse[at]) / spread[:, None] / scales
+        self.weights = _residual_weights(moments, known, self.own)
 
     def _judge_departures(self) -> None:
         size = len(self.apart)
@@ -397,3 +378,38 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
 
 
 _FOLLOWS = np.array([[2.0 / (span + 1)] for span in _SPANS])
+
+
+def _residual_weights(moments: Floats, known: NDArray[np.bool_], own: int) -> Floats:
+    """Give by what departures become residuals in their spreads (own × paces × size), flat.
+
+    Args:
+        moments: mean products of the departures (size, size).
+        known: which of these there are now (size,).
+        own: so many signals are judged, the first ones.
+
+    """
+    size = len(known)
+    count = size // _COUNT
+    weights = np.zeros((own, _COUNT, size))
+    # What has never moved explains nothing, and has no spread to be measured in.
+    places = np.flatnonzero(known & (np.diag(moments) > 0.0))
+    if not len(places):
+        return weights.ravel()
+    # As correlations: signals come in all units, and an inverse would mix their sizes.
+    scales = np.sqrt(np.diag(moments)[places])
+    correlated = moments[np.ix_(places, places)] / np.outer(scales, scales)
+    np.fill_diagonal(correlated, 1.0 + _RIDGE)
+    inverse = np.linalg.inv(correlated)
+    # Where each departure is among those that are known; -1: it is not.
+    position = np.full(size, -1)
+    position[places] = np.arange(len(places))
+    for signal in range(own):
+        at = position[np.arange(_COUNT) * count + signal]
+        if (at < 0).any():
+            continue
+        # What is left of it has the inverse of its own block as covariance.
+        left = np.linalg.inv(inverse[np.ix_(at, at)])
+        spread = np.sqrt(np.diag(left))
+        weights[signal][:, places] = (left @ inverse[at]) / spread[:, None] / scales
+    return weights.ravel()
