@@ -15,7 +15,7 @@ its beginning and 60 s after that moment. Beside it stands how often as long a s
 healthy site would have been called so: an alarm that has nothing to do with the fault.
 
 With ``--only residuals`` nothing but what each signal does against the others (`SignalResiduals`)
-is judged, with the budget for itself, which takes a thirtieth of the time.
+is judged, with the budget for itself, which takes a tenth of the time.
 
 Each site's result is a line of ``FILE``; what stands there is not played again.
 """
