@@ -14,6 +14,9 @@ A fault counts from the moment at which it has changed a signal by more than thr
 its beginning and 60 s after that moment. Beside it stands how often as long a stretch of the
 healthy site would have been called so: an alarm that has nothing to do with the fault.
 
+With ``--only residuals`` nothing but what each signal does against the others (`SignalResiduals`)
+is judged, with the budget for itself, which takes a tenth of the time.
+
 Each site's result is a line of ``FILE``; what stands there is not played again.
 """
 
@@ -34,6 +37,7 @@ from made_sites import DAY_S, FAULTS, STEP_S, Fault, MadeSite, make_site
 from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.anomaly.budget.thresholds import site_thresholds
 from talaia.hub.anomaly.episode_runner import AnomalyBegan
+from talaia.hub.anomaly.episodes import Episodes
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.model.alarms.anomaly import DetectorKind, SignalGroup, Watch
@@ -64,23 +68,30 @@ class _Site:
     singles: list[DetectorRunner] = field(default_factory=list)
     # With the columns of its signals.
     groups: list[tuple[GroupRunner, list[int]]] = field(default_factory=list)
+    # When anomalies of residuals alone begin and end, for each group; empty: all is judged.
+    alone: list[Episodes] = field(default_factory=list)
 
     def runners(self) -> list[EpisodeRunner]:
         return [*self.singles, *(runner for runner, _ in self.groups)]
 
 
-def _new_site(made: MadeSite) -> _Site:
+def _new_site(made: MadeSite, *, only_residuals: bool) -> _Site:
     site = _Site(made)
     watch = Watch(detector=DetectorKind.TOGETHER)
-    site.singles = [DetectorRunner(name, "", watch) for name in made.names]
+    if not only_residuals:
+        site.singles = [DetectorRunner(name, "", watch) for name in made.names]
     for device in dict.fromkeys(name.partition("/")[0] for name in made.names):
         of_it = [at for at, name in enumerate(made.names) if name.startswith(f"{device}/")]
         if len(of_it) < 2:
             continue
         signals = tuple(made.names[at] for at in of_it)
         group = SignalGroup(device=device, modes=4, learn=_LEARN_ROWS, step=float(_GROUP_S))
-        asked = GroupSignals(device, group, signals, signals, device)
-        site.groups.append((GroupRunner(asked), of_it))
+        beside = [at for at in range(len(made.names)) if at not in of_it]
+        others = tuple(made.names[at] for at in beside)
+        asked = GroupSignals(device, group, signals, signals, device, beside=others)
+        site.groups.append((GroupRunner(asked), of_it + beside))
+        if only_residuals:
+            site.alone.append(Episodes(bar=0.5, rest=1))
     for runner in site.runners():
         runner.tail = ScoreTail()
     return site
@@ -102,7 +113,10 @@ def _live(
             turns += _score_many(runner, times[part], values[part, column])
     # Of several values in a step the last one counts.
     by = _GROUP_S // STEP_S
-    for runner, columns in site.groups:
+    for group, episodes in zip(site.groups, site.alone, strict=False):
+        rows = values[by - 1 :: by, group[1]]
+        turns += _watch_residuals(group[0], episodes, times[by - 1 :: by], rows)
+    for runner, columns in () if site.alone else site.groups:
         rows = values[by - 1 :: by, columns]
         for time_us, row in zip(times[by - 1 :: by].tolist(), rows, strict=True):
             turn = runner.score_row(time_us, row, -1)
@@ -139,6 +153,37 @@ def _score_many(
             if turn == "ended":
                 runner.episodes.end_episode()
         done += 1
+    return turns
+
+
+def _watch_residuals(
+    runner: GroupRunner, episodes: Episodes, times: NDArray[np.int64], rows: Floats
+) -> list[tuple[int, str, bool]]:
+    """Do what `GroupRunner` does with residuals, and nothing else of it."""
+    found = runner.residuals.see_rows(times, rows)
+    # Its first magnitude is the distance, which is not looked at.
+    rated = np.hstack((np.zeros((len(found), 1)), found))
+    runner.tail.record_many(times, (rated > 0.0).any(axis=1), rated)
+    if not runner.needs or not runner.residuals.trusted:
+        return []
+    excess = (rated[:, 1:] / np.maximum(runner.needs[1:], 1e-300)).max(axis=1)
+    turns, at = [], 0
+    while at < len(times):
+        if episodes.began_us < 0:
+            coming = np.flatnonzero(excess[at:] >= 1.0)
+            calm = int(coming[0]) if len(coming) else len(times) - at
+            episodes.pass_calm(calm)
+            at += calm
+            if at == len(times):
+                break
+        # One that is on goes on down to half of the threshold.
+        now = float(excess[at]) * (1.0 if episodes.began_us < 0 else 2.0)
+        turn = episodes.update_score(int(times[at]), now / (1.0 + now))
+        if turn is not None:
+            turns.append((int(times[at]), runner.address, turn == "began"))
+            if turn == "ended":
+                episodes.end_episode()
+        at += 1
     return turns
 
 
@@ -228,7 +273,7 @@ def _run(kind: str, seed: int, asked: argparse.Namespace) -> dict[str, object]:
     day, began_s = DAY_S // STEP_S, time.process_time()
     days = _LEARNED_DAYS + 7 * asked.weeks
     made = make_site(kind, seed, days + 2)
-    site = _new_site(made)
+    site = _new_site(made, only_residuals=asked.only == "residuals")
     _live(site, 0, _LEARNED_DAYS * day)
     turns = []
     hour = day // 24
@@ -271,6 +316,7 @@ def main() -> None:
     parser.add_argument("--faults", type=int, default=5, help="seeds up to this have faults")
     parser.add_argument("--a-week", type=float, default=1.0)
     parser.add_argument("--weeks", type=int, default=1)
+    parser.add_argument("--only", choices=("residuals",))
     parser.add_argument("--sites", default="vehicle,observatory")
     parser.add_argument("--kept", type=Path, help="file that results are read from and added to")
     asked = parser.parse_args()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain, islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.alarms.anomaly import SignalGroup
@@ -40,6 +41,8 @@ class GroupSignals(NamedTuple):
         labels: what people call each of them.
         device: of which all of them are; empty where they are of several.
         states: names of the ways of running, where a state tells them.
+        beside: addresses of numbers of other devices, by which those of a group of the switch are
+            explained; they are not judged.
 
     """
 
@@ -49,6 +52,7 @@ class GroupSignals(NamedTuple):
     labels: tuple[str, ...]
     device: str
     states: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -116,6 +120,7 @@ def group_named(site: Site, key: str) -> GroupSignals | None:
         labels,
         devices.pop() if len(devices) == 1 else "",
         () if state is None else state.states,
+        () if key in site.anomaly_groups else _numbers_beside(site, key, len(addresses)),
     )
 
 
@@ -127,6 +132,12 @@ def _devices_of_switch(site: Site) -> Iterator[str]:
     """Name the devices that the switch makes a group of; one that is described takes its place."""
     if _is_switched_on(site):
         yield from (device for device in site.devices if device not in site.anomaly_groups)
+
+
+def _numbers_beside(site: Site, device: str, many: int) -> tuple[str, ...]:
+    """Name numbers of the other devices, up to as many as a group may have with its own."""
+    others = (_numbers_of(site, other) for other in site.devices if other != device)
+    return tuple(islice(chain.from_iterable(others), MOST_IN_GROUP - many))
 
 
 def _numbers_of(site: Site, device: str) -> Iterator[str]:

@@ -149,6 +149,25 @@ def test_a_site_without_a_single_peak_has_finite_thresholds():
     assert all(math.isfinite(need) for need in needs)
 
 
+def test_a_detector_that_is_silent_on_every_other_day_leaves_thresholds_finite():
+    tails = tails_of(3, 1.0, 3)
+    before = site_thresholds(tails, 1.0)
+    tail = ScoreTail(days=dict(tails["device/signal0", "change"].days))
+    # Six peaks on the days of one side, and nothing at all on those between.
+    for at in range(12):
+        day, magnitude = (2 * (at % 3), 11.0) if at < 6 else (2 * (at % 3) + 1, 0.0)
+        block = FIRST + 144 * day + 10 + 6 * at
+        tail.peaks = tail.peaks or [[]]
+        tail.peaks[0].append(Peak(block, block, magnitude))
+    tail.peaks[0].sort(key=lambda peak: peak.first)
+    tails["device/still", "still"] = tail
+    after = site_thresholds(tails, 1.0)
+    for needs in after.of.values():
+        assert all(math.isfinite(need) and need > 0.0 for need in needs)
+    key = "device/signal0", "change"
+    assert after.of[key][0] < 10 * before.of[key][0]
+
+
 def test_one_long_fault_is_one_alarm_and_not_one_for_each_hour():
     tails = tails_of(3, 4.0, 3)
     key = "device/signal0", "change"

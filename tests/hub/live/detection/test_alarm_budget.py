@@ -105,6 +105,8 @@ async def test_new_detectors_look_at_the_stored_history(hub, grouped) -> None:
     await until(lambda: group_of(hub).tail is not None and group_of(hub).tail.filled)
     # 1500 s from the middle of a block on.
     assert group_of(hub).tail.blocks in {2, 3, 4}
+    # What each signal does against the others is learned from it, too.
+    assert group_of(hub).residuals.heard >= 1490
     assert (await client.get(PATH)).json()["reading"] == 0
 
 

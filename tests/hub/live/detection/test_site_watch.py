@@ -229,3 +229,23 @@ async def test_the_switch_makes_a_group_of_each_device_that_has_several_numbers(
     assert sorted(groups) == ["/base", "/power", "/sensors"]
     assert groups["/power"].signals == ["power/charge", "power/voltage"]
     await gateway.close()
+
+
+async def test_numbers_of_other_devices_explain_those_of_a_group_of_the_switch(hub) -> None:
+    gateway = await hub.gateway()
+    switch = "services: {anomaly_detection: true, false_alarms_a_week: 1}"
+    await gateway.hello(f"{DESCRIPTION}{GROUP}\n{switch}\n")
+    power, body = runner_of(hub, "power"), runner_of(hub, "body")
+    assert set(power.members) == {"power/charge", "power/voltage"}
+    assert "base/speed" in power.group.beside
+    assert not set(power.group.beside) & set(power.members)
+    # What a person chose is looked at by itself.
+    assert body.group.beside == ()
+    client = await hub.client("operator")
+    await client.put("/api/sites/agv/anomalies/budget", json={"a_week": 2})
+    assert power.tail is not None
+    await gateway.samples(*samples(30))
+    await until(lambda: power.residuals.heard >= 20)
+    speed = power.watched.index("base/speed")
+    assert power.residuals.held.values[speed] == pytest.approx(0.5, abs=0.3)
+    await gateway.close()

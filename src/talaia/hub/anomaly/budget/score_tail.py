@@ -76,8 +76,9 @@ class ScoreTail(msgspec.Struct, kw_only=True):
     def record_magnitudes(self, time_us: int, magnitudes: Sequence[float]) -> None:
         """Take the magnitudes of a sample that could begin an anomaly."""
         self.see_time(time_us)
-        if len(self.peaks) != len(magnitudes):
-            self.peaks = [[] for _ in magnitudes]
+        # Of a version before it may have had fewer.
+        self.peaks = self.peaks[: len(magnitudes)]
+        self.peaks += [[] for _ in range(len(magnitudes) - len(self.peaks))]
         block = time_us // BLOCK_US
         for peaks, magnitude in zip(self.peaks, magnitudes, strict=True):
             newest = peaks[-1] if peaks else None

@@ -154,7 +154,9 @@ def _rate_peaks(peaks: Sequence[Peak], blocks: int, anchor: int) -> list[tuple[i
     # Every other day: what lasts for hours is on one side.
     sides: tuple[list[Peak], list[Peak]] = ([], [])
     for peak in peaks:
-        sides[peak.first // FEWEST_BLOCKS % 2].append(peak)
+        # Nothing at all is no peak: by a side of such any other would be endlessly rare.
+        if peak.greatest > 0.0:
+            sides[peak.first // FEWEST_BLOCKS % 2].append(peak)
     halved = min(len(side) for side in sides) >= _FEWEST_PEAKS
     for mine, others in (sides, sides[::-1]):
         fit = (
@@ -162,11 +164,7 @@ def _rate_peaks(peaks: Sequence[Peak], blocks: int, anchor: int) -> list[tuple[i
             if halved
             else _fit_tail(peaks, blocks, anchor)
         )
-        rated += [
-            (peak.first, peak.last, fit.rareness(peak.greatest))
-            for peak in mine
-            if peak.greatest > 0.0
-        ]
+        rated += [(peak.first, peak.last, fit.rareness(peak.greatest)) for peak in mine]
     return rated
 
 

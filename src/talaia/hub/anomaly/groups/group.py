@@ -232,7 +232,8 @@ class GroupDetector(msgspec.Struct, kw_only=True):
         self.limit = max(float((whitened**2).sum(axis=1).max()), float(count))
 
     def _scale_row(self, row: Floats) -> Floats:
-        return np.clip((row - self.center) / self.scale, -_FARTHEST, _FARTHEST)
+        scaled = (row - self.center) / self.scale
+        return np.minimum(np.maximum(scaled, -_FARTHEST), _FARTHEST)
 
     def _smooth_row(self, row: Floats) -> None:
         scaled = self._scale_row(row)

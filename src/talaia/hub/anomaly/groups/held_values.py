@@ -73,7 +73,9 @@ class HeldValues(msgspec.Struct, kw_only=True):
         """
         self.newest_us = time_us
         here = np.isfinite(values)
-        self.values[here] = np.clip(values[here], -_LARGEST, _LARGEST)
+        # Least and greatest one by one: `clip` takes three times as long for so few.
+        bounded = np.minimum(np.maximum(values, -_LARGEST), _LARGEST)
+        np.copyto(self.values, bounded, where=here)
         self.ages += steps
         self.ages[here] = 0.0
         self.came += here

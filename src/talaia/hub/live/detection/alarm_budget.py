@@ -222,17 +222,20 @@ class AlarmBudgets:
                 continue
             # One that is named at a signal sees every sample; rows of a second show it others.
             if isinstance(runner, GroupRunner) or runner.address in thin:
-                past = await self._see_past(live, runner)
+                trial = _trial_of(runner)
+                past = await self._see_past(live, trial)
                 # It may have been described anew meanwhile, or asked for no more.
                 if live.description is not description or runner.tail is not tail:
                     return
                 tail.add_past(past)
+                if isinstance(runner, GroupRunner) and isinstance(trial, _GroupPast):
+                    runner.take_residuals(trial.runner)
                 await self.adjust_site(live)
             tail.filled = True
 
-    async def _see_past(self, live: LiveSite, runner: EpisodeRunner) -> ScoreTail:
-        """Show the stored history to a detector like ``runner``; give what it said of it."""
-        tail, trial = ScoreTail(), _trial_of(runner)
+    async def _see_past(self, live: LiveSite, trial: _SignalPast | _GroupPast) -> ScoreTail:
+        """Show the stored history to a new detector; give what it said of it."""
+        tail = ScoreTail()
         now_us = self._clock.wall_ns() // 1000
         parts = read_past_rows(
             self._history,
@@ -290,25 +293,27 @@ class _SignalPast:
 class _GroupPast:
     """A group on rows of the past."""
 
-    rows_at_once = 8
+    rows_at_once = 32
 
     def __init__(self, runner: GroupRunner) -> None:
-        self._runner = GroupRunner(runner.group)
+        self.runner = GroupRunner(runner.group)
         described = runner.group.group
         self._has_state = bool(described.state)
-        self.addresses = [*runner.members, *([described.state] if self._has_state else [])]
+        self.addresses = [*runner.watched, *([described.state] if self._has_state else [])]
         self.step_us = round(described.step * 1e6)
         self._state = -1
 
     def see_rows(self, part: PastRows, rows: slice, tail: ScoreTail) -> None:
-        self._runner.tail = tail
-        for time_us, row in zip(part.time_us[rows].tolist(), part.values[rows], strict=True):
-            values = row
-            if self._has_state:
-                values, state = row[:-1], float(row[-1])
-                # A state holds until another comes.
-                self._state = int(state) if state == state and state >= 0 else self._state
-            self._runner.score_row(time_us, values, self._state)
+        values, states = part.values[rows], [-1] * len(part.values[rows])
+        if self._has_state:
+            values, told = values[:, :-1], values[:, -1].tolist()
+            states = [self._hold_state(state) for state in told]
+        self.runner.rate_past(part.time_us[rows], values, states, tail=tail)
+
+    def _hold_state(self, told: float) -> int:
+        # A state holds until another comes; NaN is not equal to itself.
+        self._state = int(told) if told == told and told >= 0 else self._state
+        return self._state
 
 
 def _trial_of(runner: EpisodeRunner) -> _SignalPast | _GroupPast:

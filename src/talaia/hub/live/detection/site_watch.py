@@ -77,7 +77,7 @@ class SiteWatch:
         """Let these groups look at their signals, in place of those before."""
         self.groups, self.members = groups, {}
         for runner in groups:
-            for place, address in enumerate(runner.members):
+            for place, address in enumerate(runner.watched):
                 self.members.setdefault(address, []).append((runner, place))
             state = runner.group.group.state
             if state:
