@@ -55,7 +55,7 @@ COMMANDS = {
     "gateway": Subcommand(
         "talaia.gateway.program", "the process that connects a robot to the hub", "ros2"
     ),
-    "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
+    "sim": Subcommand("talaia.cli.demo.sim", "simulated robots", "sim"),
     "twin": Subcommand(
         "talaia.sim.twin.run", "the simulated vehicle beside the real one, following it", "sim"
     ),
