@@ -14,6 +14,7 @@ from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Site
 from talaia.model.yaml_text.document import dump_document, read_document
+from talaia.model.yaml_text.meant_words import meant_word
 from talaia.model.yaml_text.shape_sentences import shape_error
 from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
@@ -25,9 +26,12 @@ __all__ = [
     "beside_of",
     "dump_site",
     "load_site",
+    "mapping_in",
     "mapping_of_text",
     "plain_of_text",
     "read_site",
+    "require_own_keys",
+    "require_short",
     "site_in",
     "site_of_plain",
     "text_of",
@@ -36,6 +40,8 @@ __all__ = [
 
 _BEGIN = "begin with: talaia: 1; a first description comes from: talaia init"
 MAX_BYTES = 4 * 1024 * 1024
+# A key that is so like a known one was meant to be it.
+_SURELY_OWN = 0.75
 
 
 def read_site(path: Path) -> Site:
@@ -173,9 +179,28 @@ def mapping_of_text(text: str) -> dict[str, object]:
         DescriptionError: it is not YAML, or no mapping.
 
     """
+    require_short(text)
+    return mapping_in(read_document(text))
+
+
+def require_short(text: str) -> None:
+    """Refuse a text that is longer than any description.
+
+    Raises:
+        NotReadable: it is.
+
+    """
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
-    document = read_document(text)
+
+
+def mapping_in(document: object) -> dict[str, object]:
+    """Give what a text says, where that is a mapping.
+
+    Raises:
+        DescriptionError: it is none.
+
+    """
     if isinstance(document, dict):
         return document
     # An empty file, or one of comments.
@@ -184,6 +209,21 @@ def mapping_of_text(text: str) -> dict[str, object]:
     said = "a list" if isinstance(document, list) else "one word or sentence"
     problem = f"expected a mapping with the keys talaia, site, name and devices, found {said}"
     raise DescriptionError("$", problem, _BEGIN)
+
+
+def require_own_keys(document: dict[str, object]) -> None:
+    """Refuse the file of another program: not one of its keys is a description's.
+
+    Raises:
+        DescriptionError: it is one.
+
+    """
+    known = {field.encode_name for field in msgspec.structs.fields(Site)}
+    keys = [str(key) for key in document]
+    if keys and not any(meant_word(key, known, _SURELY_OWN) for key in keys):
+        shown = ", ".join(keys[:3]) + ", …" * (len(keys) > 3)
+        problem = f"none of its keys is one of a description; found {shown[:100]}"
+        raise DescriptionError("$", problem, f"choose the right file, or {_BEGIN}")
 
 
 def site_of_plain(document: dict[str, object]) -> Site:
