@@ -133,7 +133,7 @@ def test_a_command_that_cannot_use_a_description_prints_its_mistakes_as_check_do
     path = tmp_path / "site.yaml"
     wrong = EXAMPLE.read_text().replace("kind: power", "kind: pwer").replace("zone: ", "zone: Mars")
     path.write_text(wrong)
-    assert main(["generate", str(path), "-o", str(tmp_path / "out")]) == 2
+    assert main(["generate", str(path), "--to", str(tmp_path / "out")]) == 2
     told = capsys.readouterr().err
     line = wrong[: wrong.index("kind: pwer")].count("\n") + 1
     assert f"--> {path}:{line}:5\n" in told

@@ -85,7 +85,7 @@ COMMANDS = {
     "restore": Subcommand("talaia.cli.restore", "restore a backup", "hub"),
     "probe": Subcommand("talaia.cli.probe", "list what a live robot offers", "ros2"),
     "init": Subcommand("talaia.cli.init", "write a site description of a live robot", ""),
-    "check": Subcommand("talaia.cli.checking.check", "check a site description", ""),
+    "check": Subcommand("talaia.cli.checking.command_line", "check a site description", ""),
     "upgrade": Subcommand(
         "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
     ),

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.checking.check import check_file, main
+from talaia.cli.checking.check import check_file
+from talaia.cli.checking.command_line import main
 from talaia.model.checks.text_checks import check_text
 
 pytestmark = pytest.mark.pure
