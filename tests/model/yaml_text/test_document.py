@@ -9,13 +9,7 @@ from hypothesis import given, settings, strategies as st
 from talaia.model.yaml_text.document import document_of, quoting_powers_of_ten
 
 whole = st.integers(-(2**63), 2**64 - 1)
-plain = (
-    st.none()
-    | st.booleans()
-    | whole
-    | st.floats(allow_nan=False)
-    | st.text(max_size=20)
-)
+plain = st.none() | st.booleans() | whole | st.floats(allow_nan=False) | st.text(max_size=20)
 values = st.recursive(
     plain,
     lambda inner: (

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 __all__ = ["listen_by_name", "main"]
 
 log = logging.getLogger(__name__)
+# Of what moves a robot only the newest counts.
+_NEWEST = 1
 
 
 def main(argv: Sequence[str]) -> int:
@@ -35,20 +37,14 @@ def listen_by_name(
     )
     from talaia.gateway.adapters.ros2.made_types.self_test import self_test_problem
 
-    type_name, type_hash = kind
-    problem = problem_here() or self_test_problem()
-    if not problem:
-        try:
-            made = made_class(type_name, type_hash)
-        except CannotMakeTypes as error:
-            problem = str(error)
-    if problem:
+    made, problem = None, problem_here() or self_test_problem()
+    try:
+        made = None if problem else made_class(*kind)
+    except CannotMakeTypes as error:
+        problem = str(error)
+    if made is None:
         log.warning("%s is not listened to: %s", topic, problem)
         return False
     node.create_subscription(made, topic, hear, _NEWEST, raw=True)
     forget_error()
     return True
-
-
-# Of what moves a robot only the newest counts.
-_NEWEST = 1

@@ -46,7 +46,7 @@ class ChangeRefused(NamedTuple):
 
 
 def refusal_of(error: DescriptionError, text: str = "") -> ChangeRefused:
-    """Make a refusal of a text that cannot be read as a description; empty where it is not there."""
+    """Make a refusal of a text that cannot be read as a description; empty where there is none."""
     return wrong_text([finding_of(error)], text)
 
 

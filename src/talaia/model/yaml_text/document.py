@@ -161,10 +161,10 @@ def read_on(text: str) -> ReadText:
             )
         if last < 0 or told.line > last + 1:
             errors.append(_not_readable(told))
-            if told.instead is not None and 0 < told.line <= len(lines):
-                if len(errors) < min(_MOST_MENDED, _MOST_READ // len(text)):
-                    lines[told.line - 1], last = told.instead, told.line
-                    continue
+            most = min(_MOST_MENDED, _MOST_READ // len(text))
+            if told.instead is not None and 0 < told.line <= len(lines) and len(errors) < most:
+                lines[told.line - 1], last = told.instead, told.line
+                continue
         errors += [_not_readable(_mistake_of(one, read)) for one in twice]
         return ReadText(None, read, errors, is_whole=False)
 

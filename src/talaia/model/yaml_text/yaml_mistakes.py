@@ -178,7 +178,8 @@ def _odd_space(lines: list[str], at: int) -> TextMistake | None:
             return TextMistake(
                 number + 1,
                 odd.start() + 1,
-                f"a character that looks like a space, or like none, and is not (U+{ord(odd[0]):04X})",
+                "a character that looks like a space, or like none, and is not "
+                f"(U+{ord(odd[0]):04X})",
                 "write a space instead, or nothing; such ones come from pages that were copied",
                 mended,
             )
@@ -187,7 +188,9 @@ def _odd_space(lines: list[str], at: int) -> TextMistake | None:
 
 def _escape(line: str, at: int, column: int) -> TextMistake:
     """Tell of a backslash in double quotes that begins nothing: a pattern, a folder of Windows."""
-    quoted = next((one for one in _DOUBLE.finditer(line) if one.start() <= column < one.end()), None)
+    quoted = next(
+        (one for one in _DOUBLE.finditer(line) if one.start() <= column < one.end()), None
+    )
     inner = quoted[1] if quoted else ""
     single = f"'{inner}'" if inner and "'" not in inner else ""
     return TextMistake(
@@ -381,16 +384,17 @@ def _open_bracket(lines: list[str], begin: tuple[int, int], at: int, column: int
         return _open_quote(*quote, lines)
     # In one line something is left out within it; over several its end is missing.
     if closing and begin[0] != at:
-        return _not_closed(opened, *begin, lines)
+        return _not_closed(opened, begin, lines)
     if not closing and at >= len(lines) - 1:
         opened, *place = _last_opened(lines)
         if opened:
-            return _not_closed(opened, *place, lines)
+            return _not_closed(opened, (place[0], place[1]), lines)
     expected = f"expected , or {closing} here" if closing else "expected a value here"
     return TextMistake(at + 1, column + 1, expected, _IN_QUOTES)
 
 
-def _not_closed(opened: str, at: int, column: int, lines: list[str]) -> TextMistake:
+def _not_closed(opened: str, begin: tuple[int, int], lines: list[str]) -> TextMistake:
+    at, column = begin
     problem = f"the {opened} that begins here is not closed"
     closing = _CLOSED_BY[opened]
     # Most are of one line.

@@ -89,7 +89,9 @@ def main(argv: Sequence[str] | None = None, listen: RawListening | None = None) 
         make_parser().error("--wander: turns on the spot, and steered wheels do not")
     # It reports at length which accelerators it does without.
     logging.getLogger("OpenGL").setLevel(logging.WARNING)
-    return run_robot("sim vehicle", options.domain, lambda start: _run_vehicle(options, start, listen))
+    return run_robot(
+        "sim vehicle", options.domain, lambda start: _run_vehicle(options, start, listen)
+    )
 
 
 def _run_vehicle(options: argparse.Namespace, start: Start, listen: RawListening | None) -> None:
@@ -121,9 +123,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start, listen: RawListening
     arm = JoggedArm() if options.arm else None
     # Of `base` and `arm`: commands come in one thread, and time passes in another.
     lock = threading.Lock()
-    inputs = shell.Inputs(
-        node, base=base, lock=lock, log=log, clock=clock, arm=arm, listen=listen
-    )
+    inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock, arm=arm, listen=listen)
     loop = shell.Loop(
         node,
         world=world,
