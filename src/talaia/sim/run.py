@@ -11,7 +11,7 @@ from talaia.sim.vehicle import run as vehicle
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from talaia.sim.vehicle.raw_listening import RawListening
+    from talaia.sim.vehicle.drives.raw_listening import RawListening
 
 __all__ = ["ROBOTS", "main"]
 

@@ -181,11 +181,11 @@ class ChangeRequests:
         folder = self._file.path.parent
         named = [getattr(link, "definitions", "") for link in site.links().values()]
 
-        def look() -> list[Mistake]:
+        def list_doubts() -> list[Mistake]:
             library = RosTypeLibrary(folder / one for one in named if one)
             return place_findings(ros_type_findings(site, library).mistakes, text)
 
-        found = await asyncio.to_thread(look)
+        found = await asyncio.to_thread(list_doubts)
         for mistake in found[:_MOST_DOUBTS]:
             line = mistake_line(mistake, self._file.path.name)
             log.warning("the changed description: %s", line)

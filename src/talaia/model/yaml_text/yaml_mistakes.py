@@ -74,14 +74,7 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
         return _tabs(lines, at)
     # % begins a directive, and @ and ` are kept for later versions of YAML.
     if "cannot start any token" in problem:
-        letter = line[column : column + 1]
-        return TextMistake(
-            at + 1,
-            column + 1,
-            f"a text cannot begin with {letter}",
-            _quoted(line[column:]),
-            _with_quotes(line, column),
-        )
+        return _bare_sign(line, at, column)
     # Found out in the next line; the context is where the key begins.
     if "could not find expected ':'" in problem:
         return _without_colon(lines, *begin)
@@ -113,26 +106,13 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
         return _odd_indent(lines, begin[0], at, column)
     # ``*`` and ``&`` begin an alias and an anchor, which have names.
     if "alphabetic or numeric character" in problem:
-        letter = line[begin[1] : begin[1] + 1]
-        return TextMistake(
-            begin[0] + 1,
-            begin[1] + 1,
-            f"a text cannot begin with {letter}",
-            _quoted(lines[begin[0]][begin[1] :]),
-            _with_quotes(lines[begin[0]], begin[1]),
-        )
+        return _bare_sign(lines[begin[0]], *begin)
     if "escape character" in problem or "hexdecimal number" in problem:
         return _escape(line, at, column)
     # A text over several lines begins with > or |, and how it is indented stands behind that.
     if "indentation indicator" in problem or "expected comment or line break" in problem:
         begins = max(line.rfind(">", 0, column + 1), line.rfind("|", 0, column + 1), 0)
-        return TextMistake(
-            at + 1,
-            begins + 1,
-            f"a text cannot begin with {line[begins : begins + 1]}",
-            _quoted(line[begins:]),
-            _with_quotes(line, begins),
-        )
+        return _bare_sign(line, at, begins)
     if "incompatible YAML" in problem:
         return TextMistake(
             at + 1, column + 1, "a version of YAML that is not read here", "leave out this line", ""
@@ -146,6 +126,18 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
         )
     return TextMistake(
         at + 1, column + 1, f"this is not YAML: {problem}", f"look at this line: {_IN_QUOTES}"
+    )
+
+
+def _bare_sign(line: str, at: int, column: int) -> TextMistake:
+    """Tell of a text that begins with a sign of YAML's own."""
+    # Over several lines the whole of it would have to be in quotes: only one line is mended.
+    return TextMistake(
+        at + 1,
+        column + 1,
+        f"a text cannot begin with {line[column : column + 1]}",
+        _quoted(line[column:]),
+        _with_quotes(line, column),
     )
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from talaia.sim.vehicle.actuation_log import ActuationLog
     from talaia.sim.vehicle.camera_process import CameraProcess
     from talaia.sim.vehicle.drives.jogged_arm import JoggedArm
-    from talaia.sim.vehicle.raw_listening import RawListening
+    from talaia.sim.vehicle.drives.raw_listening import RawListening
     from talaia.sim.vehicle.world import Motion, World
 
 try:  # not on PyPI; there where ROS itself is installed

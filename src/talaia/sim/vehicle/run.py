@@ -15,7 +15,7 @@ from talaia.sim.vehicle.drives.kinematics import DriveKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.sim.vehicle.raw_listening import RawListening
+    from talaia.sim.vehicle.drives.raw_listening import RawListening
 
 __all__ = ["main", "make_parser"]
 
