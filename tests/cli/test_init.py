@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from described_robot import found_of, read_robot
 
-from talaia.cli.init_questions import ask_about_devices, ask_about_stop
+from talaia.cli.init_questions import ask_about_devices, ask_about_stop, ask_for_name
 from talaia.cli.main import main
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
@@ -94,3 +94,13 @@ def test_devices_are_listed_and_those_that_are_not_wanted_are_named_as_left_out(
     # It is driven still, without a picture.
     assert short.site.devices["base"].drive.picture == ""
     assert ask_about_devices(made, lambda _: "") == frozenset()
+
+
+def test_the_name_that_people_say_is_asked_and_an_empty_line_takes_the_machines() -> None:
+    assert ask_for_name("vm-domain-4", lambda _: " Rover ") == "Rover"
+    assert ask_for_name("vm-domain-4", lambda _: "") == "vm-domain-4"
+
+    def leave(_: str) -> str:
+        raise EOFError
+
+    assert ask_for_name("vm-domain-4", leave) == "vm-domain-4"

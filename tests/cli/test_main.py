@@ -125,3 +125,18 @@ def test_a_gateway_with_a_bad_description_says_where_and_exits_2(
     words = ["gateway", str(path), "--hub", "ws://127.0.0.1:1", "--allow-plain"]
     assert main([*words, "--key-file", str(key), "--data", str(tmp_path)]) == 2
     assert "$.devices.power.kind" in capsys.readouterr().err
+
+
+def test_a_command_that_cannot_use_a_description_prints_its_mistakes_as_check_does(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "site.yaml"
+    wrong = EXAMPLE.read_text().replace("kind: power", "kind: pwer").replace("zone: ", "zone: Mars")
+    path.write_text(wrong)
+    assert main(["generate", str(path), "--to", str(tmp_path / "out")]) == 2
+    told = capsys.readouterr().err
+    line = wrong[: wrong.index("kind: pwer")].count("\n") + 1
+    assert f"--> {path}:{line}:5\n" in told
+    # All of them, and not the first alone.
+    assert "unknown time zone 'Mars" in told
+    assert f"{path}: 2 mistakes" in told

@@ -9,7 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
-from talaia.cli.init_questions import ask_about_devices, ask_about_stop, stop_lines
+from talaia.cli.init_questions import (
+    ask_about_devices,
+    ask_about_stop,
+    ask_for_name,
+    stop_lines,
+)
 from talaia.cli.local_machine import zone_here
 from talaia.cli.probe import add_options, probe_robot
 from talaia.model.checks.site_checks import check_site
@@ -93,6 +98,8 @@ def main(argv: Sequence[str]) -> int:
     if options.web:
         return _ask_in_page(options, found, names, made)
     if not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
+        if not options.name:
+            names = (names[0], ask_for_name(names[1], input)[:100], names[2])
         without = ask_about_devices(made, input)
         made = propose_description(found, *names, without=without)
         if made.stops:

@@ -22,9 +22,17 @@ if TYPE_CHECKING:
     from talaia.model.discovery.rules.stop_choice import StopChoice
     from talaia.model.site import Stop
 
-__all__ = ["ask_about_devices", "ask_about_stop", "stop_lines"]
+__all__ = ["ask_about_devices", "ask_about_stop", "ask_for_name", "stop_lines"]
 
 _YES = ("y", "yes")
+
+
+def ask_for_name(proposed: str, ask: Callable[[str], str]) -> str:
+    """Ask what people call the robot: the name of a machine says little on a page."""
+    try:
+        return ask(f"What do people call it? (Enter: {proposed}) ").strip() or proposed
+    except EOFError:
+        return proposed
 
 
 def ask_about_devices(made: DescriptionProposal, ask: Callable[[str], str]) -> frozenset[str]:

@@ -55,7 +55,7 @@ COMMANDS = {
     "gateway": Subcommand(
         "talaia.gateway.program", "the process that connects a robot to the hub", "ros2"
     ),
-    "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
+    "sim": Subcommand("talaia.cli.demo.sim", "simulated robots", "sim"),
     "twin": Subcommand(
         "talaia.sim.twin.run", "the simulated vehicle beside the real one, following it", "sim"
     ),
@@ -85,7 +85,7 @@ COMMANDS = {
     "restore": Subcommand("talaia.cli.restore", "restore a backup", "hub"),
     "probe": Subcommand("talaia.cli.probe", "list what a live robot offers", "ros2"),
     "init": Subcommand("talaia.cli.init", "write a site description of a live robot", ""),
-    "check": Subcommand("talaia.cli.checking.check", "check a site description", ""),
+    "check": Subcommand("talaia.cli.checking.command_line", "check a site description", ""),
     "upgrade": Subcommand(
         "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
     ),
@@ -153,11 +153,26 @@ def main(argv: Sequence[str] | None = None) -> int:
             return run(arguments[1:])
     # On purpose, so a sentence is enough; all else is a mistake of ours, and shows its traceback.
     except TalaiaError as error:
-        print(f"talaia {first}: {error}", file=sys.stderr)
+        print(_mistakes_of(arguments, error) or f"talaia {first}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         # 128 and the number of SIGINT, as shells have it.
         return 130
+
+
+def _mistakes_of(arguments: Sequence[str], error: TalaiaError) -> str:
+    """Print a description that a command could not use as `check` does; empty of another error."""
+    from talaia.model.errors import DescriptionError
+
+    names = [word for word in arguments[1:] if word.endswith((".yaml", ".yml"))]
+    if not isinstance(error, DescriptionError) or not names:
+        return ""
+    from talaia.cli.checking.check import check_file
+    from talaia.cli.checking.mistake_texts import mistakes_text
+
+    checked = ((name, check_file(Path(name))) for name in names)
+    wrong = [(name, report) for name, report in checked if report.mistakes]
+    return "\n\n".join(mistakes_text(name, one.text, one.mistakes) for name, one in wrong)
 
 
 def _needs_ros(arguments: Sequence[str]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
-from talaia.model.yaml_text.meant_words import list_words, meant_word, near_words
+from talaia.model.yaml_text.meant_words import list_words, meant_word, near_words, quoted_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -53,5 +53,5 @@ class UnknownWord(DescriptionError):
             key = "use" if word else f"add {where.rpartition('.')[2]}: and"
             remedy = f"{key} one of: {list_words(near_words(word, words))}"
         # Nothing was named: to call that unknown would lead astray.
-        problem = f"unknown {what} {word!r}" if word else f"which {what} is meant?"
+        problem = f"unknown {what} {quoted_text(word)}" if word else f"which {what} is meant?"
         super().__init__(where, problem, remedy)

@@ -11,6 +11,8 @@ from talaia.sim.vehicle import run as vehicle
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from talaia.sim.vehicle.drives.raw_listening import RawListening
+
 __all__ = ["ROBOTS", "main"]
 
 ROBOTS: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
@@ -23,9 +25,17 @@ ROBOTS: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
 }
 
 
-def main(argv: Sequence[str]) -> int:
-    """Run the robot that is named; 2 when there is none of that name."""
+def main(argv: Sequence[str], listen: RawListening | None = None) -> int:
+    """Run the robot that is named; 2 when there is none of that name.
+
+    Args:
+        argv: its name, and its own command line.
+        listen: hears types whose package is not installed; None where nothing can.
+
+    """
     name = argv[0] if argv else "--help"
+    if name == "vehicle":
+        return vehicle.main(argv[1:], listen)
     if name in ROBOTS:
         return ROBOTS[name][0](argv[1:])
     rows = "\n".join(f"  {name:<12} {what}" for name, (_, what) in ROBOTS.items())

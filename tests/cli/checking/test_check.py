@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
 
-from talaia.cli.checking.check import main
+from talaia.cli.checking.check import check_file
+from talaia.cli.checking.command_line import main
 from talaia.model.checks.text_checks import check_text
 
 pytestmark = pytest.mark.pure
@@ -95,7 +97,7 @@ def test_a_file_that_cannot_be_read_is_named_and_the_others_are_checked(
 ) -> None:
     assert main([str(tmp_path / "none.yaml"), str(EXAMPLE)]) == 1
     out = capsys.readouterr()
-    assert "error: cannot be read: No such file or directory" in out.err
+    assert "error: there is no such file" in out.err
     assert f"{EXAMPLE}: valid" in out.out
 
 
@@ -113,5 +115,43 @@ def test_devices_of_a_file_that_a_description_takes_in_are_known_to_the_check(
     file.write_text(file.read_text().replace("commands.json", "others.json"))
     assert main([str(file)]) == 1
     told = capsys.readouterr().err
-    assert "cannot be read" in told
+    assert "there is no such file" in told
     assert "others.json" in told
+
+
+RIGHT = EXAMPLE.read_text()
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        (RIGHT.encode("utf-16"), "is UTF-16; save it as UTF-8"),
+        (b"\x1f\x8b\x08" + bytes(20), "is packed (gzip); unpack it: gunzip"),
+        (b"\x7fELF" + bytes(9) + b"\xff", "is a program or data, and no text"),
+        (b"#" * (4 * 1024 * 1024 + 1), "is longer than 4 MiB, as no description is"),
+        (
+            "talaia: 1\nname: Català\n".encode("latin1"),
+            ": line 2, column 12: a letter that is not written in UTF-8",
+        ),
+    ],
+)
+def test_what_is_no_text_is_called_what_it_is(data: bytes, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "site.yaml"
+    path.write_bytes(data)
+    (mistake,) = check_file(path).mistakes
+    assert told in f"{mistake.where}: {mistake.problem}; {mistake.remedy}".replace(
+        f"{path}: is", "is"
+    )
+    assert (mistake.line, mistake.column) == ((2, 12) if "line" in told else (0, 0))
+
+
+def test_a_folder_a_pipe_and_a_missing_file_are_told_with_what_to_do(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.yaml"
+    os.mkfifo(pipe)
+    told = [check_file(path).mistakes[0] for path in (tmp_path, pipe, tmp_path / "site.yaml")]
+    assert [one.problem for one in told] == [
+        "is not a file, but a folder",
+        "is not a file (a pipe, a device)",
+        "there is no such file",
+    ]
+    assert told[2].remedy.endswith("talaia init -o site.yaml")

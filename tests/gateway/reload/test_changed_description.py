@@ -145,13 +145,23 @@ async def test_bad_file_is_refused_with_path_and_remedy_and_the_last_good_one_ru
 ) -> None:
     async with following(tmp_path) as (hub, file):
         await peer.until_heard_by(1)
-        file.write_text(SITE.replace("unit: m/s", "unti: m/s\n        deadband: much"))
+        wrong = SITE.replace("unit: m/s", "unti: m/s\n        deadband: much")
+        file.write_text(wrong)
         told = await hub.next(ChangeState)
         assert told.phase is ChangePhase.REFUSED
         # All of them, though the first kept the rest from being read.
         assert [each.where.rpartition(".")[2] for each in told.problems] == ["unti", "deadband"]
         assert told.problems[0].where == "$.devices.base.signals.speed.unti"
         assert told.problems[0].remedy.startswith("did you mean")
+        at = wrong.splitlines().index("        unti: m/s") + 1
+        assert [(each.line, each.column) for each in told.problems] == [(at, 9), (at + 1, 9)]
+        # And in the logbook each with its line, as `talaia check` has it.
+        refused = "description_refused"
+        events = [await hub.next(Event, lambda each: each.kind == refused) for _ in range(2)]
+        assert [each.message.partition(": ")[0] for each in events] == [
+            f"site.yaml:{at}:9",
+            f"site.yaml:{at + 1}:9",
+        ]
         await peer.do("count", **{"from": 0, "to": 5, "hz": 100})
         await hub.until(lambda: len(hub.values("base/number")) == 5, "numbers")
         file.write_text(SITE)
@@ -162,9 +172,12 @@ async def test_bad_file_is_refused_with_path_and_remedy_and_the_last_good_one_ru
 async def test_a_field_that_no_type_has_is_told_in_the_logbook(peer: Peer, tmp_path: Path) -> None:
     async with following(tmp_path) as (hub, file):
         await peer.until_heard_by(1)
-        file.write_text(with_signal(SITE, "wind", SPEED.replace("linear", "linaer")))
+        text = with_signal(SITE, "wind", SPEED.replace("linear", "linaer"))
+        file.write_text(text)
         told = await hub.next(Event, lambda each: each.kind == "description_doubtful")
-        assert told.message.startswith("$.devices.base.signals.wind.source.field: no field linaer")
+        line = next(at for at, said in enumerate(text.splitlines(), 1) if "linaer" in said)
+        assert told.message.startswith(f"site.yaml:{line}:")
+        assert ": no field linaer in " in told.message
         assert told.message.endswith("did you mean linear?")
 
 

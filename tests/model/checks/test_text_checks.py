@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 import yaml
 
-from talaia.cli.checking.check import main
+from talaia.cli.checking.command_line import main
 from talaia.model.checks.text_checks import check_text
 from talaia.ros_type_library import RosTypeLibrary
 

@@ -117,7 +117,8 @@ def test_no_signal_is_a_quaternion_a_name_a_scan_or_a_hidden_topic(folder: str, 
     _, made = described(folder, name)
     for signal in signals_of(made):
         source = source_as(signal.source, RosSource)
-        assert "orientation" not in source.field or signal.type is SignalType.POSITION
+        quaternion = re.search(r"orientation\.[xyzw]\Z", source.field)
+        assert not quaternion or signal.type is SignalType.POSITION
         assert not source.field.startswith(("name[", "layout.", "header."))
         assert "/_" not in source.topic
         assert source.type not in (
@@ -163,6 +164,11 @@ def test_what_flies_is_not_driven_and_says_why() -> None:
         ("racer", "/drive"),
         ("mecanum", "/cmd_vel"),
         ("ur5e", "/servo_node/delta_joint_cmds"),
+        ("kobuki", "/commands/velocity"),
+        ("mower", "/cmd_vel"),
+        ("panther", "/panther/cmd_vel"),
+        # Not the multiplexer's own output, which the robot's programs publish.
+        ("street_car", "/vesc/low_level/ackermann_cmd_mux/input/teleop"),
     ],
 )
 def test_a_robot_is_driven_by_one_topic_and_its_stop_is_not_assumed(name: str, topic: str) -> None:
@@ -170,6 +176,54 @@ def test_a_robot_is_driven_by_one_topic_and_its_stop_is_not_assumed(name: str, t
     assert drives_of(made) == [topic]
     (drive,) = [device.drive for device in made.site.devices.values() if device.drive]
     assert (drive.stop.topic, drive.stop.confirmed_by) == ("", ())
+
+
+def test_a_multiplexer_is_driven_by_its_input_for_people_on_the_page_of_the_odometry() -> None:
+    for name, topic, device in (
+        ("mobile_manipulator", "/key_vel", "base"),
+        ("street_car", "/vesc/low_level/ackermann_cmd_mux/input/teleop", "vesc_base"),
+        ("kobuki", "/commands/velocity", "base"),
+    ):
+        _, made = described("chosen", name)
+        drive = made.site.devices[device].drive
+        assert drive is not None
+        assert drive.topic == topic
+        # What may confirm STOP stands beside it.
+        assert {f"{device}/speed", f"{device}/turn_rate"} <= set(made.stops[0].signals)
+
+
+@pytest.mark.parametrize(
+    ("name", "topic"),
+    [
+        ("girona", "/girona500/controller/body_velocity_req"),
+        ("street_car", "/vesc/commands/motor/speed"),
+        ("usv", "/wamv/thrusters/left/thrust"),
+        ("crazyflie", "/cf1/cmd_full_state"),
+    ],
+)
+def test_what_moves_until_another_value_comes_is_no_form(name: str, topic: str) -> None:
+    _, made = described("chosen", name)
+    assert topic not in commands_of(made)
+    assert any(
+        line.startswith(f"{topic}: it moves something until another") for line in made.left_out
+    )
+
+
+def test_parts_with_names_of_their_own_are_called_by_them() -> None:
+    _, made = described("chosen", "panther")
+    shown = {one.name: one.unit for one in made.site.devices["panther_hardware"].signals.values()}
+    assert shown["Front voltage"] == "V"
+    assert shown["Rear heatsink temperature"] == "°C"
+    assert not any("driver states 0" in name for name in shown)
+    assert made.site.devices["panther_battery_power"].name == "Panther battery"
+
+
+def test_whole_numbers_have_the_unit_of_a_topics_name_and_none_that_is_guessed() -> None:
+    _, made = described("chosen", "mower")
+    assert made.site.devices["isobus_implement"].signals["rear_pto_speed"].unit == "rpm"
+    _, made = described("chosen", "kobuki")
+    # A byte of a board's own scale: nobody knows how many amperes.
+    assert made.site.devices["sensors"].signals["core_current_0"].unit == ""
 
 
 def test_an_arm_has_a_jog_and_its_named_poses() -> None:

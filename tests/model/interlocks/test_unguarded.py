@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from talaia.cli.checking.check import main
+from talaia.cli.checking.command_line import main
 from talaia.cli.init import _print_summary as tell_made
 from talaia.cli.up import _print_greeting as greet_up, _Up
 from talaia.model.discovery.command_file import site_of

@@ -9,14 +9,7 @@ from hypothesis import given, settings, strategies as st
 from talaia.model.yaml_text.document import document_of, quoting_powers_of_ten
 
 whole = st.integers(-(2**63), 2**64 - 1)
-plain = (
-    st.none()
-    | st.booleans()
-    | whole
-    | st.floats(allow_nan=False)
-    | st.text(max_size=20)
-    | st.dates()
-)
+plain = st.none() | st.booleans() | whole | st.floats(allow_nan=False) | st.text(max_size=20)
 values = st.recursive(
     plain,
     lambda inner: (
@@ -29,7 +22,7 @@ values = st.recursive(
     ),
     max_leaves=20,
 )
-WORDS = ["yes", "No", "~", "0x1f", "1_000", ".inf", "2001-01-01", "=",
+WORDS = ["yes", "No", "~", "0x1f", ".inf", "=",
          "-", "on:", "'a'", '"\\u00e9"', "!!str 5", "!!float 5", "|\n  a\n  b", ">-\n  a\n  b",
          "[a, {b: c}]", "{a: [1, 2.5]}", "a # b", "'#'", "", "!  x", "? a\n: b"]  # fmt: skip
 
@@ -82,7 +75,6 @@ def test_an_alias_is_what_its_anchor_is() -> None:
         ("a: !!bool 7", "is not of"),
         ("a: !!timestamp x", "is not of"),
         ("[" * 100, "nested deeper"),
-        ("a: 2001-99-99", "is not of"),
         ("talaia: 0x" + "f" * 5_000, "64 bits"),
         ("a: [1, 0x" + "f" * 5_000 + "]", "64 bits"),
         ("? 0x" + "f" * 5_000 + "\n: a", "64 bits"),
@@ -109,6 +101,10 @@ def test_aliases_of_aliases_do_not_grow_without_bound() -> None:
 @pytest.mark.parametrize(
     ("text", "read"),
     [
+        ("1_000", "1_000"),
+        ("0b11", "0b11"),
+        ("2001-01-01", "2001-01-01"),
+        ("1e400", "1e400"),
         ("1e3", 1000.0),
         ("-2.5E-3", -0.0025),
         ("1:30", "1:30"),

@@ -121,7 +121,7 @@ def test_a_mistake_is_told_with_its_place_and_the_remedy(
 
 
 def test_a_file_that_is_not_there_says_so(tmp_path: Path) -> None:
-    with pytest.raises(NotReadable, match="No such file"):
+    with pytest.raises(NotReadable, match="there is no such file"):
         read_site(tmp_path / "site.yaml")
 
 

@@ -6,9 +6,7 @@ the description, which may be for another one.
 
 from __future__ import annotations
 
-import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.cli.checking.mistake_texts import json_text, mistakes_text, notes_text
@@ -26,26 +24,19 @@ from talaia.ros_type_library import RosTypeLibrary
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from talaia.model.site import Site
     from talaia.ros_type_library import FieldKind
 
-__all__ = ["main"]
+__all__ = ["check_file", "check_files"]
 
 
-def main(argv: Sequence[str]) -> int:
+def check_files(paths: Sequence[Path], *, as_json: bool) -> int:
     """Check each file; 0 when all are right, 1 when one is not."""
-    parser = argparse.ArgumentParser(
-        "talaia check", description="Check site descriptions and report what is wrong, and where."
-    )
-    parser.add_argument("file", type=Path, nargs="+", help="a site description (YAML)")
-    parser.add_argument(
-        "--json", action="store_true", help="print the mistakes as JSON, for editors"
-    )
-    options = parser.parse_args(argv)
-    checked = {path: check_file(path) for path in options.file}
+    checked = {path: check_file(path) for path in paths}
     wrong = any(report.mistakes for report in checked.values())
-    if options.json:
+    if as_json:
         found = {str(path): (report.mistakes, report.notes) for path, report in checked.items()}
         print(json_text(found))
         return int(wrong)

@@ -12,6 +12,8 @@ import re
 from numbers import Real
 from typing import TYPE_CHECKING, NamedTuple
 
+import msgspec
+
 from talaia.model.discovery.probe_report import FieldFound
 from talaia.model.discovery.ros_units import (
     Meaning,
@@ -142,7 +144,7 @@ class _Walk:
             path = f"{prefix}.{field}" if prefix else field
             value = getattr(message, field, None)
             # A part takes the unit of the whole it belongs to, where it has none of its own.
-            meaning = self._field_meaning(type_name, field) or above
+            meaning = self._field_meaning(type_name, field, declared) or above
             # Names of coordinate frames are settings, no readings.
             if declared in _ABOUT or field.endswith("frame_id"):
                 continue
@@ -165,13 +167,15 @@ class _Walk:
                 listed=listed, path=path, value=value, meaning=meaning, names=names, depth=depth
             )
 
-    def _field_meaning(self, type_name: str, field: str) -> Meaning | None:
+    def _field_meaning(self, type_name: str, field: str, declared: str) -> Meaning | None:
+        listed = _LIST.match(declared)
+        inner = declared if listed is None else listed["inner"] or listed["item"]
         return (
             # The known meaning of a type first, then what its author wrote, then what the name
             # suggests.
             meaning_of(type_name, field)
             or unit_in_comment(self._comment_of(type_name, field))
-            or unit_in_name(field)
+            or unit_in_name(field, whole=_simple_type(inner) == "integer")
         )
 
     def _walk_field(
@@ -252,14 +256,18 @@ class _Walk:
             if nested is None:
                 self.left_out.append(f"{path}: the type {inner} is not known here")
                 return
-            yield from self.walk_message(
+            # A part with a name of its own: a motor, a battery.
+            said = getattr(item, "name", "")
+            for found in self.walk_message(
                 kind=nested,
                 type_name=inner,
                 message=item,
                 prefix=at,
                 above=meaning,
                 depth=depth + 1,
-            )
+            ):
+                is_named = isinstance(said, str) and said and not found.name
+                yield msgspec.structs.replace(found, name=said[:100]) if is_named else found
 
 
 def _field_found(

@@ -16,11 +16,17 @@ from talaia.errors import TalaiaError
 from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
 from talaia.gateway.reload.current_description import prepare_description
 from talaia.gateway.reload.discovered_devices import with_kept
-from talaia.gateway.reload.refusals import ChangeRefused, refusal_of
+from talaia.gateway.reload.refusals import (
+    ChangeRefused,
+    mistake_line,
+    refusal_of,
+    without_lines,
+    wrong_text,
+)
 from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
-from talaia.model.checks.text_checks import check_text
+from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.yaml_text.load import plain_of_text, site_in
@@ -51,8 +57,8 @@ SLOW_LOOK_S = 10.0
 AGAIN_S = 0.05
 # Zeros last for ten seconds at the most; a device whose zeros never end is not to hold up others.
 LEFT_S = 12.0
-# Types and fields that nothing here has, each with a line of its own in the logbook.
-_MOST_DOUBTS = 10
+# Types and fields that nothing here has, each with a line of its own in the logbook; mistakes, too.
+_MOST_DOUBTS = _MOST_TOLD = 10
 # Ended changes whose answer may be asked for again after a lost link.
 MOST_REMEMBERED = 50
 
@@ -151,7 +157,9 @@ class ChangeRequests:
                 return
             if site.site != self._reload.now.site.site:
                 where = Finding("$.site", "a site keeps its short name while it runs")
-                self._report_refused(ChangeRefused("the description is of another site", (where,)))
+                self._report_refused(
+                    ChangeRefused("the description is of another site", without_lines([where]))
+                )
                 return
             while hindrance := self._reload.reload_hindrance(site):
                 log.info("the description waits: %s", hindrance)
@@ -162,9 +170,9 @@ class ChangeRequests:
             self._report_refused(refused)
         else:
             self._clear_problem()
-            await self._report_types(site)
+            await self._report_types(site, text)
 
-    async def _report_types(self, site: Site) -> None:
+    async def _report_types(self, site: Site, text: str) -> None:
         """Say which types and fields of ROS a description names that nothing here has.
 
         It counts all the same: a robot may describe its types itself, once it runs.
@@ -172,25 +180,32 @@ class ChangeRequests:
         assert self._file is not None  # noqa: S101 - a description without a file is never followed
         folder = self._file.path.parent
         named = [getattr(link, "definitions", "") for link in site.links().values()]
-        found = await asyncio.to_thread(
-            lambda: ros_type_findings(site, RosTypeLibrary(folder / one for one in named if one))
-        )
-        for finding in found.mistakes[:_MOST_DOUBTS]:
-            log.warning("the changed description: %s", finding)
-            self._events.report_event("description_doubtful", str(finding))
-        if (more := len(found.mistakes) - _MOST_DOUBTS) > 0:
+
+        def list_doubts() -> list[Mistake]:
+            library = RosTypeLibrary(folder / one for one in named if one)
+            return place_findings(ros_type_findings(site, library).mistakes, text)
+
+        found = await asyncio.to_thread(list_doubts)
+        for mistake in found[:_MOST_DOUBTS]:
+            line = mistake_line(mistake, self._file.path.name)
+            log.warning("the changed description: %s", line)
+            self._events.report_event("description_doubtful", line)
+        if (more := len(found) - _MOST_DOUBTS) > 0:
             self._events.report_event("description_doubtful", f"{more} more: run talaia check")
 
     def _report_refused(self, refused: ChangeRefused) -> None:
         """Say once what is wrong with the file; what counted before goes on."""
-        said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
+        name = "" if self._file is None else self._file.path.name
+        said = [mistake_line(one, name) for one in refused.problems] or [refused.message]
+        if (more := len(said) - _MOST_TOLD) > 0:
+            said[_MOST_TOLD:] = [f"{more} more: run talaia check"]
+        for line in said:
+            log.warning("the changed description is not used: %s", line)
         # Told again to each new link; the file may stand wrong for days.
-        more = len(refused.problems) - 1
-        said += f" (and {more} more: run talaia check)" if more > 0 else ""
-        log.warning("the changed description is not used: %s", said)
         self._standing = refused.change_state("")
         self._send(self._standing)
-        self._events.report_event("description_refused", said)
+        for line in said:
+            self._events.report_event("description_refused", line)
 
     def _clear_problem(self) -> None:
         if self._standing is not None:
@@ -216,8 +231,8 @@ class ChangeRequests:
             self._report_state(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
             return
         self._report_state(refused.change_state(asked.id))
-        said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
-        self._events.report_event("change_refused", said, who=asked.who)
+        said = [mistake_line(one) for one in refused.problems[:1]] or [refused.message]
+        self._events.report_event("change_refused", said[0], who=asked.who)
 
     def _report_state(self, state: ChangeState) -> None:
         self._known[state.id] = state
@@ -239,7 +254,9 @@ class ChangeRequests:
             return ChangeRefused("the change is not sealed with this gateway's key")
         if self._accepts is AcceptedChanges.NO or file is None or not file.editable:
             findings = forbidden_changes(now.site, now.site, AcceptedChanges.NO)
-            return ChangeRefused("this gateway takes no changes from the hub", tuple(findings))
+            return ChangeRefused(
+                "this gateway takes no changes from the hub", without_lines(findings)
+            )
         # Two people at two pages: the second begins with what the first has made.
         if asked.base != file.digest:
             return ChangeRefused(
@@ -250,7 +267,7 @@ class ChangeRequests:
             return site
         if findings := forbidden_changes(now.site, site, self._accepts):
             return ChangeRefused(
-                "this gateway does not take such a change from the hub", tuple(findings)
+                "this gateway does not take such a change from the hub", without_lines(findings)
             )
         if hindrance := self._reload.reload_hindrance(site):
             return ChangeRefused(f"{hindrance}; wait for its end, or cancel it, and ask again")
@@ -264,10 +281,10 @@ class ChangeRequests:
         try:
             site = site_in(text, self._file.path)
         except DescriptionError as error:
-            return _all_mistakes(text) or refusal_of(error)
+            return _all_mistakes(text) or refusal_of(error, text)
         findings = check_site(site)
         if findings:
-            return ChangeRefused("the description cannot be used as written", tuple(findings))
+            return wrong_text(findings, text)
         return with_counts(with_kept(self._data, site))
 
     async def _apply_change(
@@ -321,6 +338,5 @@ def _all_mistakes(text: str) -> ChangeRefused | None:
     # What is wrong is a file beside it, then.
     if not wrong:
         return None
-    mistakes = check_text(text).mistakes
-    findings = tuple(Finding(found.where, found.problem, found.remedy) for found in mistakes)
-    return ChangeRefused("the description cannot be used as written", findings)
+    mistakes = tuple(check_text(text).mistakes)
+    return ChangeRefused("the description cannot be used as written", mistakes)

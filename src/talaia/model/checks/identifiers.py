@@ -100,7 +100,9 @@ def topic_fits(where: str, topic: str) -> Iterator[Finding]:
         yield Finding(where, "which topic is meant?", "write it with its slash: topic: /like/this")
     elif not _TOPIC.match(topic):
         # The slash in front is what is missing nearly always.
-        near = "/" + re.sub(r"[^A-Za-z0-9_/]+", "_", topic.strip().strip("/"))
+        # `~` is a node's own name, which nobody here knows.
+        plain = topic.replace(":", "").strip().strip("/")
+        near = "/" + re.sub(r"[^A-Za-z0-9_/]+", "_", "" if "~" in plain else plain)
         written = near if _TOPIC.match(near) else "/like/this"
         yield Finding(where, f"{topic!r} is not an absolute ROS name", f"write it as {written}")
 

@@ -169,7 +169,9 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
     for fields in known.versions_of(named.type, named.part):
         is_known = True
         for where, path in list(open_.items()):
-            found = _follow_path(known, fields, named.type, path.split("."))
+            # Of a signal's own field one value is read; a position or a turn is more than one.
+            single = where.endswith(".source.field")
+            found = _follow_path(known, fields, named.type, path.split("."), single=single)
             if found is None:
                 del open_[where]
             else:
@@ -183,7 +185,12 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
 
 
 def _follow_path(
-    known: KnownTypes, fields: Mapping[str, _Kind], owner: str, steps: list[str]
+    known: KnownTypes,
+    fields: Mapping[str, _Kind],
+    owner: str,
+    steps: list[str],
+    *,
+    single: bool,
 ) -> tuple[str, str] | None:
     name, _, _ = steps[0].partition("[")
     kind = fields.get(name)
@@ -194,6 +201,8 @@ def _follow_path(
     if (wrong := _index_problem(kind, steps[0])) is not None:
         return f"{name} of {owner} {wrong[0]}", wrong[1]
     if len(steps) == 1:
+        if single and kind.many and "[" not in steps[0]:
+            return f"{name} of {owner} is a list", f"write which of it: {name}[0], {name}[1], …"
         return None
     below = ".".join(steps[1:])
     if "/" not in kind.base:
@@ -202,7 +211,7 @@ def _follow_path(
         return f"{name} of {owner} is a list", f"write {name}[0].{below}"
     problem = None
     for version in known.versions_of(kind.base):
-        found = _follow_path(known, version, kind.base, steps[1:])
+        found = _follow_path(known, version, kind.base, steps[1:], single=single)
         # Any version that has it will do; and a part that nothing knows is no mistake.
         if found is None:
             return None

@@ -12,7 +12,8 @@ from talaia.model.checks.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.unit_checks import unit_notes
 from talaia.model.errors import DescriptionError
-from talaia.model.yaml_text.load import mapping_of_text
+from talaia.model.yaml_text.document import read_on
+from talaia.model.yaml_text.load import mapping_in, require_own_keys, require_short
 from talaia.model.yaml_text.shape_errors import list_shape_errors
 from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.model.yaml_text.version import FORMAT, require_current
@@ -77,7 +78,15 @@ def check_text(
     """
     errors: list[DescriptionError] = []
     try:
-        document = mapping_of_text(text)
+        require_short(text)
+        read = read_on(text)
+        errors += read.errors
+        if not read.is_whole:
+            return _only(errors, text)
+        # Its parts stand where they stand in the text, as far as lines go.
+        text = read.text
+        document = mapping_in(read.document)
+        require_own_keys(document)
         try:
             require_current(document.get("talaia"))
         except DescriptionError as error:
@@ -87,7 +96,7 @@ def check_text(
             errors.append(error)
             document["talaia"] = FORMAT
     except DescriptionError as error:
-        return TextReport(place_findings([finding_of(error)], text), None, [])
+        return _only([*errors, error], text)
     of_shape, site, renamed, follows = list_shape_errors(document)
     errors += of_shape
     notes: list[Finding] = []
@@ -99,7 +108,8 @@ def check_text(
             return TextReport(place_findings([*findings, finding_of(error)], text), None, [])
         # Of what is left, some is only there, or only missing, because of what was found before.
         wrong = [error.where for error in errors]
-        found = check_site(site, rules)
+        # What refers to a device that is there twice is told once there is one of it.
+        found = [] if read.is_joined else check_site(site, rules)
         notes += unit_notes(site)
         if known is not None:
             of_types = ros_type_findings(site, known)
@@ -107,9 +117,25 @@ def check_text(
             notes += of_types.notes
         findings += [finding for finding in found if not _follows(finding, wrong, follows)]
     findings = [_as_written(finding, renamed) for finding in _without_offers(findings)]
-    return TextReport(
-        place_findings(findings, text), None if findings else site, place_findings(notes, text)
-    )
+    placed = place_findings(_without_parts(findings), text)
+    # Of a line that was read as it was most likely meant, what is told of the text is enough.
+    mended = {mistake.line for mistake in placed if "$" not in mistake.where}
+    placed = [one for one in placed if "$" not in one.where or one.line not in mended]
+    return TextReport(placed, None if findings else site, place_findings(notes, text))
+
+
+def _only(errors: list[DescriptionError], text: str) -> TextReport:
+    return TextReport(place_findings(map(finding_of, errors), text), None, [])
+
+
+def _without_parts(findings: list[Finding]) -> Iterator[Finding]:
+    """Leave out what is said of the parts of something that has to be another thing as a whole."""
+    wrong = [
+        (f"{finding.where}.", f"{finding.where}[")
+        for finding in findings
+        if finding.problem.startswith("expected ") and ", found a " in finding.problem
+    ]
+    return (one for one in findings if not any(one.where.startswith(both) for both in wrong))
 
 
 def _without_offers(findings: list[Finding]) -> Iterator[Finding]:
@@ -142,6 +168,7 @@ def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:
     return sorted(placed, key=lambda mistake: (mistake.line, mistake.column))
 
 
+_WORD = re.compile(r"\w+")
 # What a device, or a part of one, is called by others.
 _ADDRESSED = re.compile(
     r"\$\.devices(?:\.(?P<device>[^.]+)(?:\.(?:signals|streams|commands)(?:\.(?P<part>[^.]+))?)?)?\Z"
@@ -153,6 +180,12 @@ def _follows(finding: Finding, wrong: list[str], follows: list[str]) -> bool:
     # Beside a kind that was put there for one that nobody knows.
     if finding.where.startswith(tuple(follows)):
         return True
+    # It asks for, or speaks of, what stands beside it and was taken out.
+    said = set(_WORD.findall(f"{finding.problem} {finding.remedy}"))
+    for where in wrong:
+        above, _, key = where.rpartition(".")
+        if key in said and finding.where in (above, f"{above}.{finding.where.rpartition('.')[2]}"):
+            return True
     return any(
         finding.where.startswith(where)
         # It asks for something that is there, but is wrong.

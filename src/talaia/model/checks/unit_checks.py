@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 __all__ = ["shown_units_findings", "unit_fits", "unit_notes"]
 
 
+# Units of their own, which people write where a sign is missing.
+_MISTAKEN = {"C": ("coulomb", "°C"), "F": ("farad", "°F")}
+
+
 def unit_fits(where: str, unit: str) -> Iterator[Finding]:
     """Any text that can be shown beside a number."""
     if len(unit) > LONGEST_UNIT or unit != unit.strip() or any(map(is_unseen, unit)):
@@ -31,9 +35,15 @@ def unit_notes(site: Site) -> Iterator[Finding]:
     """Name each unit that nobody knows, once: it is shown as written and cannot be converted."""
     told: set[str] = set()
     for where, unit in _written_units(site):
-        if not unit or unit in told or measure_of(unit) is not None:
+        if not unit or unit in told:
             continue
         told.add(unit)
+        if unit in _MISTAKEN:
+            read, meant = _MISTAKEN[unit]
+            yield Finding(where, f"the unit {unit!r} is the {read}", f"did you mean {meant!r}?")
+            continue
+        if measure_of(unit) is not None:
+            continue
         meant = likely_unit(unit)
         remedy = f"did you mean {meant!r}?" if meant else "nothing is to be done if it is meant so"
         problem = f"the unit {unit!r} is shown as written; Talaia does not know what it measures"

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from talaia.model.discovery.probe_report import TopicFound
 
 __all__ = [
+    "ODOMETRY",
     "PICTURES",
     "TWISTS",
     "DevicePlace",
@@ -75,7 +76,9 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
     if type_name.startswith("nav_msgs/") or (
         type_name.startswith("geometry_msgs/msg/Twist") and not is_no_base(topic)
     ):
-        spaces = _driven_space(spaces, found)
+        # A controller has no page of its own: `/mobile_base_controller/odom` is the base's.
+        own = [space for space in spaces if not space.endswith("_controller")]
+        spaces = _driven_space(own, found)
         return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
     if type_name == "sensor_msgs/msg/JointState" and (
         not spaces or _is_robot("/".join(spaces), found)
@@ -118,7 +121,11 @@ def _named_place(word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) 
     # The namespace goes before: two bases of one robot have different pages.
     parts = [space for space in spaces if space]
     whole = "_".join([*parts, word] if word else parts)
-    title = " ".join([*(readable_name(part) for part in parts), name.lower() if parts else name])
+    named = [readable_name(part) for part in parts]
+    if named and named[-1].lower() == name.lower():
+        # `/robot/battery/status` is of its battery, and not of its battery's battery.
+        named.pop()
+    title = " ".join([*named, name.lower() if named else name])
     return DevicePlace(word_of(whole), title.strip(), kind)
 
 

@@ -17,7 +17,7 @@ from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import (
     RosSource,
 )
-from talaia.model.discovery.device_places import PICTURES, place_of, place_order
+from talaia.model.discovery.device_places import ODOMETRY, PICTURES, place_of, place_order
 from talaia.model.discovery.found_connections import connections_of, ros2_of
 from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
@@ -430,7 +430,7 @@ class _ProposedDevices:
 
     def _add_drive(self, topic: TopicFound, message: DriveMessage) -> None:
         # By a type that means a base, also where characters drive it.
-        place = self._place_of(topic.topic, "geometry_msgs/msg/Twist")
+        place = self._driven_place(topic.topic)
         if place in self._drives:
             self.left_out.append(f"{topic.topic}: {place.name} is driven by another topic already")
             return
@@ -446,6 +446,16 @@ class _ProposedDevices:
                 self._signals.by_place, lambda signal: signal.type is SignalType.POSITION
             ),
         )
+
+    def _driven_place(self, topic: str) -> DevicePlace:
+        """Give the device that a topic drives: that of its odometry, where there is one alone."""
+        place = self._place_of(topic, "geometry_msgs/msg/Twist")
+        moving = [
+            at
+            for at, signals in self._signals.by_place.items()
+            if any(getattr(one.source, "type", "") == ODOMETRY for one in signals.values())
+        ]
+        return moving[0] if place not in moving and len(moving) == 1 else place
 
     def _place_of(self, topic: str, type_name: str) -> DevicePlace:
         return place_of(topic, type_name, self._found.topics)

@@ -59,6 +59,7 @@ _MEANINGS = (
     StateMeaning.ERROR,
     StateMeaning.UNKNOWN,
 )
+_MEASURED = ("number", "integer")
 # A topic whose spacing is not known: it speaks now and then.
 _RARE_S = 3600.0
 # Delays within it are one: a page shows no difference, and a day of them takes no room.
@@ -171,7 +172,7 @@ class ProposedSignals:
     def _signal_of(self, topic: TopicFound, field: FieldFound, name: str) -> Signal:
         if topic.type == JOINTS:
             return _joint_signal(topic, field, self._joints.get(field.name), modelled=self._joints)
-        if field.path.startswith("data") and field.type == "number" and not field.unit:
+        if field.path.startswith("data") and not field.unit and field.type in _MEASURED:
             # Of std_msgs only the topic's name tells what the number is.
             said = unit_in_name(last_part(topic.topic, ("data",)))
             if said is not None:

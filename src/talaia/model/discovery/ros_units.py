@@ -162,6 +162,7 @@ _AFTER: dict[tuple[str, str], Meaning] = {
     ("current", "ma"): Meaning("mA"),
     ("power", "w"): Meaning("W"),
     ("torque", "nm"): Meaning("N·m"),
+    **{(word, "l"): Meaning("L") for word in ("level", "volume", "fuel")},
     ("force", "n"): Meaning("N"),
 }
 # Units of two words and more at the end of a name.
@@ -204,6 +205,11 @@ _QUANTITY: dict[str, Meaning] = {
     "lon": Meaning("°"),
     "hdg": Meaning("°"),
 }
+# Quantities that stand before what they are of.
+_FIRST = ("voltage", "temperature", "temp")
+_OF_CURRENT = ("motor", "input", "output", "battery", "left", "right", "in", "out", "draw")
+# Of whole numbers these are steps of a converter, or thousandths.
+_RAW = [_QUANTITY[word] for word in ("voltage", "current", "torque", "altitude", "latitude")]
 # As definitions' comments spell them, in small letters.
 _SPOKEN: dict[str, str] = {
     "meter": "m",
@@ -265,8 +271,14 @@ def meaning_of(type_name: str, field: str) -> Meaning | None:
     return _KNOWN.get((type_name, field))
 
 
-def unit_in_name(field: str) -> Meaning | None:
-    """Read the unit from the last word of a field's own name: ``wheel_speed_mps``."""
+def unit_in_name(field: str, *, whole: bool = False) -> Meaning | None:
+    """Read the unit from the last word of a field's own name: ``wheel_speed_mps``.
+
+    Args:
+        field: its name.
+        whole: it holds whole numbers, which are of a board's own scale where a name says no unit.
+
+    """
     words = [word.lower() for word in _WORD.findall(field)]
     if not words:
         return None
@@ -281,7 +293,12 @@ def unit_in_name(field: str) -> Meaning | None:
     # A unit needs something before it: a field that is called ``m`` or ``v`` may be anything.
     if len(words) > 1 and words[-1] in _SUFFIX:
         return _SUFFIX[words[-1]]
-    return _QUANTITY.get(words[-1])
+    found = _QUANTITY.get(words[-1])
+    if found is None and len(words) > 1:
+        # `voltage_input`, `temp_fet`; but a `current_mode` is no ampere.
+        first = words[0] in _FIRST or (words[0] == "current" and words[1] in _OF_CURRENT)
+        found = _QUANTITY.get(words[0]) if first else None
+    return None if whole and found in _RAW else found
 
 
 def without_unit(field: str) -> str:

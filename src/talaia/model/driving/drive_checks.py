@@ -107,7 +107,8 @@ def _limit_findings(where: str, drive: Drive) -> Iterator[Finding]:
     for key in needed:
         # How fast a robot may go its owner has to say: none is assumed.
         if getattr(drive, key) == 0:
-            yield Finding(where, f"the key {key!r} is missing", f"add {key}: … (a number)")
+            problem = f"the key {key!r} is missing, or 0"
+            yield Finding(where, problem, f"write {key}: … (a number above 0)")
     for key in (
         "max_speed",
         "max_turn",

@@ -22,6 +22,8 @@ __all__ = ["Conversion", "conversion_between", "likely_unit", "shown_units", "un
 _MOST_DECIMALS = 9
 # Digits of a factor: what floats add beyond them is no part of a unit's definition.
 _DIGITS = 14
+# Letters of a word, in which more must be alike than in a symbol.
+_LONG = 5
 
 
 class Conversion(NamedTuple):
@@ -107,8 +109,9 @@ def likely_unit(text: str) -> str:
     # Small letters for capitals first: ``KPA``, ``hz``.
     if text.casefold() in folded:
         return folded[text.casefold()]
+    # Words are alike by chance: ``volts`` and ``knots``.
     words = {**{symbol: symbol for symbol in UNITS if symbol}, **OTHER_NAMES}
-    near = get_close_matches(text, words, n=4, cutoff=0.6)
+    near = get_close_matches(text, words, n=4, cutoff=0.6 if len(text) < _LONG else 0.7)
     meant = [words[word] for word in near if words[word] in MEASURES]
     kinds = {MEASURES[symbol].powers for symbol in meant}
     return meant[0] if len(kinds) == 1 else ""

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = ["LONGEST_UNIT", "measure_of"]
 
+# Letters of a symbol without signs; what is longer is a word.
+_LONGEST_SYMBOL = 4
 # In letters; the longest that is in use, W/(m²·sr·nm), has a dozen.
 LONGEST_UNIT = 24
 # Letters of any alphabet, and the signs that stand for a unit.
@@ -101,4 +103,8 @@ def _measure_of_name(name: str) -> Measure | None:
     # Here and not above: most descriptions need no more than the table.
     from talaia.model.units.pint_names import measure_by_pint
 
-    return measure_by_pint(name)
+    measure = measure_by_pint(name)
+    if measure is None and len(name) > _LONGEST_SYMBOL and name.istitle():
+        # ``Volts``: case tells symbols apart (mW, MW), and no whole words.
+        return _measure_of_name(name.lower())
+    return measure

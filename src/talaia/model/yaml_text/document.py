@@ -10,22 +10,33 @@ A description needs no more of YAML than values, lists, mappings and aliases: wh
 
 from __future__ import annotations
 
+import math
 import re
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias, TypeVar, cast
 
 import yaml
 
 from talaia.model.errors import NotReadable
-from talaia.model.yaml_text.yaml_mistakes import explain_yaml_error
+from talaia.model.yaml_text.yaml_mistakes import TextMistake, explain_yaml_error
 
 if TYPE_CHECKING:
     from datetime import date
 
-__all__ = ["document_of", "dump_document", "quoting_powers_of_ten", "read_document"]
+__all__ = [
+    "ReadText",
+    "document_of",
+    "dump_document",
+    "quoting_powers_of_ten",
+    "read_document",
+    "read_on",
+]
 
 Value: TypeAlias = "bool | int | float | str | bytes | date | list[Value] | dict[Key, Value] | None"
 Key: TypeAlias = "str | int | float | bool"
 
+# Of one text; more than anybody mends before the next run. It is read again for each, up to so many
+# characters in all: a long text holds nobody up.
+_MOST_MENDED, _MOST_READ = 20, 8 * 1024 * 1024
 # Deeper than any description; libyaml itself has no bound.
 MAX_DEPTH = 64
 # What aliases may grow a text to, in values.
@@ -35,16 +46,20 @@ MAX_VALUES = 4_000_000
 LEAST_INT, GREATEST_INT = -(2**63), 2**64 - 1
 # More than any way to write 64 bits (in twos: 64 digits, underscores between them, and a prefix).
 MAX_DIGITS = 200
+_JOINED = "two mappings, read as one"
 _NO_TAG = "leave it out; a text that begins with ! stands in quotes"
 _IN_QUOTES = "put it in quotes if it is a text"
 _TOO_LARGE = "the whole number is larger than 64 bits hold"
 _Loader = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
 _TAG = "tag:yaml.org,2002:"
-_STR, _INT, _FLOAT = _TAG + "str", _TAG + "int", _TAG + "float"
+_STR, _INT, _FLOAT, _DATE = _TAG + "str", _TAG + "int", _TAG + "float", _TAG + "timestamp"
 # PyYAML reads YAML 1.1: there ``1:30`` is 90 and ``010`` is 8, and ``1e9`` is no number. Nobody
-# means that, least of all in a speed limit. As in YAML 1.2 the last one is a number; the others
-# are texts here, so that a number's place refuses them and a text's place has them as written.
-_NO_NUMBER = re.compile(r"[-+]?(0[0-9_]+|[0-9][0-9_]*(:[0-9_]+)+(\.[0-9_]*)?)\Z")
+# means that, least of all in a speed limit. As in YAML 1.2 the last one is a number; the others,
+# and ``1_000``, ``0b11`` and dates, are texts here, so that a number's place refuses them and a
+# text's place has them as written.
+_NO_NUMBER = re.compile(
+    r"[-+]?(0[0-9_]+|[0-9][0-9_]*(:[0-9_]+)+(\.[0-9_]*)?|0b.*|.*_.*)\Z", re.IGNORECASE
+)
 _POWER_OF_TEN = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)[eE][-+]?[0-9]+\Z")
 _PLAIN = {_TAG + tag for tag in ("null", "bool", "int", "float", "str", "binary", "timestamp")}
 _MAPPING, _SEQUENCE = (None, "!", _TAG + "map"), (None, "!", _TAG + "seq")
@@ -67,8 +82,33 @@ class _Anchored(NamedTuple):
     size: int
 
 
-def document_of(text: str) -> object:
+class ReadText(NamedTuple):
+    """What could be read of a text with mistakes.
+
+    Attributes:
+        document: its values, where `is_whole`.
+        text: the text as it was most likely meant, with as many lines.
+        errors: all that is wrong with it as YAML, in the order in which it was found.
+        is_whole: it could be read to its end.
+        is_joined: parts that were written twice were read as one, so what refers to them may
+            mean either.
+
+    """
+
+    document: object
+    text: str
+    errors: list[NotReadable]
+    is_whole: bool
+    is_joined: bool = False
+
+
+def document_of(text: str, twice: list[yaml.MarkedYAMLError] | None = None) -> object:
     """Read the one document of a text.
+
+    Args:
+        text: of it.
+        twice: takes the errors of keys that are written twice, and they are read on as one; None
+            raises the first.
 
     Raises:
         yaml.YAMLError: it is no YAML, or holds what no description does; a `MarkedYAMLError`
@@ -77,7 +117,7 @@ def document_of(text: str) -> object:
     """
     parser = cast("_Parser", _Loader(text))
     try:
-        return _Document(parser).read_document()
+        return _Document(parser, twice).read_document()
     finally:
         parser.dispose()
 
@@ -92,25 +132,70 @@ def read_document(text: str) -> object:
     """
     try:
         return document_of(text)
-    except _Refused as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        told = _mistake_of(error, text)
+        raise _not_readable(told) from error
+
+
+def read_on(text: str) -> ReadText:
+    """Read a text that a person wrote, and go on after mistakes that can be mended by themselves.
+
+    What is told beyond the first of them is there for certain: where a mended line, or the one
+    below it, is told as wrong again, nothing more is said.
+    """
+    lines = text.split("\n")
+    errors: list[NotReadable] = []
+    last = -1
+    while True:
+        twice: list[yaml.MarkedYAMLError] = []
+        read, document = "\n".join(lines), None
+        told: TextMistake | None = None
+        try:
+            document = document_of(read, twice)
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
+            told = _mistake_of(error, read)
+        if told is None:
+            errors += [_not_readable(_mistake_of(one, read)) for one in twice]
+            return ReadText(
+                document, read, errors, is_whole=True, is_joined=any(map(_is_joined, twice))
+            )
+        if last < 0 or told.line > last + 1:
+            errors.append(_not_readable(told))
+            most = min(_MOST_MENDED, _MOST_READ // len(text))
+            if told.instead is not None and 0 < told.line <= len(lines) and len(errors) < most:
+                lines[told.line - 1], last = told.instead, told.line
+                continue
+        errors += [_not_readable(_mistake_of(one, read)) for one in twice]
+        return ReadText(None, read, errors, is_whole=False)
+
+
+def _is_joined(error: yaml.MarkedYAMLError) -> bool:
+    return error.context == _JOINED
+
+
+def _not_readable(told: TextMistake) -> NotReadable:
+    where = f"line {told.line}, column {told.column}" if told.line else "$"
+    return NotReadable(where, told.problem, told.remedy)
+
+
+def _mistake_of(error: Exception, text: str) -> TextMistake:
+    """Say what keeps a text from being read; line 0 where its place is not known."""
+    if isinstance(error, _Refused):
         # Marks count from 0.
-        where = f"line {error.problem_mark.line + 1}, column {error.problem_mark.column + 1}"
+        mark = error.problem_mark
         problem = error.problem or ""
         if "written twice" in problem:
-            problem += _first_of(text, error.problem_mark)
-        raise NotReadable(where, problem, error.note or "") from error
-    except yaml.MarkedYAMLError as error:
-        told = explain_yaml_error(error, text)
-        where = f"line {told.line}, column {told.column}"
-        raise NotReadable(where, told.problem, told.remedy) from error
-    except yaml.reader.ReaderError as error:
+            problem += _first_of(text, mark)
+        return TextMistake(mark.line + 1, mark.column + 1, problem, error.note or "")
+    if isinstance(error, yaml.MarkedYAMLError):
+        return explain_yaml_error(error, text)
+    if isinstance(error, yaml.reader.ReaderError):
         # libyaml counts bytes.
         before = text.encode(errors="replace")[: error.position].decode(errors="ignore")
-        where = f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
         problem = f"a character that no text has (U+{_code_of(error.character):04X})"
-        raise NotReadable(where, problem, "delete it; it may not be seen") from error
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise NotReadable("$", f"is not YAML: {error}") from error
+        line, column = before.count(chr(10)) + 1, len(before) - before.rfind(chr(10))
+        return TextMistake(line, column, problem, "delete it; it may not be seen")
+    return TextMistake(0, 0, f"is not YAML: {error}", "")
 
 
 def dump_document(plain: object) -> str:
@@ -140,8 +225,9 @@ def _first_of(text: str, mark: yaml.Mark) -> str:
 class _Document:
     """One reading of one document."""
 
-    def __init__(self, parser: _Parser) -> None:
+    def __init__(self, parser: _Parser, twice: list[yaml.MarkedYAMLError] | None) -> None:
         self._parser = parser
+        self._twice = twice
         # Called for every event of the text.
         self._next = parser.get_event
         # What ``&name`` stands for, and how many values that is.
@@ -171,7 +257,9 @@ class _Document:
         if isinstance(event, yaml.ScalarEvent):
             return self._remember_anchor(event.anchor, self._read_scalar(event), 1)
         if depth > MAX_DEPTH:
-            raise _yaml_error(f"nested deeper than {MAX_DEPTH}", event)
+            raise _yaml_error(
+                f"nested deeper than {MAX_DEPTH}", event, "look for brackets that are too many"
+            )
         before = self._size
         value: Value
         if isinstance(event, yaml.MappingStartEvent):
@@ -217,13 +305,22 @@ class _Document:
                 raise _yaml_error(
                     "a list or a mapping stands where a name belongs", at, "write a word, then :"
                 )
-            if key in made:
-                raise _yaml_error(
-                    f"the key {key!r} is written twice",
-                    at,
-                    "leave one of them out, or give it another name",
-                )
-            made[key] = self._read_value(self._next(), depth + 1)
+            if key not in made:
+                made[key] = self._read_value(self._next(), depth + 1)
+                continue
+            twice = _yaml_error(
+                f"the key {key!r} is written twice",
+                at,
+                "leave one of them out, or give it another name",
+            )
+            if self._twice is None:
+                raise twice
+            self._twice.append(twice)
+            first, second = made[key], self._read_value(self._next(), depth + 1)
+            if isinstance(first, dict) and isinstance(second, dict):
+                # Whoever began a list of devices anew meant both halves of it.
+                made[key] = {**second, **first}
+                twice.context = _JOINED
         return made
 
     def _read_sequence(self, event: yaml.SequenceStartEvent, depth: int) -> Value:
@@ -243,8 +340,10 @@ class _Document:
                 return self._known[text]
             tag = self._parser.resolve(yaml.ScalarNode, text, event.implicit)
             if tag == _STR and _POWER_OF_TEN.match(text):
-                value: Value = float(text)
-            elif tag == _STR or (tag in (_INT, _FLOAT) and _NO_NUMBER.match(text)):
+                number = float(text)
+                # Beyond what floats hold: as written, so that it is told so.
+                value: Value = number if math.isfinite(number) else text
+            elif tag in (_STR, _DATE) or (tag in (_INT, _FLOAT) and _NO_NUMBER.match(text)):
                 value = text
             else:
                 value = self._value_of_tag(tag, event)

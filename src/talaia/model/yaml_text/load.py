@@ -14,6 +14,7 @@ from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Site
 from talaia.model.yaml_text.document import dump_document, read_document
+from talaia.model.yaml_text.meant_words import meant_word
 from talaia.model.yaml_text.shape_sentences import shape_error
 from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
@@ -25,9 +26,12 @@ __all__ = [
     "beside_of",
     "dump_site",
     "load_site",
+    "mapping_in",
     "mapping_of_text",
     "plain_of_text",
     "read_site",
+    "require_own_keys",
+    "require_short",
     "site_in",
     "site_of_plain",
     "text_of",
@@ -36,6 +40,15 @@ __all__ = [
 
 _BEGIN = "begin with: talaia: 1; a first description comes from: talaia init"
 MAX_BYTES = 4 * 1024 * 1024
+# What is taken for a description, by its first bytes.
+_OTHER_FILES = (
+    (b"\xff\xfe", "is UTF-16", "save it as UTF-8"),
+    (b"\xfe\xff", "is UTF-16", "save it as UTF-8"),
+    (b"\x1f\x8b", "is packed (gzip)", "unpack it: gunzip"),
+    (b"PK\x03\x04", "is packed (zip)", "unpack it: unzip"),
+)
+# A key that is so like a known one was meant to be it.
+_SURELY_OWN = 0.75
 
 
 def read_site(path: Path) -> Site:
@@ -114,15 +127,30 @@ def text_of(path: Path) -> str:
     """
     try:
         data = _bytes_of(path)
+    except FileNotFoundError as error:
+        remedy = "look at its name"
+        if path.suffix in (".yaml", ".yml"):
+            remedy += f"; a first description comes from: talaia init -o {path.name}"
+        raise NotReadable(str(path), "there is no such file", remedy) from error
     except OSError as error:
         reason = error.strerror or str(error)
         raise NotReadable(str(path), f"cannot be read: {reason}") from error
     try:
-        text = data.decode()
+        return data.decode()
     except UnicodeDecodeError as error:
-        problem = f"is not UTF-8 text (byte {error.start})"
-        raise NotReadable(str(path), problem, "save it as UTF-8") from error
-    return text
+        raise _no_text(path, data, error.start) from error
+
+
+def _no_text(path: Path, data: bytes, at: int) -> NotReadable:
+    """Say what a file is that is no UTF-8."""
+    for start, problem, remedy in _OTHER_FILES:
+        if data.startswith(start):
+            return NotReadable(str(path), problem, remedy)
+    if b"\0" in data:
+        return NotReadable(str(path), "is a program or data, and no text", "choose the right file")
+    before = data[:at]
+    where = f"{path}: line {before.count(10) + 1}, column {at - before.rfind(10)}"
+    return NotReadable(where, "a letter that is not written in UTF-8", "save the file as UTF-8")
 
 
 def _bytes_of(path: Path) -> bytes:
@@ -130,14 +158,18 @@ def _bytes_of(path: Path) -> bytes:
     number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     try:
         # Asked of what is open: the name may be given to something else between two questions.
-        if not stat.S_ISREG(os.fstat(number).st_mode):
-            raise NotReadable(str(path), "is not a file", "put the file there")
+        mode = os.fstat(number).st_mode
+        if stat.S_ISDIR(mode):
+            raise NotReadable(str(path), "is not a file, but a folder", "name the file in it")
+        if not stat.S_ISREG(mode):
+            raise NotReadable(str(path), "is not a file (a pipe, a device)", "put the file there")
         with open(number, "rb", closefd=False) as file:
             data = file.read(MAX_BYTES + 1)
     finally:
         os.close(number)
     if len(data) > MAX_BYTES:
-        raise NotReadable(str(path), f"is longer than {MAX_BYTES // 1024 // 1024} MiB")
+        problem = f"is longer than {MAX_BYTES // 1024 // 1024} MiB, as no description is"
+        raise NotReadable(str(path), problem, "choose the right file")
     return data
 
 
@@ -173,9 +205,28 @@ def mapping_of_text(text: str) -> dict[str, object]:
         DescriptionError: it is not YAML, or no mapping.
 
     """
+    require_short(text)
+    return mapping_in(read_document(text))
+
+
+def require_short(text: str) -> None:
+    """Refuse a text that is longer than any description.
+
+    Raises:
+        NotReadable: it is.
+
+    """
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the description is longer than {MAX_BYTES // 1024 // 1024} MiB")
-    document = read_document(text)
+
+
+def mapping_in(document: object) -> dict[str, object]:
+    """Give what a text says, where that is a mapping.
+
+    Raises:
+        DescriptionError: it is none.
+
+    """
     if isinstance(document, dict):
         return document
     # An empty file, or one of comments.
@@ -184,6 +235,21 @@ def mapping_of_text(text: str) -> dict[str, object]:
     said = "a list" if isinstance(document, list) else "one word or sentence"
     problem = f"expected a mapping with the keys talaia, site, name and devices, found {said}"
     raise DescriptionError("$", problem, _BEGIN)
+
+
+def require_own_keys(document: dict[str, object]) -> None:
+    """Refuse the file of another program: not one of its keys is a description's.
+
+    Raises:
+        DescriptionError: it is one.
+
+    """
+    known = {field.encode_name for field in msgspec.structs.fields(Site)}
+    keys = [str(key) for key in document]
+    if keys and not any(meant_word(key, known, _SURELY_OWN) for key in keys):
+        shown = ", ".join(keys[:3]) + ", …" * (len(keys) > 3)
+        problem = f"none of its keys is one of a description; found {shown[:100]}"
+        raise DescriptionError("$", problem, f"choose the right file, or {_BEGIN}")
 
 
 def site_of_plain(document: dict[str, object]) -> Site:

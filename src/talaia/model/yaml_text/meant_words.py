@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-__all__ = ["list_words", "meant_word", "near_words"]
+__all__ = ["list_words", "meant_word", "near_words", "quoted_text"]
 
 # More are no help to who reads them.
 _MOST_LISTED = 20
@@ -140,6 +140,14 @@ def _meant_address(word: str, known: Collection[str]) -> str:
     # A device by another name, with a signal that only one has.
     same = [one for one in known if one.rpartition("/")[2] == name]
     return same[0] if len(same) == 1 else ""
+
+
+def quoted_text(text: str) -> str:
+    """Put a text in quotes as it stands; what is not seen in it is shown by its number."""
+    if text.isprintable():
+        return repr(text)
+    shown = (letter if letter.isprintable() else f"<U+{ord(letter):04X}>" for letter in text)
+    return f"'{''.join(shown)}'"
 
 
 def near_words(word: str, known: Collection[str]) -> list[str]:

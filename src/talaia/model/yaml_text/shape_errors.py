@@ -7,6 +7,8 @@ something of the right shape in its place, and reads on, so that all are found i
 from __future__ import annotations
 
 import copy
+import re
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
@@ -27,6 +29,9 @@ __all__ = ["ShapeErrors", "list_shape_errors"]
 
 # More than anybody mends before the next run.
 MOST_ERRORS = 100
+# What people write at a signal instead of in its source.
+_OF_SOURCES = {"topic", "field", "parameter", "expression", "property", "run", "pattern", "url"}
+_GLUED = re.compile(r"(?P<key>[A-Za-z_]\w*):(?P<value>\S+)\Z")
 # Which keys may stand beside these goes by their value.
 _DECIDING = ("kind", "type")
 
@@ -65,13 +70,18 @@ def list_shape_errors(document: dict[str, object], most: int = MOST_ERRORS) -> S
         except (msgspec.ValidationError, RecursionError) as error:
             found = shape_error(str(error), tagged)
         errors.append(found.error)
+        if isinstance(found.error, UnknownWord) and _is_of_source(found.steps):
+            found.error.remedy = f"it belongs into source: {{{found.steps[-1]}: …}}"
         if not found.steps or ANY_KEY in found.steps:
             break
         # Nothing is lost of what stands in it, and the next run tells what is wrong there.
         if _rename(document, found, renamed):
             continue
         # Beside a kind that nobody knows, any key may be right.
-        if found.steps[-1] in _DECIDING:
+        # A device's kind decides its roles alone, and one that was meant is read in its place.
+        meant = isinstance(found.error, UnknownWord) and found.error.meant
+        of_device = len(found.steps) == 3 and found.steps[0] == "devices"
+        if found.steps[-1] in _DECIDING and not (meant and of_device):
             follows.append(f"{path_of(found.steps[:-1])}.")
         if not _mend(document, found):
             break
@@ -86,6 +96,8 @@ def _name_keys(value: object, where: str) -> Iterator[DescriptionError]:
         return
     if not isinstance(value, dict):
         return
+    yield from _split_keys(value, where)
+    yield from _split_numbers(value, where)
     for key in [key for key in value if not isinstance(key, str)]:
         written = words_of_item(key)
         said = "true or false" if isinstance(key, bool) else "a number"
@@ -97,6 +109,38 @@ def _name_keys(value: object, where: str) -> Iterator[DescriptionError]:
         value[written] = value.pop(key)
     for key, part in value.items():
         yield from _name_keys(part, f"{where}.{key}")
+
+
+def _split_keys(value: dict[object, object], where: str) -> Iterator[DescriptionError]:
+    """Part what a missing space has made one key of: ``{topic:/mode, …}``."""
+    for key in [key for key, part in value.items() if part is None and isinstance(key, str)]:
+        glued = _GLUED.match(key)
+        if glued is None or glued["key"] in value:
+            continue
+        del value[key]
+        value[glued["key"]] = glued["value"]
+        yield DescriptionError(
+            f"{where}.{key}",
+            f"there is no space behind the colon of {glued['key']!r}",
+            f"write: {glued['key']}: {glued['value']}",
+        )
+
+
+def _split_numbers(value: dict[object, object], where: str) -> Iterator[DescriptionError]:
+    """Put numbers together that a comma for a point has made two of: ``{latitude: 41,5}``."""
+    for before, key in pairwise(list(value)):
+        # It may have been taken out as the other half of the number before.
+        whole = value.get(before)
+        digits = str(key)
+        if value[key] is not None or type(whole) is not int or not digits.isdecimal():
+            continue
+        del value[key]
+        value[before] = float(f"{whole}.{digits}")
+        yield DescriptionError(
+            f"{where}.{before}",
+            f"a comma ends the number here: {whole} is read, and {digits} as another key",
+            f"write a point: {before}: {whole}.{digits}",
+        )
 
 
 def _rename(document: dict[str, object], found: ShapeError, renamed: dict[str, str]) -> bool:
@@ -127,6 +171,11 @@ def _rename(document: dict[str, object], found: ShapeError, renamed: dict[str, s
     holder[meant] = holder.pop(last)
     renamed[path_of((*way, meant))] = error.where
     return True
+
+
+def _is_of_source(steps: Sequence[Step]) -> bool:
+    """Tell whether a key that a signal does not have is one of its source."""
+    return len(steps) == 5 and steps[2] == "signals" and steps[-1] in _OF_SOURCES
 
 
 def _is_device(value: object) -> bool:

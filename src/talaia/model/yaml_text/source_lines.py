@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import yaml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 __all__ = ["SourcePosition", "SourcePositions"]
 
@@ -38,33 +41,45 @@ class SourcePositions:
         said = _LINE.search(where)
         if said is not None and "$" not in where:
             return SourcePosition(int(said[1]), int(said[2] or 1))
-        node, mark = self._root, None
         if "$" not in where:
             return SourcePosition()
-        if node is None:
+        if self._root is None:
             # The whole of it begins in its first line, be it empty.
             return SourcePosition(1, 1) if where == "$" else SourcePosition()
-        for key, index in _STEP.findall(where[where.index("$") + 1 :]):
-            found = _step_into(node, key, index)
-            if found is None:
-                break
-            at, node = found
-            mark = at.start_mark
+        steps = _STEP.findall(where[where.index("$") + 1 :])
+        mark = _walk(self._root, steps).mark
         if mark is None:
             return SourcePosition(1, 1)
         return SourcePosition(mark.line + 1, mark.column + 1)
 
 
-def _step_into(node: yaml.Node, key: str, index: str) -> tuple[yaml.Node, yaml.Node] | None:
+class _Reached(NamedTuple):
+    """How many steps of a path there were, and where the last of them stands."""
+
+    steps: int
+    mark: yaml.Mark | None
+
+
+def _walk(node: yaml.Node, steps: list[tuple[str, str]]) -> _Reached:
+    """Go as far as a path leads."""
+    farthest = _Reached(0, None)
+    for at, part in _parts_of(node, *steps[0]) if steps else ():
+        reached = _walk(part, steps[1:])
+        # A key that is written twice: the part is in one of the two.
+        if reached.steps + 1 > farthest.steps:
+            farthest = _Reached(reached.steps + 1, reached.mark or at.start_mark)
+    return farthest
+
+
+def _parts_of(node: yaml.Node, key: str, index: str) -> Iterator[tuple[yaml.Node, yaml.Node]]:
     """Give what names a part, and the part."""
     if isinstance(node, yaml.MappingNode):
         for name, value in node.value:
             if isinstance(name, yaml.ScalarNode) and key in (name.value, _truth_of(name)):
-                return name, value
+                yield name, value
     elif isinstance(node, yaml.SequenceNode) and index and int(index) < len(node.value):
         part = node.value[int(index)]
-        return part, part
-    return None
+        yield part, part
 
 
 def _truth_of(name: yaml.ScalarNode) -> str:

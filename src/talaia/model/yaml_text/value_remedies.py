@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import TYPE_CHECKING
 
 import msgspec
+
+from talaia.model.yaml_text.meant_words import quoted_text
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -31,6 +34,9 @@ _PLAIN_NUMBER = re.compile(rf"{_NUMBER}(?:[eE][-+]?[0-9]+)?\Z")
 _WITH_ZERO = re.compile(r"[-+]?0[0-9]+(?:\.[0-9]*)?\Z")
 _WITH_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
 _WITH_COLON = re.compile(r"[-+]?[0-9]+(?::[0-9.]+)+\Z")
+_OTHER_BASE = re.compile(r"0(?:o[0-7]+|b[01]+)\Z", re.IGNORECASE)
+_UNSEEN = re.compile("[\u00a0\u2000-\u200f\u202f\u2060\u3000\ufeff]")
+_QUOTE_MARKS = "\u201c\u201d\u2018\u2019\u00ab\u00bb\u201e"
 # Anything behind a number that is no part of one.
 _WITH_UNIT = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>[^\d\s,:.].*)\Z")
 # Those in which keys are; a number with another one would have to be converted.
@@ -50,7 +56,7 @@ def words_of_value(value: object, found: str) -> str:
         return f"the number {value}"
     if isinstance(value, str):
         cut = value if len(value) <= _LONGEST_SHOWN else f"{value[:_LONGEST_SHOWN]}…"
-        return f"the text {cut!r}"
+        return f"the text {quoted_text(cut)}"
     return _WORDS.get(found, found)
 
 
@@ -97,6 +103,14 @@ def _as_number(value: object, *, whole: bool) -> str:
     if not isinstance(value, str):
         return "write one number"
     text = value.strip()
+    if (unseen := _UNSEEN.search(value)) is not None:
+        return f"delete the character that is not seen (U+{ord(unseen[0]):04X})"
+    bare = text.strip(_QUOTE_MARKS).replace("_", "")
+    # In the quotes of a word processor, or with the digits in groups.
+    if bare != text and _PLAIN_NUMBER.match(bare):
+        return f"write: {bare}"
+    if _OTHER_BASE.match(text):
+        return f"write it in the digits of ten: {int(text.lower(), 0)}"
     if _WITH_ZERO.match(text):
         digits = text.lstrip("+-")
         sign = text[: len(text) - len(digits)]
@@ -107,6 +121,8 @@ def _as_number(value: object, *, whole: bool) -> str:
         return f"write {bare}, or {sign}{digits[0]}.{digits[1:]} if a point is missing"
     # A right number, and only its quotes are too much.
     if _PLAIN_NUMBER.match(text):
+        if math.isinf(float(text)):
+            return "no number is as large here"
         return f"leave out the quotes: {text}"
     # As half of the world writes numbers.
     if _WITH_COMMA.match(text):
@@ -114,9 +130,9 @@ def _as_number(value: object, *, whole: bool) -> str:
     # A time, or degrees and minutes; which one nobody can tell here.
     if _WITH_COLON.match(text):
         return "write one number without a colon, such as 1.5 or 90"
-    if unit := _WITH_UNIT.match(text):
+    if (unit := _WITH_UNIT.match(text)) and unit["unit"][0] not in "/-":
         # Another unit than that of the key would be another number.
-        if unit["unit"] in _OWN_UNITS:
+        if unit["unit"] in _OWN_UNITS or not any(map(str.isalpha, unit["unit"])):
             return f"write the number alone: {unit['number']}"
         return "write the number alone, in the unit of this key: seconds, metres, m/s"
     return "write it in digits"
@@ -127,6 +143,8 @@ def _as_text(value: object) -> str:
         return "put it in quotes: without them yes, no, on and off are true or false"
     if isinstance(value, int | float):
         return f'put it in quotes: "{value}"'
+    if isinstance(value, list) and len(value) == 1 and isinstance(value[0], str):
+        return f"leave out the brackets: {value[0]}"
     return "write one text"
 
 
@@ -138,6 +156,8 @@ def _as_list(value: object) -> str:
         written = ", ".join(item if bare else f'"{item}"' for item in items)
         return f"write it in brackets: [{written}]" if '"' not in value else "write it in brackets"
     if isinstance(value, dict):
+        if value and all(isinstance(one, str) and _BARE.match(one) for one in value.values()):
+            return f"write it in brackets: [{', '.join(value.values())}]"
         return "begin each item with a dash and a space: - …"
     return f"write it in brackets: [{words_of_item(value)}]"
 

@@ -23,16 +23,37 @@ _NO_SPACE = re.compile(r"(?P<key>[A-Za-z_][\w]*):(?P<value>[^\s/:].*)")
 _QUOTES = {'"': "double", "'": "single"}
 # What opens, and what closes it.
 _CLOSED_BY = {"[": "]", "{": "}"}
+# What git leaves of two versions.
+_MERGE = re.compile(r"(?:<{7}|={7}|>{7})(?:\s|$)")
+# Wide ones that are no space of YAML, and those that are not seen at all.
+_WIDE = "\u00a0\u1680\u2007\u202f\u205f\u3000"
+_ODD_SPACE = re.compile(f"[{_WIDE}\u2000-\u200f\u2060\ufeff]")
+_DOUBLE = re.compile(r'"((?:[^"\\]|\\.)*)"')
+# A value in quotes that hold more of the same.
+_OWN_QUOTES = re.compile(r"(?P<head>.*?:\s+)(?P<mark>['\"])(?P<inner>.+)(?P=mark)\s*\Z")
+# ``name: Base, kind: vehicle``, and ``max_speed = 0.5``.
+_TWO_KEYS = re.compile(r"[^,:]+,\s*(?P<second>\w+):\s")
+_EQUALS = re.compile(r"(?P<key>\w+)\s*=\s*(?P<value>\S.*)\Z")
+# Only spaces indent; a tab among or behind them.
+_TAB = re.compile(r" *\t\s*\S")
+# Numbers of lines in one sentence.
+_MOST_SHOWN = 8
 _IN_QUOTES = "put a text with any of : { } [ ] , # & * ! | > % @ in quotes"
 
 
 class TextMistake(NamedTuple):
-    """A mistake of a text: line and column from 1, what is wrong, what to do."""
+    """A mistake of a text: line and column from 1, what is wrong, what to do.
+
+    Attributes:
+        instead: the line as it was most likely meant, to read on by; None where nobody can tell.
+
+    """
 
     line: int
     column: int
     problem: str
     remedy: str
+    instead: str | None = None
 
 
 def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
@@ -45,18 +66,15 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
     context = error.context_mark
     # Where what is not closed begins; the parser looks for its end to the end of the text.
     begin = (context.line, context.column) if context else (at, column)
-    # First: where a tab stands the parser says something else each time.
-    if "\t" in line[: len(line) - len(line.lstrip())]:
-        tab = line.index("\t")
-        return TextMistake(
-            at + 1, tab + 1, "a tab stands where spaces belong", "indent with spaces only"
-        )
+    # First: where one of these stands the parser says something else each time.
+    for look in (_foreign_line, _odd_space):
+        if (told := look(lines, at)) is not None:
+            return told
+    if _TAB.match(line):
+        return _tabs(lines, at)
     # % begins a directive, and @ and ` are kept for later versions of YAML.
     if "cannot start any token" in problem:
-        letter = line[column : column + 1]
-        return TextMistake(
-            at + 1, column + 1, f"a text cannot begin with {letter}", _quoted(line[column:])
-        )
+        return _bare_sign(line, at, column)
     # Found out in the next line; the context is where the key begins.
     if "could not find expected ':'" in problem:
         return _without_colon(lines, *begin)
@@ -88,12 +106,16 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
         return _odd_indent(lines, begin[0], at, column)
     # ``*`` and ``&`` begin an alias and an anchor, which have names.
     if "alphabetic or numeric character" in problem:
-        letter = line[begin[1] : begin[1] + 1]
+        return _bare_sign(lines[begin[0]], *begin)
+    if "escape character" in problem or "hexdecimal number" in problem:
+        return _escape(line, at, column)
+    # A text over several lines begins with > or |, and how it is indented stands behind that.
+    if "indentation indicator" in problem or "expected comment or line break" in problem:
+        begins = max(line.rfind(">", 0, column + 1), line.rfind("|", 0, column + 1), 0)
+        return _bare_sign(line, at, begins)
+    if "incompatible YAML" in problem:
         return TextMistake(
-            begin[0] + 1,
-            begin[1] + 1,
-            f"a text cannot begin with {letter}",
-            _quoted(lines[begin[0]][begin[1] :]),
+            at + 1, column + 1, "a version of YAML that is not read here", "leave out this line", ""
         )
     if "<document start>" in problem:
         return TextMistake(
@@ -107,31 +129,153 @@ def explain_yaml_error(error: yaml.MarkedYAMLError, text: str) -> TextMistake:
     )
 
 
+def _bare_sign(line: str, at: int, column: int) -> TextMistake:
+    """Tell of a text that begins with a sign of YAML's own."""
+    # Over several lines the whole of it would have to be in quotes: only one line is mended.
+    return TextMistake(
+        at + 1,
+        column + 1,
+        f"a text cannot begin with {line[column : column + 1]}",
+        _quoted(line[column:]),
+        _with_quotes(line, column),
+    )
+
+
+def _foreign_line(lines: list[str], at: int) -> TextMistake | None:
+    """Find a line that no description has, up to where the parser gave up."""
+    for number, line in enumerate(lines[: at + 1]):
+        if _MERGE.match(line):
+            return TextMistake(
+                number + 1,
+                1,
+                "two versions of the file stand here, one after the other (git)",
+                "keep one, and delete the lines with <<<<<<<, ======= and >>>>>>>",
+            )
+        if line.startswith("```"):
+            return TextMistake(
+                number + 1, 1, "``` is no part of a description", "delete this line", ""
+            )
+        if line.lstrip().startswith("//"):
+            column = len(_indent_of(line)) + 1
+            remedy = "begin it with #"
+            return TextMistake(number + 1, column, "a comment does not begin with //", remedy, "")
+    return None
+
+
+def _odd_space(lines: list[str], at: int) -> TextMistake | None:
+    """Find what looks like a space, or like nothing, and is neither, near the place."""
+    for number in range(max(0, at - 1), min(at + 1, len(lines))):
+        if (odd := _ODD_SPACE.search(lines[number])) is not None:
+            mended = _ODD_SPACE.sub(lambda one: " " if one[0] in _WIDE else "", lines[number])
+            return TextMistake(
+                number + 1,
+                odd.start() + 1,
+                "a character that looks like a space, or like none, and is not "
+                f"(U+{ord(odd[0]):04X})",
+                "write a space instead, or nothing; such ones come from pages that were copied",
+                mended,
+            )
+    return None
+
+
+def _escape(line: str, at: int, column: int) -> TextMistake:
+    """Tell of a backslash in double quotes that begins nothing: a pattern, a folder of Windows."""
+    quoted = next(
+        (one for one in _DOUBLE.finditer(line) if one.start() <= column < one.end()), None
+    )
+    inner = quoted[1] if quoted else ""
+    single = f"'{inner}'" if inner and "'" not in inner else ""
+    return TextMistake(
+        at + 1,
+        line.rfind("\\", 0, column + 1) + 1 or column + 1,
+        "in double quotes a backslash begins a sign of its own, and there is none like this",
+        f"put it in single quotes: {single}" if single else "write two backslashes for one",
+        line[: quoted.start()] + single + line[quoted.end() :] if quoted and single else None,
+    )
+
+
+def _tabs(lines: list[str], at: int) -> TextMistake:
+    """Tell of every line that a tab indents at once: an editor that makes one makes many."""
+    # An editor counts it as as many columns as it likes, so nobody can tell what was meant.
+    more = [number + 1 for number in range(at + 1, len(lines)) if _TAB.match(lines[number])]
+    shown = ", ".join(map(str, more[:_MOST_SHOWN])) + ", …" * (len(more) > _MOST_SHOWN)
+    also = f", and so in line{'s' * (len(more) > 1)} {shown}" if more else ""
+    return TextMistake(
+        at + 1,
+        lines[at].index("\t") + 1,
+        f"a tab stands where spaces belong{also}",
+        "indent with spaces only",
+    )
+
+
+def _word_at(rest: str) -> str:
+    return re.split(r"\s#|[,\]}]", rest, maxsplit=1)[0].strip()
+
+
 def _quoted(rest: str) -> str:
     """Say how the text that begins here is written."""
-    word = re.split(r"\s#|[,\]}]", rest, maxsplit=1)[0].strip()
+    word = _word_at(rest)
     return f'put it in quotes: "{word}"' if word and '"' not in word else "put it in quotes"
+
+
+def _with_quotes(line: str, column: int) -> str | None:
+    word = _word_at(line[column:])
+    if not word or '"' in word or "\\" in word:
+        return None
+    return f'{line[:column]}"{word}"{line[column + len(word) :]}'
 
 
 def _without_colon(lines: list[str], at: int, column: int) -> TextMistake:
     said = lines[at].strip()
     # Without the space the colon is a letter of the word.
     if glued := _NO_SPACE.match(said):
+        return _glued(lines[at], at, column, glued)
+    if said.startswith("-") and not said.startswith("- "):
+        return _dash(lines[at], at, column)
+    if equals := _EQUALS.match(said):
+        written = f"{equals['key']}: {equals['value']}"
         return TextMistake(
             at + 1,
             column + 1,
-            f"there is no space behind the colon of {glued['key']!r}",
-            f"write: {glued['key']}: {glued['value']}",
-        )
-    if said.startswith("-") and not said.startswith("- "):
-        return TextMistake(
-            at + 1, column + 1, "there is no space behind the dash", f"write: - {said[1:]}"
+            "= stands where a colon belongs",
+            f"write: {written}",
+            f"{_indent_of(lines[at])}{written}",
         )
     # What is behind # is no part of it.
     word = said.split("#")[0].strip()
     return TextMistake(
-        at + 1, column + 1, f"there is no colon behind {word[:60]!r}", f"write: {word[:60]}:"
+        at + 1,
+        column + 1,
+        f"there is no colon behind {word[:60]!r}",
+        f"write: {word[:60]}:",
+        f"{_indent_of(lines[at])}{word}:",
     )
+
+
+def _glued(line: str, at: int, column: int, glued: re.Match[str]) -> TextMistake:
+    written = f"{glued['key']}: {glued['value']}"
+    return TextMistake(
+        at + 1,
+        column + 1,
+        f"there is no space behind the colon of {glued['key']!r}",
+        f"write: {written}",
+        f"{_indent_of(line)}{written}",
+    )
+
+
+def _dash(line: str, at: int, column: int) -> TextMistake:
+    written = f"- {line.strip()[1:]}"
+    return TextMistake(
+        at + 1,
+        column + 1,
+        "there is no space behind the dash",
+        f"write: {written}",
+        f"{_indent_of(line)}{written}",
+    )
+
+
+def _indent_of(line: str) -> str:
+    return line[: len(line) - len(line.lstrip())]
 
 
 def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
@@ -139,13 +283,19 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
     begin = len(line) - len(line.lstrip())
     said = line.strip()
     if said.startswith("-") and not said.startswith("- "):
-        return TextMistake(
-            at + 1, begin + 1, "there is no space behind the dash", f"write: - {said[1:]}"
-        )
+        return _dash(line, at, begin)
     key = _KEY.match(line)
     # The first colon made the key, so the second stands in its value.
     if key and key.end("key") < column:
         value = key["rest"].strip()
+        if two := _TWO_KEYS.match(value):
+            return TextMistake(
+                at + 1,
+                line.index(value) + two.start("second") + 1,
+                "a second key in one line",
+                f"write {two['second']}: … in a line of its own, and no comma before it",
+            )
+        plain = '"' not in value and "\\" not in value
         return TextMistake(
             at + 1,
             column + 1,
@@ -153,6 +303,7 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
             f'put a text with a colon in quotes: {key["key"].strip()}: "{value}"'
             if '"' not in value
             else "put a text with a colon in quotes",
+            f'{line[: key.end("key")]}: "{value}"' if plain else None,
         )
     # What is odd about this line is often the one above it.
     above = _above(lines, at)
@@ -160,12 +311,7 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
         upper = lines[above]
         other = len(upper) - len(upper.lstrip())
         if glued := _NO_SPACE.match(upper.strip()):
-            return TextMistake(
-                above + 1,
-                other + 1,
-                f"there is no space behind the colon of {glued['key']!r}",
-                f"write: {glued['key']}: {glued['value']}",
-            )
+            return _glued(upper, above, other, glued)
         if _KEY.match(upper) is None:
             return _without_colon(lines, above, other)
         if other < begin:
@@ -175,6 +321,7 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
                 f"this line is {begin - other} further to the right than the one above, "
                 "which has a value already",
                 f"indent it by {other} spaces, as that one, if it stands beside it",
+                f"{' ' * other}{said}",
             )
     return TextMistake(at + 1, column + 1, "a colon is not expected here", _IN_QUOTES)
 
@@ -197,6 +344,7 @@ def _open_quote(at: int, column: int, lines: list[str]) -> TextMistake:
         column + 1,
         f"the {kind} quote that begins here is not closed",
         f"add {mark} at its end",
+        f"{lines[at].rstrip()}{mark}",
     )
 
 
@@ -228,18 +376,23 @@ def _open_bracket(lines: list[str], begin: tuple[int, int], at: int, column: int
         return _open_quote(*quote, lines)
     # In one line something is left out within it; over several its end is missing.
     if closing and begin[0] != at:
-        return _not_closed(opened, *begin)
+        return _not_closed(opened, begin, lines)
     if not closing and at >= len(lines) - 1:
         opened, *place = _last_opened(lines)
         if opened:
-            return _not_closed(opened, *place)
+            return _not_closed(opened, (place[0], place[1]), lines)
     expected = f"expected , or {closing} here" if closing else "expected a value here"
     return TextMistake(at + 1, column + 1, expected, _IN_QUOTES)
 
 
-def _not_closed(opened: str, at: int, column: int) -> TextMistake:
+def _not_closed(opened: str, begin: tuple[int, int], lines: list[str]) -> TextMistake:
+    at, column = begin
     problem = f"the {opened} that begins here is not closed"
-    return TextMistake(at + 1, column + 1, problem, f"add {_CLOSED_BY[opened]}")
+    closing = _CLOSED_BY[opened]
+    # Most are of one line.
+    return TextMistake(
+        at + 1, column + 1, problem, f"add {closing}", f"{lines[at].rstrip()}{closing}"
+    )
 
 
 def _last_opened(lines: list[str]) -> tuple[str, int, int]:
@@ -262,6 +415,17 @@ def _odd_indent(lines: list[str], first: int, at: int, column: int) -> TextMista
         return _open_quote(*quote, lines)
     line = lines[at] if at < len(lines) else ""
     begin = len(line) - len(line.lstrip())
+    if begin < column and (own := _OWN_QUOTES.match(line)) is not None:
+        mark, inner = own["mark"], own["inner"]
+        other = "'" if mark == '"' else '"'
+        written = f"{other}{inner}{other}" if other not in inner and "\\" not in inner else ""
+        return TextMistake(
+            at + 1,
+            column + 1,
+            f"the text ended before this, at the second {mark}",
+            f"write it in the other quotes: {written}" if written else f"write {mark}{mark} for it",
+            f"{own['head']}{written}" if written else None,
+        )
     if begin < column:
         # Something stands behind a value that was already complete, as behind a quote.
         return TextMistake(
@@ -275,7 +439,15 @@ def _odd_indent(lines: list[str], first: int, at: int, column: int) -> TextMista
         begin + 1,
         f"this line is indented by {begin} spaces, as none above that it could stand beside",
         f"indent it by {words}: as far as the lines that it belongs to",
+        _indented(line.strip(), begin, said),
     )
+
+
+def _indented(said: str, begin: int, known: list[int]) -> str | None:
+    """Put a line as far as the nearest indent; None where two are as near."""
+    least = min((abs(one - begin) for one in known), default=0)
+    nearest = [one for one in known if abs(one - begin) == least]
+    return f"{' ' * nearest[0]}{said}" if len(nearest) == 1 else None
 
 
 def _open_indents(lines: list[str], at: int) -> Iterator[int]:

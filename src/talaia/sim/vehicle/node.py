@@ -21,6 +21,7 @@ from talaia.sim.vehicle.base import Base, Change, Ramp
 from talaia.sim.vehicle.description.urdf import make_urdf
 from talaia.sim.vehicle.drives.drivetrain import Drivetrain
 from talaia.sim.vehicle.drives.kinematics import DriveKind, turn_of
+from talaia.sim.vehicle.drives.steering_bytes import HASH, TYPE, read_steering
 from talaia.sim.vehicle.publishers import RELIABLE, VehiclePublishers
 from talaia.sim.vehicle.self_check import MotorHeat, check_vehicle
 from talaia.sim.vehicle.sensors import Battery
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from talaia.sim.vehicle.actuation_log import ActuationLog
     from talaia.sim.vehicle.camera_process import CameraProcess
     from talaia.sim.vehicle.drives.jogged_arm import JoggedArm
+    from talaia.sim.vehicle.drives.raw_listening import RawListening
     from talaia.sim.vehicle.world import Motion, World
 
 try:  # not on PyPI; there where ROS itself is installed
@@ -44,8 +46,10 @@ try:  # not on PyPI; there where ROS itself is installed
 except ImportError:
     AckermannDriveStamped = None
 
-__all__ = ["ARM_TOPIC", "TICK_S", "Inputs", "Loop"]
+__all__ = ["ARM_TOPIC", "STEERING_TOPIC", "TICK_S", "Inputs", "Loop"]
 
+STEERING_TOPIC = "/ackermann_cmd"
+"""Speed and angle of steered wheels."""
 ARM_TOPIC = "/arm_velocity_controller/commands"
 """As controllers of ROS 2 take velocities of joints."""
 TICK_S = 0.02
@@ -69,6 +73,7 @@ class Inputs:
         log: is told of every change, at the moment it is accepted.
         clock: dates the commands.
         arm: is moved by velocities of its joints; None where there is none.
+        listen: hears types whose package is not installed; None where nothing can.
 
     """
 
@@ -81,6 +86,7 @@ class Inputs:
         log: ActuationLog,
         clock: Clock,
         arm: JoggedArm | None = None,
+        listen: RawListening | None = None,
     ) -> None:
         """Create the subscriptions."""
         self._base = base
@@ -97,8 +103,10 @@ class Inputs:
         node.create_subscription(Twist, "/cmd_vel", self._on_twist, RELIABLE)
         if base.steers and AckermannDriveStamped is not None:
             node.create_subscription(
-                AckermannDriveStamped, "/ackermann_cmd", self._on_steering, RELIABLE
+                AckermannDriveStamped, STEERING_TOPIC, self._on_steering, RELIABLE
             )
+        elif base.steers and listen is not None:
+            listen(node, STEERING_TOPIC, (TYPE, HASH), self._on_steering_bytes)
         if arm is not None:
             node.create_subscription(Float64MultiArray, ARM_TOPIC, self._on_arm, RELIABLE)
         node.create_subscription(String, "/control", self._on_key, RELIABLE)
@@ -148,6 +156,11 @@ class Inputs:
         self._apply_change(
             lambda: self._base.steer_wheels(now, wanted.speed, wanted.steering_angle)
         )
+
+    def _on_steering_bytes(self, raw: bytes) -> None:
+        now = self._clock.monotonic_ns()
+        wanted = read_steering(raw)
+        self._apply_change(lambda: self._base.steer_wheels(now, wanted.speed, wanted.angle))
 
     def _on_arm(self, message: Message) -> None:
         now = self._clock.monotonic_ns()

@@ -15,6 +15,8 @@ from talaia.sim.vehicle.drives.kinematics import DriveKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from talaia.sim.vehicle.drives.raw_listening import RawListening
+
 __all__ = ["main", "make_parser"]
 
 
@@ -52,7 +54,7 @@ def make_parser() -> argparse.ArgumentParser:
         default=DriveKind.DIFFERENTIAL.value,
         help="its wheels: two that turn it on the spot (default), four that move it sideways too "
         "(Twist with linear.y), or steered ones (Twist, and AckermannDriveStamped on "
-        "/ackermann_cmd where ackermann_msgs is installed)",
+        "/ackermann_cmd)",
     )
     parser.add_argument(
         "--arm",
@@ -64,8 +66,12 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, listen: RawListening | None = None) -> int:
     """Run the vehicle until SIGINT or SIGTERM.
+
+    Args:
+        argv: the command line.
+        listen: hears types whose package is not installed; None where nothing can.
 
     Prints one JSON line when all topics are up: ``{"ready": true, "domain": …, "pid": …,
     "camera": "egl" | "osmesa" | null, "seconds": …}``.
@@ -83,10 +89,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         make_parser().error("--wander: turns on the spot, and steered wheels do not")
     # It reports at length which accelerators it does without.
     logging.getLogger("OpenGL").setLevel(logging.WARNING)
-    return run_robot("sim vehicle", options.domain, lambda start: _run_vehicle(options, start))
+    return run_robot(
+        "sim vehicle", options.domain, lambda start: _run_vehicle(options, start, listen)
+    )
 
 
-def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
+def _run_vehicle(options: argparse.Namespace, start: Start, listen: RawListening | None) -> None:
     """Build every part, last built first ended."""
     with needing_ros():
         import rclpy
@@ -115,7 +123,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
     arm = JoggedArm() if options.arm else None
     # Of `base` and `arm`: commands come in one thread, and time passes in another.
     lock = threading.Lock()
-    inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock, arm=arm)
+    inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock, arm=arm, listen=listen)
     loop = shell.Loop(
         node,
         world=world,

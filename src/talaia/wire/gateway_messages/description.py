@@ -53,11 +53,18 @@ class DescriptionUpdate(Message, frozen=True, kw_only=True, tag="described"):
 
 
 class DescriptionProblem(Message, frozen=True, kw_only=True, tag="problem"):
-    """What does not fit in a description: where, what, and what to do."""
+    """What does not fit in a description: where, what, and what to do.
+
+    Attributes:
+        line, column: of the file's text, from 1; 0 where that is not known.
+
+    """
 
     where: Sentence
     problem: Sentence
     remedy: Sentence = ""
+    line: Annotated[int, Meta(ge=0)] = 0
+    column: Annotated[int, Meta(ge=0)] = 0
 
 
 class ChangeState(Message, frozen=True, kw_only=True, tag="change_state"):

@@ -255,7 +255,11 @@ def _shapes_of(mistakes: list[Mistake]) -> list[FindingShape]:
 def _problem_shapes(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:
     return [
         FindingShape(
-            where=problem.where, problem=problem.problem, remedy=problem.remedy, line=0, column=0
+            where=problem.where,
+            line=problem.line,
+            column=problem.column,
+            problem=problem.problem,
+            remedy=problem.remedy,
         )
         for problem in problems
     ]

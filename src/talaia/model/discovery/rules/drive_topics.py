@@ -34,6 +34,9 @@ _FLYING_PACKAGES = ("mavros_msgs/", "px4_msgs/", "crazyflie_interfaces/", "tello
 _FLYING_WORDS = ("takeoff", "take_off", "land", "arming")
 # `cmd_vel`, `cmd_vel_unstamped`, `vel_cmd`, `cmdvel`.
 _SAYS_VELOCITY = re.compile(r"cmd_?vel|vel(?:ocity)?_cmd|teleop_twist")
+# Inputs of a multiplexer that are meant for a person, the surest first.
+_BY_HAND = ("teleop", "key", "web", "manual", "tab", "joy")
+_HAND_VELOCITY = re.compile(rf"(?:{'|'.join(_BY_HAND)})\w*_vel\Z")
 # These say it together with the part before them: `/commands/velocity`, `/command/twist`.
 _VELOCITY = ("velocity", "twist", "vel", "cmd", "drive")
 _COMMAND = ("command", "commands", "cmd", "cmds", "base", "drive", "control", "reference")
@@ -140,16 +143,21 @@ def _reason(found: Found, topic: TopicFound) -> str:
 
 
 def _says_velocity(parts: list[str]) -> bool:
-    if _SAYS_VELOCITY.search(parts[-1]):
+    if _SAYS_VELOCITY.search(parts[-1]) or _HAND_VELOCITY.match(parts[-1]):
         return True
     return len(parts) > 1 and parts[-1] in _VELOCITY and parts[-2] in _COMMAND
 
 
-def _order(topic: TopicFound) -> tuple[bool, bool, int, bool, str]:
+def _order(topic: TopicFound) -> tuple[bool, bool, bool, int, int, bool, str]:
     """Sort by how surely it is meant for whoever drives: the plain name, near the root."""
-    parts = topic.topic.strip("/").split("/")
+    parts = topic.topic.strip("/").lower().split("/")
+    plain = parts[-1] == "cmd_vel"
+    # What a multiplexer of the robot's own publishes comes behind what it chooses from: a person
+    # who publishes there would talk against it, and its locks would not count.
+    chosen = topic.publishers > 0 and not plain
+    rank = next((at for at, word in enumerate(_BY_HAND) if word in parts[-1]), len(_BY_HAND))
     # A Twist is understood by tools and scripts, too.
-    named = (parts[-1] != "cmd_vel", len(parts), topic.publishers > 0, topic.topic)
+    named = (not plain, chosen, rank, len(parts), topic.publishers > 0, topic.topic)
     return (topic.type in ACKERMANN, *named)
 
 

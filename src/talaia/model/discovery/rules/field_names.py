@@ -60,6 +60,7 @@ _FORM = ("data", "data_raw", "raw", "out")
 _SPOKEN = {
     "odom": "Odometry",
     "imu": "IMU",
+    "gps": "GPS",
     "fix": "Position",
     "mag": "Magnetic field",
     "hdg": "Heading",
@@ -108,6 +109,10 @@ def name_of_field(topic: TopicFound, field: FieldFound, topics: Iterable[TopicFo
     alone = sum(other.type in alike for other in topics if other.publishers) == 1
     title = _title_of(topic)
     known = _NAMES.get(topic.type, {}).get(field.path)
+    if field.name and "]." in field.path:
+        # Of a part with a name of its own: the front motor's voltage.
+        inside = _path_words(field.path.rpartition("].")[2].removeprefix("state."))
+        return _joined(plain_name(field.name), inside)
     if field.name:
         part = field.path.split("[", 1)[0]
         return f"{joint_title(field.name)} {readable_name(part).lower()}"
@@ -148,7 +153,10 @@ def _joined(title: str, words: str) -> str:
 
 
 def _title_of(topic: TopicFound) -> str:
-    return plain_name(last_part(topic.topic, _NO_NAME))
+    title = plain_name(last_part(topic.topic, _NO_NAME))
+    *spaces, _ = topic.topic.strip("/").split("/")
+    # Of `/gps/vel` the receiver is what tells it from others.
+    return plain_name(spaces[-1]) if title in ("Velocity", "Twist") and spaces else title
 
 
 def _axis_words(topic: TopicFound, field: FieldFound) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
@@ -41,6 +42,10 @@ _ARGUMENT_TYPES = {
 }
 # Last parts that say nothing of what a topic commands: `/gripper/command`.
 _NO_NAME = ("command", "commands", "cmd", "set", "data", "reference")
+# Of one number: what a motor does as long as it is told nothing else.
+_MOVING = re.compile(
+    r"(?:^|_)(?:speed|velocity|vel|e?rpm|thrust|throttle|duty(?:_cycle)?|torque|effort)\Z"
+)
 # A step of a jog, at most: m/s and rad/s. A servo holds it for a fraction of a second.
 _JOG_SPEED, _JOG_TURN = 0.05, 0.2
 # Time that a pose may take (s): slow, until the owner says otherwise.
@@ -240,12 +245,26 @@ def _lies_within(joint: JointFound, place: float) -> bool:
 def stays_reason(topic: TopicFound) -> str:
     """Say why a topic that takes lists is no command; empty of one that takes none."""
     last = topic.topic.lower()
+    if _is_velocity(topic):
+        return "it moves something until another value comes: somebody has to hold it, no form does"
     if topic.type.endswith("MultiArray") and "velocity" in last:
         return (
             "velocities of joints in an order that nobody tells: name them in it, each with its "
             "max_speed, under `drive` with this message"
         )
     return ""
+
+
+def _is_velocity(topic: TopicFound) -> bool:
+    """Tell whether a message moves something until another comes."""
+    paths = {field.path for field in topic.fields}
+    # A velocity within a message of the robot's own.
+    twists = [path.removesuffix(".linear.x") for path in paths if path.endswith(".linear.x")]
+    if any(f"{twist}.angular.z" in paths for twist in twists):
+        return True
+    # Or one number, of a wheel, a motor or a propeller.
+    numbers = topic.type.startswith("std_msgs/msg/") and paths == {"data"}
+    return numbers and _MOVING.search(last_part(topic.topic, _NO_NAME).lower()) is not None
 
 
 def lists_reason(topic: TopicFound) -> str:

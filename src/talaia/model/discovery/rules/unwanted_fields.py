@@ -18,6 +18,7 @@ _SURE = "how sure a number is, not a number of its own"
 _CONSTANT = "it does not change while the robot runs"
 _TIME = "a time; each sample has its own"
 _NAMES = "names of what its other lists carry"
+_OWN_NAME = "the name of what the values beside it are of"
 _NO_SENSOR = "every value that came was NaN, so there is probably no such sensor"
 _PADDING = "it fills room"
 _LAYOUT = "how the numbers lie in the message"
@@ -42,7 +43,7 @@ _MOVING = ("nav_msgs/msg/Odometry", "geometry_msgs/msg/Twist", "geometry_msgs/ms
 # Lists of names beside lists of numbers.
 _NAME_LISTS = re.compile(r"(?:.*_)?names?\[\d+\]\Z")
 _TIMES = re.compile(
-    r"(?:.*\.)?(?:timestamp|time_?stamp|stamp|timestamp_sample|seq|time_usec|time_ref)\Z"
+    r"(?:.*\.)?(?:timestamp|time_?stamp|(?:\w+_)?stamp|timestamp_sample|seq|time_usec|time_ref)\Z"
 )
 _SURE_FIELDS = re.compile(r"(?:.*[._])?(?:variance|covar|covariance|covariance_type)(?:\[\d+\])?\Z")
 _FILLING = re.compile(r"(?:.*\.)?_?(?:padding|reserved)\d*(?:\[\d+\])?\Z")
@@ -104,6 +105,8 @@ def _quaternion_of(path: str, paths: set[str]) -> str:
 
 def _reason(topic: TopicFound, field: FieldFound, *, level: bool) -> str:
     path = field.path
+    if field.name and path.endswith("].name"):
+        return _OWN_NAME
     if field.empty:
         return _NO_SENSOR
     if path.split(".", 1)[0].split("[", 1)[0] in _CONSTANTS.get(topic.type, ()):

@@ -21,6 +21,7 @@ from talaia.gateway.adapters.ros2.type_definitions.definition_files import (
 from talaia.gateway.adapters.ros2.type_definitions.distribution_stores import (
     DistributionDefinitions,
 )
+from talaia.gateway.adapters.ros2.type_definitions.driving_definitions import DrivingDefinitions
 from talaia.gateway.adapters.ros2.type_definitions.installed_package import installed_definition
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     BadDefinition,
@@ -84,6 +85,7 @@ class DefinitionFinder:
         except BadDefinition as error:
             self.problem = str(error)
         self._distributions = DistributionDefinitions()
+        self._driving = DrivingDefinitions()
 
     def find(
         self, type_name: str, wanted: str, used_by: str, described: TypeDefinition | None = None
@@ -172,7 +174,7 @@ class DefinitionFinder:
         yield from _read(lambda: _one(installed_definition(type_name)), problems)
         yield from _one(described)
         named = self._named
-        for source in (self._files, named, self._distributions):
+        for source in (self._files, named, self._distributions, self._driving):
             if source is not None:
                 yield from _read(partial(source.find, type_name), problems)
 
