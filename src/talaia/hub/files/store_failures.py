@@ -11,7 +11,7 @@ from typing import NamedTuple
 __all__ = ["StoreFailure", "describe_failure"]
 
 _CODE = re.compile(r"<Code>([A-Za-z0-9]{1,64})</Code>")
-_STATUS = re.compile(r"\bstatus:? (\d{3})\b")
+_STATUS = re.compile(r"\bstatus(?: code)?: (\d{3})\b")
 _KEY_CODES = frozenset(
     {
         "AccessDenied",
@@ -35,8 +35,7 @@ _FULL_CODES = frozenset(
     }
 )
 _BUSY_CODES = frozenset({"RequestLimitExceeded", "ServiceUnavailable", "SlowDown"})
-_UNREACHED = ("error trying to connect", "connection refused", "dns error", "connect error")
-_CERTIFICATE = ("certificate", "tls handshake", "invalid peer")
+_CERTIFICATE = ("InvalidCertificate", "UnknownIssuer", "InvalidMessage", "certificate")
 
 
 class StoreFailure(NamedTuple):
@@ -58,7 +57,8 @@ def describe_failure(said: str) -> StoreFailure:
     """Say what a store's answer, or the lack of one, means."""
     code = match.group(1) if (match := _CODE.search(said)) else ""
     status = match.group(1) if (match := _STATUS.search(said)) else ""
-    lower = said.lower()
+    # Before it stands what was asked, whose words may be anything.
+    inner = said.partition("inner:")[2] or said
     if code in _FULL_CODES or status == "507" or "quota" in code.lower():
         return StoreFailure(f"has no room ({code or status})", "make room there", full=True)
     if code == "NoSuchBucket":
@@ -72,14 +72,17 @@ def describe_failure(said: str) -> StoreFailure:
         )
     if code in _BUSY_CODES or status in {"429", "503"}:
         return StoreFailure(f"is busy ({code or status})", "look what it has to do")
-    if any(word in lower for word in _CERTIFICATE):
+    if any(word in inner for word in _CERTIFICATE):
         return StoreFailure(
-            "shows a certificate that is not trusted", "name its authority with --files-ca"
+            "shows a certificate that is not trusted, or none",
+            "name its authority with --files-ca",
         )
-    if "timed out" in lower or "timeout" in lower:
-        return StoreFailure("does not answer in time", "look whether it runs and is reached")
-    if any(word in lower for word in _UNREACHED):
+    if "dns error" in inner:
+        return StoreFailure("has a name that is not known", "look at its address")
+    if "kind: Connect" in inner or "ConnectionRefused" in inner:
         return StoreFailure("cannot be reached", "look whether it runs, and at its address")
+    if "kind: Timeout" in inner or "TimedOut" in inner:
+        return StoreFailure("does not answer in time", "look whether it runs and is reached")
     if code or status:
         return StoreFailure(f"answers with {code or status}", "its own log says more")
     return StoreFailure("does not answer", "look whether it runs and is reached")
