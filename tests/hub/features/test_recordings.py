@@ -69,6 +69,14 @@ class Files:
         return has
 
 
+    async def bring_until_bye(self, body=BODY, name="20260101T120000Z-abcdef"):
+        """Hand over a file until the hub sends it away, or has it."""
+        has = await self.ask(offer(body, name))
+        while isinstance(has, FileProgress) and not has.done and not has.refused:
+            has = await self.ask(piece(has.have, body, name))
+        return has
+
+
 async def files(hub):
     return Files(await hub.dial("/gateway/files", {"Authorization": f"Bearer {hub.keys['agv']}"}))
 
