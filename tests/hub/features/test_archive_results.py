@@ -36,8 +36,8 @@ from talaia.hub.archive.obscore import (
 )
 from talaia.hub.archive.obscore_columns import COLUMNS
 from talaia.hub.archive.store import Archive
-from talaia.hub.files.local_folder import LocalFolder
 from talaia.hub.errors import CannotStart
+from talaia.hub.files.local_folder import LocalFolder
 from talaia.hub.notify.senders import Sender
 from talaia.hub.observing.frame_assignment import ObservationSpan, assign_frames
 from talaia.hub.store.database import Database

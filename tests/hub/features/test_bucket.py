@@ -253,8 +253,9 @@ async def test_a_store_that_dies_midway_loses_nothing_and_is_told_of_in_words(
                     return (await admin.get("/api/hubs")).json()["problems"] == []
 
                 await until_answered(is_well)
-    losses = [r for r in caplog.records if "the store of files" in r.message and "nothing" in r.message]
-    returns = [r for r in caplog.records if r.message.endswith(" again") and "files of" in r.message]
+    said = [record.message for record in caplog.records]
+    losses = [line for line in said if "the store of files" in line and "; nothing is " in line]
+    returns = [line for line in said if line.startswith("files of") and line.endswith(" again")]
     assert len(losses) == len(returns) <= 2
     assert losses
     assert SECRET not in caplog.text
@@ -320,7 +321,7 @@ async def test_the_oldest_goes_from_the_bucket_even_if_that_is_away_meanwhile(
     async with linked_hub(settings) as hub:
         assert (await bring(hub, SHORT)).done
         assert (await bring(hub, SHORT, "20260101T130000Z-aaaaaa")).done
-        newer = f"files/recordings/agv/20260101T130000Z-aaaaaa.mcap"
+        newer = "files/recordings/agv/20260101T130000Z-aaaaaa.mcap"
         await until_keys(store, beside(newer))
         line.away = True
         admin = await hub.client("admin")
@@ -406,7 +407,9 @@ async def test_metrics_say_whether_the_store_is_there(stored_hub) -> None:
 
     def shown(figures: HubFigures) -> dict[str, float]:
         return {
-            sample.name: sample.value for metric in _hub_metrics(figures) for sample in metric.samples
+            sample.name: sample.value
+            for metric in _hub_metrics(figures)
+            for sample in metric.samples
         }
 
     assert "talaia_file_store_up" not in shown(HubFigures("1", 0, {}))

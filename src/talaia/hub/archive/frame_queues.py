@@ -71,9 +71,7 @@ class FrameQueues:
         if made is not None:
             # A hub that dies between file and row measures it once more, and finds the same.
             values["bytes"] = (await asyncio.to_thread(made.stat)).st_size
-            await self._archive.files.keep_file(
-                self._archive.frame_key(frame), made, near=True
-            )
+            await self._archive.files.keep_file(self._archive.frame_key(frame), made, near=True)
         async with self._database.write() as connection:
             await connection.execute(update(table).where(table.c.id == frame.id).values(**values))
         self._archive.forget_looks(frame)

@@ -31,6 +31,8 @@ def notice(name: str, epoch: int = 0) -> HubNotice:
 async def test_a_lead_that_was_replaced_leads_no_more_though_it_was_just_heard(tmp_path) -> None:
     clock = HandClock()
     own, killed, third = notice("east", epoch=2), notice("west", epoch=1), notice("north")
-    pages = HubPages(Seat(own, killed, third, heard_ns=clock.monotonic_ns()), clock, LocalFolder(tmp_path))
+    pages = HubPages(
+        Seat(own, killed, third, heard_ns=clock.monotonic_ns()), clock, LocalFolder(tmp_path)
+    )
     roles = {hub.name: hub.role for hub in (await pages.hubs()).hubs}
     assert roles == {"east": "leads", "west": "waits", "north": "waits"}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
 import tarfile
 from typing import TYPE_CHECKING, Literal
 
@@ -28,12 +26,12 @@ from talaia.hub.observing.frame_assignment import SLACK_US, ObservationSpan, ass
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection
-    from pathlib import Path
 
     from talaia.hub.api.observing.group_lookup import GroupLookup
     from talaia.hub.archive.frame_rows import ArchivedFrame
     from talaia.hub.archive.obscore import ObscoreValue
     from talaia.hub.archive.store import Archive
+    from talaia.hub.files.ports import OpenFile
     from talaia.hub.store.observing.observations import ObservationStore
     from talaia.hub.store.observing.proposals import ProposalStore
     from talaia.hub.store.observing.request_store import RequestStore

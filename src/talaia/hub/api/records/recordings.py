@@ -152,9 +152,10 @@ class RecordingPages:
     async def _send_file(self, found: Recorded, request: Request, how: str) -> Response:
         camera = found.stream.replace("/", "-")
         name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
+        said = "this recording is not here as a whole"
+        if found.state is not RecordingState.COMPLETE:
+            raise ApiProblem(409, "incomplete", said)
         try:
-            if found.state is not RecordingState.COMPLETE:
-                raise FileNotFoundError
             answer = await send_stored_file(
                 self._recordings.store,
                 file_key(found),
@@ -165,7 +166,6 @@ class RecordingPages:
                 disposition=how,
             )
         except FileNotFoundError as error:
-            said = "this recording is not here as a whole"
             raise ApiProblem(409, "incomplete", said) from error
         # A player asks for a film in many parts: only whole downloads are written down.
         if "range" not in request.headers:

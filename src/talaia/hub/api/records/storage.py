@@ -29,9 +29,7 @@ _OUTLOOK_NS = 300 * SECOND
 class StoragePages:
     """The routes of storage."""
 
-    def __init__(
-        self, *, history: History, files: FileStore, sites: Sites, clock: Clock
-    ) -> None:
+    def __init__(self, *, history: History, files: FileStore, sites: Sites, clock: Clock) -> None:
         """Answer from what is stored; ``files`` are where whole files are."""
         self._history = history
         self._files = files

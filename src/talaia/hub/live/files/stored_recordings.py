@@ -68,11 +68,7 @@ class StoredRecordings:
                 found[read[0], read[1]] = stored
         rows = {(row.site, row.id): row for row in await self._rows.list_recordings()}
         # What is on its way is put into its row by who sends it.
-        lost = [
-            key
-            for key in found
-            if key not in rows or rows[key].state is RecordingState.FAILED
-        ]
+        lost = [key for key in found if key not in rows or rows[key].state is RecordingState.FAILED]
         for site in sorted({site for site, _ in lost}):
             await self._add_rows(site, {name for owner, name in lost if owner == site})
         for key, row in rows.items():

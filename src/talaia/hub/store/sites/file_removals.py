@@ -1,5 +1,4 @@
-"""What is still to be removed from a store of files; it outlives the hub, and the store's absence.
-"""
+"""What is still to be removed from a store of files; it outlives the hub."""
 
 from __future__ import annotations
 
