@@ -95,7 +95,7 @@ def manifests_of(folder: Path) -> list[dict]:
 
 @pytest.mark.parametrize("with_bucket", [False, True])
 def test_compose_haproxy_nats_and_kustomize_accept_the_files_of_several_hubs(
-    tmp_path: Path, bucket: list[str], with_bucket: bool
+    tmp_path: Path, bucket: list[str], *, with_bucket: bool
 ) -> None:
     several_hubs(tmp_path, *(bucket if with_bucket else ()))
     compose, haproxy = shutil.which("docker-compose"), shutil.which("haproxy", path=SYSTEM_PATH)

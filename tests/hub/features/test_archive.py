@@ -383,9 +383,7 @@ def test_pixels_are_bounded_by_their_bytes(tmp_path) -> None:
 async def test_picture_that_takes_too_long_to_read_is_kept_marked_and_told(
     hub, files, tmp_path
 ) -> None:
-    slow = Archive(
-        hub.hub.core.database, LocalFolder(tmp_path), reader=FitsProcess(longest_s=0.0)
-    )
+    slow = Archive(hub.hub.core.database, LocalFolder(tmp_path), reader=FitsProcess(longest_s=0.0))
     data = fits_bytes(seed=77)
     path = tmp_path / "a.part"
     path.write_bytes(data)

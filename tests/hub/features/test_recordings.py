@@ -68,7 +68,6 @@ class Files:
             has = await self.ask(piece(has.have, body, name))
         return has
 
-
     async def bring_until_bye(self, body=BODY, name="20260101T120000Z-abcdef"):
         """Hand over a file until the hub sends it away, or has it."""
         has = await self.ask(offer(body, name))

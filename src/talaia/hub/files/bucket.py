@@ -257,9 +257,6 @@ class _BucketStream(io.RawIOBase):
         self._at = max(0, begin + offset)
         return self._at
 
-    def tell(self) -> int:
-        return self._at
-
     def readinto(self, buffer: bytearray | memoryview, /) -> int:  # type: ignore[override]
         room = memoryview(buffer)
         if not len(room) or self._at >= self._found.size:

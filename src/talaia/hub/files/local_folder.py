@@ -58,7 +58,8 @@ class LocalFolder:
     async def list_files(self, folder: str) -> AsyncIterator[StoredFile]:
         """See `FileStore.list_files`: there are none elsewhere."""
         del folder
-        for found in ():
+        nothing: tuple[StoredFile, ...] = ()
+        for found in nothing:
             yield found
 
     def address_of(self, key: str) -> str:

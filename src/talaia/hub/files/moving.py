@@ -89,7 +89,7 @@ class FileMover:
             new = not await self._is_stored(key, size, digest)
             if new:
                 # Before it is written: it may be deleted here before this is run again.
-                await asyncio.to_thread(self._note, _COPIED, key)
+                await asyncio.to_thread(self._append_line, _COPIED, key)
                 await self._client.write_file(key, path, size)
                 if not await self._is_stored(key, size, digest):
                     raise FilesDown(
@@ -99,7 +99,7 @@ class FileMover:
         except FileNotFoundError:
             return None
         if self._remove:
-            await asyncio.to_thread(self._note, _MOVED, key)
+            await asyncio.to_thread(self._append_line, _MOVED, key)
             await asyncio.to_thread(path.unlink, missing_ok=True)
         return new
 
@@ -116,7 +116,7 @@ class FileMover:
         gone = [key for key, state in states.items() if state == _COPIED and key not in there]
         for key in gone:
             await self._client.delete_file(key)
-            await asyncio.to_thread(self._note, _MOVED, key)
+            await asyncio.to_thread(self._append_line, _MOVED, key)
             self._tell(f"deleted here, so there as well: {key}")
         return len(gone)
 
@@ -129,7 +129,7 @@ class FileMover:
         found = (line.partition(" ") for line in lines)
         return {key: state for state, _, key in found if state in {_COPIED, _MOVED} and key}
 
-    def _note(self, state: str, key: str) -> None:
+    def _append_line(self, state: str, key: str) -> None:
         with (self._data / LEDGER).open("a") as ledger:
             ledger.write(f"{state} {key}\n")
             ledger.flush()
