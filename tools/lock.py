@@ -39,7 +39,7 @@ ALWAYS = "hatchling>=1.27\neditables>=0.5\n"  # both for the editable install
 # builds empy (which has no wheel), and uv. In one file that travels in the wheel.
 IMAGES = ROOT / "src/talaia/deploy/images.lock"
 IMAGE_EXTRAS = (
-    "hub", "arrow", "chats", "fast", "mariadb", "postgresql", "cluster", "objects", "gateway",
+    "hub", "arrow", "chats", "fast", "mariadb", "postgresql", "cluster", "s3", "objects", "gateway",
     "ros2", "recording", "camera", "observatory",
 )  # fmt: skip
 OTHER_GROUPS = {"build": "setuptools\n", "uv": "uv\n"}

@@ -21,6 +21,9 @@ from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.locks import read_image_lock
 from talaia.deploy.project import DeployOptions, File, make_deployment
 from talaia.deploy.systemd import gateway_unit, hub_unit, quoted_argument
+from talaia.hub.command_line import _make_parser
+from talaia.hub.files.bucket_address import BucketKey, read_bucket_address
+from talaia.hub.settings import Settings
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
@@ -71,6 +74,17 @@ def several_hubs(folder: Path, *more: str) -> Path:
     return folder
 
 
+@pytest.fixture
+def bucket(tmp_path_factory) -> list[str]:
+    """Words that name a bucket, with its key and authority."""
+    folder = tmp_path_factory.mktemp("bucket")
+    key, authority = folder / "key", folder / "ca.pem"
+    key.write_text("AKIDGENERATED\na-secret-of-the-bucket\n")
+    authority.write_text("-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n")
+    words = ["--files", "s3://robots/east", "--files-endpoint", "https://store.example:9000"]
+    return [*words, "--files-key-file", str(key), "--files-ca", str(authority)]
+
+
 def manifests_of(folder: Path) -> list[dict]:
     return [
         manifest
@@ -79,10 +93,11 @@ def manifests_of(folder: Path) -> list[dict]:
     ]
 
 
+@pytest.mark.parametrize("with_bucket", [False, True])
 def test_compose_haproxy_nats_and_kustomize_accept_the_files_of_several_hubs(
-    tmp_path: Path,
+    tmp_path: Path, bucket: list[str], *, with_bucket: bool
 ) -> None:
-    several_hubs(tmp_path)
+    several_hubs(tmp_path, *(bucket if with_bucket else ()))
     compose, haproxy = shutil.which("docker-compose"), shutil.which("haproxy", path=SYSTEM_PATH)
     nats, kubectl = shutil.which("nats-server", path=SYSTEM_PATH), shutil.which("kubectl")
     # Names of containers are none here, and neither is the folder of their secrets.
@@ -131,6 +146,46 @@ def test_several_hubs_are_bounded_share_one_folder_and_have_no_port_but_the_bala
     assert "GET /api/ready" in balancer
     assert not re.search(r"(?m)^ *(stick|cookie|bind .* ssl)", balancer)
     assert "\nnats-py==" in (tmp_path / "locks/hub.txt").read_text()
+
+
+def test_hubs_keep_their_files_in_a_bucket_whose_key_is_a_secret(
+    tmp_path: Path, bucket: list[str]
+) -> None:
+    manifests = manifests_of(several_hubs(tmp_path, *bucket))
+    secrets = tmp_path / "secrets"
+    project = yaml.safe_load((tmp_path / "compose.yaml").read_text())
+    hub = next(each for each in manifests if each["kind"] == "Deployment")
+    pod = hub["spec"]["template"]["spec"]["containers"][0]
+    commands = [project["services"][f"hub-{n}"]["command"] for n in (1, 2, 3)]
+    for words in (*commands, pod["args"]):
+        # As a hub reads them, with the secrets that lie here.
+        at_home = [word.replace("/run/secrets", str(secrets)) for word in words[1:]]
+        options = _make_parser().parse_args(at_home)
+        found = read_bucket_address(
+            Settings(
+                data=tmp_path,
+                files=options.files,
+                files_endpoint=options.files_endpoint,
+                files_key_file=options.files_key_file,
+                files_ca=options.files_ca,
+            ),
+            {},
+        )
+        assert found is not None
+        assert found.place == "s3://robots/east at https://store.example:9000"
+        assert found.key == BucketKey("AKIDGENERATED", "a-secret-of-the-bucket")
+        assert found.ca == (secrets / "files_ca.pem").read_text()
+    assert {"files_key", "files_ca.pem"} <= set(project["services"]["hub-1"]["secrets"])
+    assert "files_key" not in project["services"]["nats"]["secrets"]
+    assert project["secrets"]["files_key"] == {"file": "./secrets/files_key"}
+    readme = (tmp_path / "README.md").read_text()
+    for name in ("files_key", "files_ca.pem"):
+        assert f"--from-file=secrets/{name}" in readme
+    assert "`s3://robots/east`" in readme
+    assert "\nobstore==" in (tmp_path / "locks/hub.txt").read_text()
+    for path in tmp_path.rglob("*"):
+        if path.is_file() and path.parent != secrets:
+            assert "a-secret-of-the-bucket" not in path.read_text(), path
 
 
 def test_no_secret_stands_anywhere_but_in_its_own_file(tmp_path: Path) -> None:
@@ -196,6 +251,12 @@ def test_pods_are_bounded_probed_and_get_their_secrets_by_name(tmp_path: Path) -
         (["--hubs", "100"], "--hubs: expected 2 to 9, found 100"),
         (["--hubs", "3", "--database", "sqlite"], "with PostgreSQL, not sqlite"),
         (["--hubs", "3", "--database", "mariadb"], "with PostgreSQL, not mariadb"),
+        (["--files", "s3://robots"], "a bucket is written for several hubs; add --hubs 3"),
+        (["--hubs", "3", "--files", "s3://robots"], "--files needs --files-key-file"),
+        (
+            ["--hubs", "3", "--files", "robots", "--files-key-file", "/dev/null"],
+            "expected the address of a bucket",
+        ),
     ],
 )
 def test_a_number_of_hubs_that_cannot_be_is_refused(

@@ -15,6 +15,7 @@ from talaia import __version__
 from talaia.cli.errors import CliError
 from talaia.cli.own_wheel import MODELS, pack_own_wheel
 from talaia.deploy.containers import DatabaseKind
+from talaia.deploy.options import FilesChoice
 from talaia.deploy.project import (
     BUS_SECRETS,
     DeployOptions,
@@ -25,6 +26,9 @@ from talaia.deploy.project import (
 )
 from talaia.deploy.ros_image import ROS_DISTROS
 from talaia.deploy.several_hubs import FEWEST_HUBS, MOST_HUBS
+from talaia.hub.files.bucket_address import read_bucket_address
+from talaia.hub.files_options import add_files_options
+from talaia.hub.settings import Settings
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
 
@@ -67,6 +71,7 @@ def main(argv: Sequence[str]) -> int:
         ros_distro=options.ros_distro,
         arch=options.arch,
         hubs=options.hubs or 1,
+        files=_choose_files(options),
     )
     password = _kept_password(options.to, choice) if options.force else ""
     # The text as it is, with its comments: the copy is what a person goes on to edit.
@@ -99,6 +104,34 @@ def _choose_database(options: argparse.Namespace) -> DatabaseKind:
             "--hubs needs cryptography, which is not installed; pip install 'talaia[hub]'"
         )
     return DatabaseKind.POSTGRESQL
+
+
+def _choose_files(options: argparse.Namespace) -> FilesChoice | None:
+    if not options.files:
+        return None
+    if options.hubs is None:
+        raise CliError("--files: a bucket is written for several hubs; add --hubs 3")
+    if options.files_key_file is None:
+        raise CliError("--files needs --files-key-file: the key's id and its secret, a line each")
+    settings = Settings(
+        data=Path(),
+        files=options.files,
+        files_endpoint=options.files_endpoint,
+        files_region=options.files_region,
+        files_key_file=options.files_key_file,
+        files_ca=options.files_ca,
+    )
+    # What a hub would refuse is refused now. The variables of this machine are not the hub's.
+    address = read_bucket_address(settings, {})
+    if address is None or address.key is None:
+        return None
+    return FilesChoice(
+        url=address.url,
+        endpoint=address.endpoint,
+        region=options.files_region,
+        key="\n".join(filter(None, address.key)) + "\n",
+        ca=address.ca,
+    )
 
 
 def _kept_password(folder: Path, choice: DeployOptions) -> str:
@@ -200,6 +233,7 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         help=f"{FEWEST_HUBS} to {MOST_HUBS} hubs as one, of which each takes over from another: "
         "behind HAProxy, on NATS and PostgreSQL, as a compose project and for Kubernetes (one hub)",
     )
+    add_files_options(parser)
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(
         "--allow-host",

@@ -83,6 +83,9 @@ COMMANDS = {
         "talaia.cli.backup", "copy a hub's database and data while it runs", "hub"
     ),
     "restore": Subcommand("talaia.cli.restore", "restore a backup", "hub"),
+    "move-files": Subcommand(
+        "talaia.cli.moving.main", "move a hub's recordings and pictures into a bucket", "hub,s3"
+    ),
     "probe": Subcommand("talaia.cli.probe", "list what a live robot offers", "ros2"),
     "init": Subcommand("talaia.cli.init", "write a site description of a live robot", ""),
     "check": Subcommand("talaia.cli.checking.command_line", "check a site description", ""),
@@ -111,7 +114,7 @@ COMMANDS = {
 _PRIVATE = frozenset(
     {
         *("account", "audit", "backup", "configure", "demo", "demo-indi", "enrol", "gateway"),
-        *("hub", "import", "record", "restore", "support-bundle", "up", "update"),
+        *("hub", "import", "move-files", "record", "restore", "support-bundle", "up", "update"),
     }
 )
 

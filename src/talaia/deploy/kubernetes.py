@@ -18,6 +18,8 @@ from talaia.deploy.several_hubs import CLUSTER_IMAGES, NATS_PORT, SECRET_FOLDER
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from talaia.deploy.options import FilesChoice
+
 __all__ = ["HUB_IMAGE", "NAMESPACE", "write_manifests"]
 
 NAMESPACE = "talaia"
@@ -34,20 +36,23 @@ _GONE_S = 20
 Manifest = dict[str, object]
 
 
-def write_manifests(hubs: int, hosts: Iterable[str], version: str) -> dict[str, str]:
+def write_manifests(
+    hubs: int, hosts: Iterable[str], version: str, bucket: FilesChoice | None = None
+) -> dict[str, str]:
     """Write the manifests, by the name of their file.
 
     Args:
         hubs: how many.
         hosts: names under which the dashboard is reached.
         version: of Talaia, by which the hubs' image is tagged.
+        bucket: where hubs keep recordings and pictures; none: the claim that they share.
 
     """
     files: dict[str, list[Manifest]] = {
         "namespace.yaml": [_namespace()],
         "database.yaml": _database(),
         "nats.yaml": _nats(),
-        "hubs.yaml": _hubs(hubs, hosts),
+        "hubs.yaml": _hubs(hubs, hosts, bucket),
         "network.yaml": _network_policies(),
     }
     kustomization: Manifest = {
@@ -190,7 +195,7 @@ def _claim(name: str, mode: str, size: str) -> Manifest:
 # ── hubs ──
 
 
-def _hubs(hubs: int, hosts: Iterable[str]) -> list[Manifest]:
+def _hubs(hubs: int, hosts: Iterable[str], bucket: FilesChoice | None) -> list[Manifest]:
     # Connections to a pod that ends are handed on by the service, which keeps the asker's address.
     outside = {"type": "LoadBalancer", "externalTrafficPolicy": "Local", "sessionAffinity": "None"}
     ports: list[Manifest] = [{"name": "https", "port": 443, "targetPort": "https"}]
@@ -204,10 +209,11 @@ def _hubs(hubs: int, hosts: Iterable[str]) -> list[Manifest]:
             "rollingUpdate": {"maxSurge": 1, "maxUnavailable": 0},
         },
         "minReadySeconds": 5,
-        "template": _template("hub", _hub_pod(hosts)),
+        "template": _template("hub", _hub_pod(hosts, bucket)),
     }
     return [
-        # One for all hubs: keys, certificate, recordings, archive and imports lie there.
+        # One for all hubs: keys, certificate, imports and what is on its way lie there; recordings
+        # and the archive as well, unless they are in a bucket.
         _claim("hub-data", "ReadWriteMany", "50Gi"),
         _manifest("Deployment", "hub", deployment, "apps/v1"),
         _service("hub", ports, outside),
@@ -215,10 +221,12 @@ def _hubs(hubs: int, hosts: Iterable[str]) -> list[Manifest]:
     ]
 
 
-def _hub_pod(hosts: Iterable[str]) -> dict[str, object]:
+def _hub_pod(hosts: Iterable[str], bucket: FilesChoice | None) -> dict[str, object]:
     words = hub_words(hosts, _DATA)
     words += ["--cluster-file", f"{SECRET_FOLDER}/cluster_url"]
     words += ["--cluster-ca", f"{SECRET_FOLDER}/internal_ca.pem"]
+    if bucket is not None:
+        words += bucket.hub_words(SECRET_FOLDER)
     environment: list[Manifest] = [
         {"name": "TALAIA_DATABASE_URL_FILE", "value": f"{SECRET_FOLDER}/database_url"},
         {

@@ -7,7 +7,43 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from talaia.deploy.containers import DatabaseKind
 
-__all__ = ["DeployOptions"]
+__all__ = ["DeployOptions", "FilesChoice"]
+
+
+class FilesChoice(NamedTuple):
+    """A bucket of an object store, in which hubs keep recordings and pictures.
+
+    Attributes:
+        url: ``s3://bucket/folder``.
+        endpoint: of the store; empty: AWS's own.
+        region: of the store; empty: the usual one.
+        key: text of the file that holds the key.
+        ca: authorities of the store's certificate (PEM); empty: the usual ones.
+
+    """
+
+    url: str
+    endpoint: str
+    region: str
+    key: str
+    ca: str = ""
+
+    @property
+    def secrets(self) -> dict[str, str]:
+        """What hubs read from files, by the file's name."""
+        found = {"files_key": self.key}
+        return {**found, "files_ca.pem": self.ca} if self.ca else found
+
+    def hub_words(self, folder: str) -> list[str]:
+        """Give the hub's options; what is secret lies in ``folder``."""
+        words = ["--files", self.url, "--files-key-file", f"{folder}/files_key"]
+        if self.endpoint:
+            words += ["--files-endpoint", self.endpoint]
+        if self.region:
+            words += ["--files-region", self.region]
+        if self.ca:
+            words += ["--files-ca", f"{folder}/files_ca.pem"]
+        return words
 
 
 class DeployOptions(NamedTuple):
@@ -23,6 +59,7 @@ class DeployOptions(NamedTuple):
         ros_distro: the distribution whose image the gateway's is made from; empty takes the wheels.
         arch: of the gateway's machine as Docker calls it (``arm64``); empty is the builder's own.
         hubs: how many; more than one are one on PostgreSQL.
+        files: bucket in which several hubs keep recordings and pictures; none: a shared folder.
 
     """
 
@@ -35,6 +72,7 @@ class DeployOptions(NamedTuple):
     ros_distro: str = ""
     arch: str = ""
     hubs: int = 1
+    files: FilesChoice | None = None
 
     @property
     def tag(self) -> str:

@@ -95,6 +95,8 @@ def make_deployment(
         extras.append(database.value)
     if choice.hubs > 1:
         extras.append("cluster")
+    if choice.files is not None:
+        extras.append("s3")
     gateway_extras = _gateway_extras(site, choice)
     looks = [
         stream.detect for device in site.devices.values() for stream in device.streams.values()
@@ -155,6 +157,7 @@ def _compose_file(site: Site, choice: DeployOptions) -> str:
             hosts=choice.hosts,
             ros_domain=domain,
             arch=choice.arch,
+            files=choice.files,
         )
     return write_compose_file(
         site.site,
@@ -183,7 +186,9 @@ def _files_of_several(choice: DeployOptions, password: str, bus_password: str) -
         # There the database is on another machine.
         "kubernetes_database_url": f"postgresql://talaia:{password}@database/talaia?{checked}",
     }
-    manifests = write_manifests(choice.hubs, choice.hosts, choice.tag)
+    if choice.files is not None:
+        secrets |= choice.files.secrets
+    manifests = write_manifests(choice.hubs, choice.hosts, choice.tag, choice.files)
     return {
         "haproxy.cfg": File(write_balancer_config(hub_names(choice.hubs))),
         **{f"secrets/{name}": File(text, 0o644) for name, text in secrets.items()},

@@ -100,7 +100,13 @@ def _keep_text(choice: DeployOptions) -> str:
     if choice.hubs > 1:
         return (
             "Back up the database with its own tools (`pg_dump`), and the volume `hub-data`: "
-            "`seal.key`, the certificate, recordings and pictures are there."
+            "`seal.key` and the certificate are there, "
+            + (
+                f"and what is on its way. Recordings and pictures are in {choice.files.url}: keep "
+                "versions there, or a copy of it."
+                if choice.files is not None
+                else "recordings and pictures, too."
+            )
         )
     return (
         "`docker compose exec hub talaia backup --help` copies accounts and history while they are "
@@ -112,13 +118,28 @@ def _several_text(choice: DeployOptions) -> str:
     """Say what several hubs are, here and in Kubernetes."""
     names = hub_names(choice.hubs)
     create = "kubectl -n talaia create secret generic"
+    bucket = choice.files
+    kept = (
+        "recordings, pictures and imports" if bucket is None else "imports and what is on its way"
+    )
+    bucket_text, bucket_secrets = "", ""
+    if bucket is not None:
+        bucket_text = (
+            f"\n\nRecordings, films and the archive's pictures are in `{bucket.url}`; the key to "
+            "it is in `secrets/files_key`. What lay in a folder before is moved there by `docker "
+            f"compose run --rm {names[0]} move-files --data /data` and the options `--files…` of "
+            "`compose.yaml`, while no hub runs."
+        )
+        bucket_secrets = "".join(
+            f" \\\n  --from-file=secrets/{name}" for name in sorted(bucket.secrets)
+        )
     return f"""
 ### Several hubs
 
 {choice.hubs} hubs (`{names[0]}` to `{names[-1]}`) are one: one of them leads, the others hand \
 through and take over. HAProxy (`haproxy.cfg`) lets TLS pass through to any that is ready. All \
-have the volume `hub-data`, where `seal.key`, the certificate, recordings, pictures and imports \
-are. On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
+have the volume `hub-data`, where `seal.key`, the certificate, {kept} are.{bucket_text} \
+On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
 Kubernetes (below), or several machines by hand (docs/how-to/scale.md of Talaia).
 
 A new version, hub by hub:
@@ -142,7 +163,7 @@ docker build -f hub.Dockerfile -t registry.example/talaia-hub:{choice.tag} .
 docker push registry.example/talaia-hub:{choice.tag}
 kubectl apply -f kubernetes/namespace.yaml
 {create} talaia-hub --from-file=database_url=secrets/kubernetes_database_url \\
-  --from-file=secrets/cluster_url --from-file=secrets/internal_ca.pem
+  --from-file=secrets/cluster_url --from-file=secrets/internal_ca.pem{bucket_secrets}
 {create} talaia-nats --from-file=secrets/nats.conf \\
   --from-file=secrets/nats_cert.pem --from-file=secrets/nats_key.pem
 {create} talaia-database --from-file=secrets/database_password \\

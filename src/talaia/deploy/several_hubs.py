@@ -17,6 +17,8 @@ from talaia.deploy.containers import (
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from talaia.deploy.options import FilesChoice
+
 __all__ = [
     "CLUSTER_IMAGES",
     "FEWEST_HUBS",
@@ -56,6 +58,7 @@ def write_compose_of_several(
     hosts: Iterable[str],
     ros_domain: int | None,
     arch: str = "",
+    files: FilesChoice | None = None,
 ) -> str:
     """Write ``compose.yaml`` for several hubs; see `write_compose_file` for the rest.
 
@@ -66,6 +69,7 @@ def write_compose_of_several(
         hosts: names under which the dashboard is reached, beside the machine's own.
         ros_domain: the ROS domain; none leaves it to the description.
         arch: of the gateway's machine, ``arm64``; empty is the builder's own.
+        files: bucket in which hubs keep recordings and pictures; none: the volume that they share.
 
     """
     names, hosts = hub_names(hubs), tuple(hosts)
@@ -74,7 +78,7 @@ def write_compose_of_several(
     services: dict[str, object] = {
         "database": postgresql_service(["back"]),
         "nats": _nats_service(),
-        **{name: _one_of_several(name, names, hosts) for name in names},
+        **{name: _one_of_several(name, names, hosts, files) for name in names},
         "haproxy": _haproxy_service(port, names),
         "enrol": enrol,
         "gateway": gateway_service(ros_domain, arch),
@@ -82,6 +86,7 @@ def write_compose_of_several(
     secrets = (
         *("database_password", "database_url", "cluster_url", "internal_ca.pem"),
         *("nats.conf", "nats_cert.pem", "nats_key.pem"),
+        *(files.secrets if files is not None else ()),
     )
     project: dict[str, object] = {
         "services": services,
@@ -180,12 +185,18 @@ def _database_access() -> dict[str, object]:
     }
 
 
-def _one_of_several(name: str, names: Sequence[str], hosts: Iterable[str]) -> dict[str, object]:
+def _one_of_several(
+    name: str, names: Sequence[str], hosts: Iterable[str], files: FilesChoice | None
+) -> dict[str, object]:
     words = hub_words(hosts)
     words += ["--cluster-file", f"{SECRET_FOLDER}/cluster_url", "--cluster-name", name]
     words += ["--cluster-ca", f"{SECRET_FOLDER}/internal_ca.pem"]
     for network in _CONTAINER_NETWORKS:
         words += ["--proxy-protocol", network]
+    secrets = ["database_url", "cluster_url", "internal_ca.pem"]
+    if files is not None:
+        words += files.hub_words(SECRET_FOLDER)
+        secrets += files.secrets
     # The first makes the tables and the keys that all have; the others come once it is there.
     after: dict[str, object] = {
         "database": {"condition": "service_healthy"},
@@ -198,7 +209,7 @@ def _one_of_several(name: str, names: Sequence[str], hosts: Iterable[str]) -> di
         {
             "command": words,
             "environment": {"TALAIA_DATABASE_URL_FILE": f"{SECRET_FOLDER}/database_url"},
-            "secrets": ["database_url", "cluster_url", "internal_ca.pem"],
+            "secrets": secrets,
             "networks": ["front", "back"],
             "depends_on": after,
             # It hands its pages and gateways over first.

@@ -27,6 +27,7 @@ from talaia.hub.features.notifications import NotificationsFeature
 from talaia.hub.features.pages import PagesFeature
 from talaia.hub.features.people import PeopleFeature
 from talaia.hub.features.recordings import RecordingsFeature
+from talaia.hub.features.records.files import FilesFeature
 from talaia.hub.features.records.hubs import HubsFeature
 from talaia.hub.features.records.imports import ImportsFeature
 from talaia.hub.features.records.maps import MapsFeature
@@ -105,10 +106,12 @@ class Hub(AssembledHub):
         admission, links = self.people.admission, self.gateways.links
         reporting, flood_guard = self.robot_events.reporting, self.robot_events.flood_guard
         store, alarms = self.history.store, self.alarms.engine
-        self.archive = ArchiveFeature(core, audit=log)
+        self.files = FilesFeature(core)
+        self.archive = ArchiveFeature(core, store=self.files.store, audit=log)
         self.releases = ReleasesFeature(core, reporting=reporting, audit=log)
         self.recordings = RecordingsFeature(
             core,
+            store=self.files.store,
             admission=admission,
             links=links,
             flood_guard=flood_guard,
@@ -169,9 +172,9 @@ class Hub(AssembledHub):
         )
         self.alert_notices = AlertNoticesFeature(core, observing=self.observing, audit=log)
         self.extensions = ExtensionsFeature(core)
-        self.storage = StorageFeature(core, history=self.history.store)
+        self.storage = StorageFeature(core, history=self.history.store, files=self.files.store)
         self.support = SupportFeature(core, audit=log)
-        self.hubs = HubsFeature(core)
+        self.hubs = HubsFeature(core, files=self.files.store)
         self.boards = BoardsFeature(core, audit=log)
         self.maps = MapsFeature(core, audit=log)
         self.notes = NotesFeature(core, audit=log)
@@ -202,6 +205,7 @@ class Hub(AssembledHub):
             media=self.media,
             alarms=self.alarms,
             history=self.history.store,
+            files=self.files.store,
             access=self.people.access,
             audit=log,
         )

@@ -15,6 +15,7 @@ from urllib.parse import urlsplit
 
 from talaia.hub.audit_options import add_audit_options
 from talaia.hub.errors import CannotStart
+from talaia.hub.files_options import add_files_options
 from talaia.hub.settings import Settings, is_loopback
 from talaia.log_setup import add_log_options
 from talaia.program_options import parse_options, print_settings
@@ -192,6 +193,7 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
     )
     add_audit_options(parser)
     _add_cluster(parser)
+    add_files_options(parser)
     parser.add_argument(
         "--simulated-site",
         action="append",
@@ -264,6 +266,11 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         cluster_name=options.cluster_name[:200],
         cluster_ca=options.cluster_ca,
         database_url=database_url,
+        files=options.files,
+        files_endpoint=options.files_endpoint,
+        files_region=options.files_region,
+        files_key_file=options.files_key_file,
+        files_ca=options.files_ca,
         history_bytes=max(0, round(options.history_gb * 1e9)),
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
         sightings_days=max(0.0, options.sightings_days),

@@ -4,6 +4,7 @@ HubError
 ├── CannotStart       a setting, a file or the port keeps the hub from starting
 ├── StoreError        the database cannot be opened or refuses
 │   └── StoreDown     it did not answer just now
+│       └── FilesDown the store of files did not
 ├── HeadsRefused      signed heads of another hub that do not hold
 ├── LibraryMissing    what is asked for needs an extra that is not installed
 ├── HubBusy           so many ask at once that this one must come again
@@ -25,6 +26,7 @@ from talaia.errors import TalaiaError
 
 __all__ = [
     "CannotStart",
+    "FilesDown",
     "HeadsRefused",
     "HubBusy",
     "HubError",
@@ -69,6 +71,10 @@ class StoreError(HubError):
 
 class StoreDown(StoreError):
     """The database did not answer just now, or has no room; what was asked is not done."""
+
+
+class FilesDown(StoreDown):
+    """The store of files did not answer just now, has no room, or answered with something else."""
 
 
 class HubBusy(HubError):

@@ -261,6 +261,11 @@ async def _serve_hub(settings: Settings) -> None:
         raise CannotStart(
             f"the data folder {settings.data} cannot be written", "choose another with --data"
         )
+    if settings.files:
+        # Here and not when it leads: a hub takes over from another one though the store is away.
+        from talaia.hub.files.bucket_check import check_files
+
+        await check_files(settings)
     # Two hubs on one folder would both write the history.
     clock = SystemClock()
     if settings.cluster:

@@ -35,6 +35,12 @@ class Settings:
         cluster_name: of this hub among them; empty: the machine's name and the port.
         cluster_ca: authorities of NATS's certificate (PEM); none takes the system's.
         database_url: like ``postgresql://user@host/name``; empty takes SQLite in ``data``.
+        files: address of a bucket for recordings and pictures (``s3://bucket/folder``); empty:
+            they are in ``data``.
+        files_endpoint: of the store that has the bucket; empty: AWS's own.
+        files_region: of that store.
+        files_key_file: file of the key that opens the bucket; none: it is in the environment.
+        files_ca: authorities of that store's certificate (PEM); none takes the system's.
         notify_networks: messages about alarms may go to these besides public addresses.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         file_bytes: a file that a gateway sends may be so large (bytes).
@@ -85,6 +91,11 @@ class Settings:
     cluster_name: str = ""
     cluster_ca: Path | None = None
     database_url: str = ""
+    files: str = ""
+    files_endpoint: str = ""
+    files_region: str = ""
+    files_key_file: Path | None = None
+    files_ca: Path | None = None
     notify_networks: tuple[Network, ...] = ()
     history_bytes: int = 0
     file_bytes: int = 4 * 1024**3

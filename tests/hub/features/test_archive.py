@@ -25,6 +25,7 @@ from talaia.hub.archive.fits_reader import NotKept, facts_of, looks_of, preview_
 from talaia.hub.archive.frame_rows import Cone, Wanted
 from talaia.hub.archive.night import night_of
 from talaia.hub.archive.store import Archive
+from talaia.hub.files.local_folder import LocalFolder
 from talaia.hub.live.files.fits_archiver import FitsArchiver
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
@@ -252,7 +253,7 @@ async def test_picture_of_a_place_is_found_behind_many_newer_ones_at_its_declina
     ):
         assert (await upload(files, data)).done
     # So few are read at once that the wanted ones are not among the first.
-    archive = Archive(hub.hub.core.database, tmp_path, most_rows=2)
+    archive = Archive(hub.hub.core.database, LocalFolder(tmp_path), most_rows=2)
     wanted = Wanted(cone=Cone(10.68, 41.27, 0.1))
     for limit, more in ((2, True), (3, False)):
         found, are_more = await archive.find_frames("agv", ["camera"], wanted, limit)
@@ -382,7 +383,7 @@ def test_pixels_are_bounded_by_their_bytes(tmp_path) -> None:
 async def test_picture_that_takes_too_long_to_read_is_kept_marked_and_told(
     hub, files, tmp_path
 ) -> None:
-    slow = Archive(hub.hub.core.database, tmp_path / "archive", reader=FitsProcess(longest_s=0.0))
+    slow = Archive(hub.hub.core.database, LocalFolder(tmp_path), reader=FitsProcess(longest_s=0.0))
     data = fits_bytes(seed=77)
     path = tmp_path / "a.part"
     path.write_bytes(data)

@@ -37,6 +37,7 @@ from talaia.hub.archive.obscore import (
 from talaia.hub.archive.obscore_columns import COLUMNS
 from talaia.hub.archive.store import Archive
 from talaia.hub.errors import CannotStart
+from talaia.hub.files.local_folder import LocalFolder
 from talaia.hub.notify.senders import Sender
 from talaia.hub.observing.frame_assignment import ObservationSpan, assign_frames
 from talaia.hub.store.database import Database
@@ -82,7 +83,7 @@ async def database(tmp_path):
 @pytest.fixture
 def archived(database, tmp_path):
     """Put a file into an archive of its own."""
-    archive = Archive(database, tmp_path / "archive", hooked=True)
+    archive = Archive(database, LocalFolder(tmp_path), hooked=True)
 
     async def put(data: bytes, name: str = "0" * 32) -> ArchivedFrame:
         path = tmp_path / "came.part"
@@ -124,7 +125,7 @@ async def test_a_new_picture_gets_its_place_and_quality_and_keeps_its_pixels(arc
     assert measures.stars > 10
     assert measures.fwhm == pytest.approx(2.6, rel=0.3)
     assert measures.zero_point == pytest.approx(20.97, abs=0.1)
-    path = archived.archive.frame_path(frame)
+    path = archived.archive.files.find_local(archived.archive.frame_key(frame))
     assert frame.bytes == path.stat().st_size
     with (
         fits.open(path) as hdus,

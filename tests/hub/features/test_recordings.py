@@ -14,6 +14,7 @@ from zlib import crc32
 import pytest
 import websockets
 
+from talaia.hub.live.files.recording_files import file_key
 from talaia.hub.live.files.recordings import _MOST_COMING
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
@@ -64,6 +65,13 @@ class Files:
         """Hand over all of a file as a gateway does."""
         has = await self.ask(offer(body, name, **more))
         while not has.done and not has.refused:
+            has = await self.ask(piece(has.have, body, name))
+        return has
+
+    async def bring_until_bye(self, body=BODY, name="20260101T120000Z-abcdef"):
+        """Hand over a file until the hub sends it away, or has it."""
+        has = await self.ask(offer(body, name))
+        while isinstance(has, FileProgress) and not has.done and not has.refused:
             has = await self.ask(piece(has.have, body, name))
         return has
 
@@ -397,7 +405,7 @@ async def test_films_that_the_list_has_lost_are_listed_again(recorded_hub) -> No
     rows = {each.id: each for each in await recordings.recordings_of("agv")}
     assert rows["20260101T120000Z-f00001"].stream == CAMERA
     assert rows["20260101T120000Z-f00009"].stream == "unknown"
-    assert recordings.file_path(rows["20260101T120000Z-f00009"]).is_file()
+    assert recordings.store.find_local(file_key(rows["20260101T120000Z-f00009"]))
 
 
 async def test_a_person_films_one_camera_if_its_gateway_can(recorded_hub) -> None:

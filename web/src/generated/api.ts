@@ -739,6 +739,7 @@ export interface OutlierShape {
 /** Whether there is room for what comes; as in `StorageShape`. */
 export interface OutlookShape {
   readonly trouble: string;
+  readonly files_trouble: string;
   readonly warn: Warn;
   readonly full_us: number | null;
   readonly free_bytes: number | null;
@@ -797,6 +798,7 @@ export interface StorageShape {
   readonly kept_days: number | null;
   readonly warn: Warn;
   readonly trouble: string;
+  readonly files_trouble: string;
   readonly channels: readonly ChannelStorageShape[];
 }
 

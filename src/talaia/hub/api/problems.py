@@ -11,7 +11,7 @@ from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
 from talaia.errors import TalaiaError
-from talaia.hub.errors import LibraryMissing, StoreDown
+from talaia.hub.errors import FilesDown, LibraryMissing, StoreDown
 
 if TYPE_CHECKING:
     from fastapi import FastAPI, Request, Response
@@ -61,6 +61,7 @@ def answer_problems(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _handle_http)
     app.add_exception_handler(RequestValidationError, _handle_invalid)
     app.add_exception_handler(StoreDown, _handle_store)
+    app.add_exception_handler(FilesDown, _handle_files)
     app.add_exception_handler(LibraryMissing, _handle_library)
     app.add_exception_handler(Exception, _handle_failure)
 
@@ -96,6 +97,12 @@ async def _handle_store(request: Request, error: Exception) -> Response:
     # Nobody's rights are known now, so nothing is done for anyone.
     _LOG.error("%s %s is refused: %s", request.method, request.url.path, error)
     return problem_response(503, "store", STORE_DOWN, 2)
+
+
+async def _handle_files(_request: Request, error: Exception) -> Response:
+    # Its loss is in the log once, however many ask.
+    said = error.problem if isinstance(error, FilesDown) else str(error)
+    return problem_response(503, "files", said, 2)
 
 
 async def _handle_failure(request: Request, error: Exception) -> Response:

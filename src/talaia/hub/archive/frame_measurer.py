@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.hub.archive.frame_queues import FrameQueues
+    from talaia.hub.archive.frame_rows import ArchivedFrame
 
 __all__ = ["FrameMeasurer"]
 
@@ -60,10 +61,20 @@ class FrameMeasurer:
 
     async def _measure_all(self) -> None:
         while (frame := await self._queues.next_unmeasured()) is not None:
-            measured = await self._measure_file(self._queues.frame_path(frame))
-            if measured.note:
-                log.info("%s: %s", frame.name, measured.note)
-            await self._queues.keep_measures(frame, measured)
+            try:
+                async with self._queues.frame_copy(frame) as path:
+                    measured = await self._measure_file(path)
+                    made = path.with_suffix(".measured") if measured.made else None
+                    await self._keep_measures(frame, measured, made)
+            except FileNotFoundError:
+                await self._keep_measures(frame, MeasuredFile(note="its file is not there"))
+
+    async def _keep_measures(
+        self, frame: ArchivedFrame, measured: MeasuredFile, made: Path | None = None
+    ) -> None:
+        if measured.note:
+            log.info("%s: %s", frame.name, measured.note)
+        await self._queues.keep_measures(frame, measured, made)
 
     async def _wait_for_more(self) -> None:
         news = self._queues.arrived

@@ -12,6 +12,7 @@ from talaia.hub.archive.frame_rows import HookState, MeasureState, row_to_frame
 from talaia.hub.store.tables import frames as table
 
 if TYPE_CHECKING:
+    from contextlib import AbstractAsyncContextManager
     from pathlib import Path
 
     from sqlalchemy import Select
@@ -42,9 +43,13 @@ class FrameQueues:
         """Set with each new picture; cleared by whoever measures them."""
         return self._archive.arrived
 
-    def frame_path(self, frame: ArchivedFrame) -> Path:
-        """Say where a picture's file is."""
-        return self._archive.frame_path(frame)
+    def frame_copy(self, frame: ArchivedFrame) -> AbstractAsyncContextManager[Path]:
+        """See `Archive.frame_copy`."""
+        return self._archive.frame_copy(frame)
+
+    def frame_address(self, frame: ArchivedFrame) -> str:
+        """Give the address of a picture in a bucket; empty: it is in the data folder."""
+        return self._archive.files.address_of(self._archive.frame_key(frame))
 
     async def next_unmeasured(self) -> ArchivedFrame | None:
         """Find the oldest picture that waits to be measured."""
@@ -55,13 +60,18 @@ class FrameQueues:
             .limit(1)
         )
 
-    async def keep_measures(self, frame: ArchivedFrame, measured: MeasuredFile) -> None:
-        """Keep what was found out of a picture, and put its new file in the place of the old."""
-        path, values = self.frame_path(frame), _measure_values(measured)
-        if measured.made:
+    async def keep_measures(
+        self, frame: ArchivedFrame, measured: MeasuredFile, made: Path | None = None
+    ) -> None:
+        """Keep what was found out of a picture, and put its new file in the place of the old.
+
+        ``made`` is the new file, where there is one; it is moved.
+        """
+        values = _measure_values(measured)
+        if made is not None:
             # A hub that dies between file and row measures it once more, and finds the same.
-            made = path.with_suffix(".measured")
-            values["bytes"] = await asyncio.to_thread(_replace_file, made, path)
+            values["bytes"] = (await asyncio.to_thread(made.stat)).st_size
+            await self._archive.files.keep_file(self._archive.frame_key(frame), made, near=True)
         async with self._database.write() as connection:
             await connection.execute(update(table).where(table.c.id == frame.id).values(**values))
         self._archive.forget_looks(frame)
@@ -87,13 +97,6 @@ class FrameQueues:
         async with self._database.read() as connection:
             row = (await connection.execute(query)).mappings().first()
         return None if row is None else row_to_frame(row)
-
-
-def _replace_file(made: Path, path: Path) -> int:
-    """Put a file in another's place; give its size."""
-    size = made.stat().st_size
-    made.replace(path)
-    return size
 
 
 def _measure_values(measured: MeasuredFile) -> dict[str, Any]:

@@ -84,7 +84,15 @@ class ArchiveHook:
             await self._queues.measured.wait()
 
     async def _hand_over(self, frame: ArchivedFrame) -> None:
-        document = frame_document(frame, self._queues.frame_path(frame))
+        try:
+            async with self._queues.frame_copy(frame) as path:
+                await self._hand_file_over(frame, str(path))
+        except FileNotFoundError:
+            # Of one that is gone a hook still hears, as of one that somebody took out of a folder.
+            await self._hand_file_over(frame, "")
+
+    async def _hand_file_over(self, frame: ArchivedFrame, file: str) -> None:
+        document = frame_document(frame, file, self._queues.frame_address(frame))
         tries = 0
         while problem := await self._hooked.hand_over(document):
             log.warning("%s is not taken by the archive's hook: %s", frame.name, problem)
@@ -163,8 +171,11 @@ class HookPost:
         )
 
 
-def frame_document(frame: ArchivedFrame, path: Path) -> dict[str, Any]:
-    """Give what a hook is told of a picture; what is not known is null."""
+def frame_document(frame: ArchivedFrame, file: str, address: str = "") -> dict[str, Any]:
+    """Give what a hook is told of a picture; what is not known is null.
+
+    ``file`` is on this machine's disk; ``address`` is that of a bucket, where it is in one.
+    """
     measures = frame.measures
     return {
         "id": str(frame.id),
@@ -172,7 +183,8 @@ def frame_document(frame: ArchivedFrame, path: Path) -> dict[str, Any]:
         "device": frame.device,
         "night": frame.night,
         "name": frame.name,
-        "file": str(path),
+        "file": file,
+        "address": address,
         "time_us": frame.time_us,
         "target": frame.target,
         "filter": frame.filter,

@@ -1,4 +1,4 @@
-"""The archive's files and rows: put in whole, found again by night, target, filter and place.
+"""The archive's pictures and rows: put in whole, found again by night, target, filter and place.
 
 Long, because a file and its row are put in and found by the same names.
 """
@@ -8,14 +8,14 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
-import os
 import re
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import func, insert, or_, select
 
 from talaia.hub.archive.fits_process import FitsProcess
-from talaia.hub.archive.fits_reader import Facts, Looks, TooMuchToRead, unread_facts
+from talaia.hub.archive.fits_reader import Facts, Looks, NotKept, TooMuchToRead, unread_facts
 from talaia.hub.archive.frame_rows import (
     ArchivedFrame,
     Cone,
@@ -30,10 +30,12 @@ from talaia.hub.store.tables import frames as table
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection
+    from contextlib import AbstractAsyncContextManager
     from pathlib import Path
 
     from sqlalchemy import Select
 
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.store.database import Database
     from talaia.wire.frames import ArchiveOffer
 
@@ -45,9 +47,10 @@ _MOST_CACHED = 64  # previews and looks at once
 
 
 class Archive:
-    """See the module. ``folder`` is below the hub's data folder.
+    """See the module.
 
     Attributes:
+        files: where they are, by their `frame_key`.
         arrived: set with each new picture; cleared by whoever measures them.
 
     """
@@ -55,20 +58,20 @@ class Archive:
     def __init__(
         self,
         database: Database,
-        folder: Path,
+        files: FileStore,
         most_rows: int = _MOST_ROWS,
         *,
         hooked: bool = False,
         reader: FitsProcess | None = None,
     ) -> None:
-        """Keep files in ``folder``, by site and night; read ``most_rows`` at once.
+        """Keep pictures in ``files``, by site and night; read ``most_rows`` at once.
 
         ``reader`` reads them. ``hooked``: new pictures wait to be handed over to the owner's hook.
         """
         self.arrived = asyncio.Event()
         self._hooked = hooked
         self._database = database
-        self._folder = folder
+        self.files = files
         self._most_rows = most_rows
         # Pictures are large, and a gateway's word: one at a time is read, by another process.
         self._reader = FitsProcess() if reader is None else reader
@@ -84,7 +87,7 @@ class Archive:
         Raises:
             NotKept: it is not a picture in FITS.
             OSError: the disk does not take it.
-            StoreError: the database does not.
+            StoreError: the database or the store of files does not.
 
         """
         known = await self._of_digest(site, offer.digest)  # sent again: an answer got lost
@@ -100,8 +103,8 @@ class Archive:
         facts = facts._replace(time_us=time_us)
         night = night_of(time_us, zone)
         name = _file_name(facts, offer)
-        place = self._folder / site / night / name
-        await asyncio.to_thread(_move_durably, path, place)  # before its row: no row without a file
+        # Before its row: no row without a file. It is measured next, on this machine.
+        await self.files.keep_file(_frame_key(site, night, name), path, near=True)
         row = {
             "site": site,
             "device": offer.device,
@@ -200,9 +203,19 @@ class Archive:
             row = (await connection.execute(query)).mappings().first()
         return None if row is None else row_to_frame(row)
 
-    def frame_path(self, frame: ArchivedFrame) -> Path:
-        """Say where its file is."""
-        return self._folder / frame.site / frame.night / frame.name
+    def frame_key(self, frame: ArchivedFrame) -> str:
+        """Name its file in the store of files."""
+        return _frame_key(frame.site, frame.night, frame.name)
+
+    def frame_copy(self, frame: ArchivedFrame) -> AbstractAsyncContextManager[Path]:
+        """Have its file on this machine's disk for as long as the block lasts.
+
+        Raises:
+            FileNotFoundError: it is not there any more; in a folder, whoever opens it sees that.
+            FilesDown: the store of files does not answer.
+
+        """
+        return self.files.copy_file(self.frame_key(frame))
 
     async def frame_looks(self, frame: ArchivedFrame) -> Looks:
         """Give statistics, histogram and header.
@@ -210,11 +223,13 @@ class Archive:
         Raises:
             NotKept: the file cannot be read any more.
             TooMuchToRead: it takes too much to read.
+            FilesDown: the store of files does not answer.
 
         """
         found = self._cached.get((frame.id, ""))
         if not isinstance(found, Looks):
-            found = await self._reader.read_looks(frame.site, self.frame_path(frame))
+            async with self._existing_copy(frame) as path:
+                found = await self._reader.read_looks(frame.site, path)
             self._cache_result(frame.id, "", found)
         return found
 
@@ -224,19 +239,28 @@ class Archive:
         Raises:
             NotKept: the file cannot be read any more.
             TooMuchToRead: it takes too much to read.
+            FilesDown: the store of files does not answer.
 
         """
         what = f"{stretch} {px}"
         found = self._cached.get((frame.id, what))
         if not isinstance(found, bytes):
-            path = self.frame_path(frame)
-            found = await self._reader.draw_preview(frame.site, path, stretch, px)
+            async with self._existing_copy(frame) as path:
+                found = await self._reader.draw_preview(frame.site, path, stretch, px)
             self._cache_result(frame.id, what, found)
         return found
 
     def forget_looks(self, frame: ArchivedFrame) -> None:
         """Forget a header that was read: the file has new cards. Its pixels are as before."""
         self._cached.pop((frame.id, ""), None)
+
+    @asynccontextmanager
+    async def _existing_copy(self, frame: ArchivedFrame) -> AsyncIterator[Path]:
+        try:
+            async with self.frame_copy(frame) as path:
+                yield path
+        except FileNotFoundError as error:
+            raise NotKept("it is not there") from error
 
     def _cache_result(self, frame: int, what: str, value: bytes | Looks) -> None:
         while len(self._cached) >= _MOST_CACHED:
@@ -273,11 +297,8 @@ def _query(site: str, devices: Collection[str], wanted: Wanted) -> Select[Any]:
     return query
 
 
-def _move_durably(path: Path, place: Path) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("rb") as file:
-        os.fsync(file.fileno())  # before a row says that it is here
-    path.replace(place)
+def _frame_key(site: str, night: str, name: str) -> str:
+    return f"archive/{site}/{night}/{name}"
 
 
 def _file_name(facts: Facts, offer: ArchiveOffer) -> str:

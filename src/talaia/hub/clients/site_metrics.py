@@ -42,6 +42,7 @@ class HubFigures(NamedTuple):
         pages: that are connected now.
         clients: of other tools that are connected now, by protocol.
         hubs: those that are one with this one, and itself; empty: it is alone.
+        files_up: whether files in a bucket can be read and written; None: they are in a folder.
 
     """
 
@@ -49,6 +50,7 @@ class HubFigures(NamedTuple):
     pages: int
     clients: dict[str, int]
     hubs: Sequence[HubNotice] = ()
+    files_up: bool | None = None
 
 
 class ScrapeRequest(NamedTuple):
@@ -106,6 +108,9 @@ def _hub_metrics(hub: HubFigures) -> Iterator[Metric]:
     for protocol, count in hub.clients.items():
         clients.add_metric([protocol], count)
     yield clients
+    if hub.files_up is not None:
+        said = "1 while the store of files can be read and written"
+        yield GaugeMetricFamily("talaia_file_store_up", said, hub.files_up)
     if hub.hubs:
         yield from _cluster_metrics(hub.hubs)
 

@@ -19,6 +19,7 @@ from talaia.hub.notify.senders import Sender
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.store.audit import Audit
 
 __all__ = ["ArchiveFeature"]
@@ -35,22 +36,22 @@ class ArchiveFeature(Feature):
 
     name = "archive"
 
-    def __init__(self, core: Core, *, audit: Audit) -> None:
-        """Write down in ``audit`` what is kept and what is refused.
+    def __init__(self, core: Core, *, store: FileStore, audit: Audit) -> None:
+        """Keep files in ``store``; write down in ``audit`` what is kept and what is refused.
 
         Raises:
             CannotStart: the file of the owner's hook cannot be read.
 
         """
         settings = core.settings
-        folder = settings.data / "archive"
         # Files on their way are in another folder, so that the archive holds whole ones only.
-        self.frames = Archive(core.database, folder, hooked=settings.archive_hook is not None)
+        self.frames = Archive(core.database, store, hooked=settings.archive_hook is not None)
         # By the kind that a gateway's offer names; what has no keeper is refused.
         keepers = {"fits": FitsArchiver(core.sites, self.frames, audit)}
         share = DiskShare(
             settings.data,
-            held=self.frames.count_bytes,
+            # Elsewhere they take none of this machine's disk.
+            held=_hold_nothing if store.remote else self.frames.count_bytes,
             sites=lambda: sum(1 for _ in core.sites),
         )
         self.uploads = Uploads(
@@ -71,3 +72,7 @@ class ArchiveFeature(Feature):
             )
             hook = ArchiveHook(queues, hooked, audit)
             self.tasks.append(BackgroundTask(name="hook", run=hook.run))
+
+
+async def _hold_nothing(_site: str) -> int:
+    return 0

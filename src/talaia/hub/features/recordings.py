@@ -12,12 +12,14 @@ from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.files.file_links import FileLinks
 from talaia.hub.live.files.recordings import Recordings
 from talaia.hub.live.files.standstill import end_standing_for_ever
+from talaia.hub.live.files.stored_recordings import StoredRecordings
 from talaia.hub.live.recorded.recorded_topics import RecordedTopics
 from talaia.hub.store.sites.recordings import RecordingList
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.live.files.uploads import Uploads
     from talaia.hub.live.gateways.flood_guard import FloodGuard
     from talaia.hub.live.gateways.open_links import OpenLinks
@@ -41,6 +43,7 @@ class RecordingsFeature(Feature):
         self,
         core: Core,
         *,
+        store: FileStore,
         admission: SocketAdmission,
         links: OpenLinks,
         flood_guard: FloodGuard,
@@ -48,13 +51,16 @@ class RecordingsFeature(Feature):
         releases: ReleaseFolder,
         audit: Audit,
     ) -> None:
-        """Write down in ``audit`` what comes and goes; other files go to ``uploads``.
+        """Keep them in ``store``, write down in ``audit`` what comes and goes.
 
-        ``flood_guard`` slows gateways that say too much; ``releases`` go the other way.
+        Other files go to ``uploads``; ``flood_guard`` slows gateways that say too much;
+        ``releases`` go the other way.
         """
         # The list is in the database and the files on the disk; `open` makes the two fit.
+        rows = RecordingList(core.database)
         self.files = Recordings(
-            rows=RecordingList(core.database),
+            rows=rows,
+            store=store,
             audit=audit,
             data=core.settings.data,
             most_bytes=core.settings.recordings_bytes,
@@ -77,6 +83,9 @@ class RecordingsFeature(Feature):
         self.routers = [RecordingPages(self.files, audit).make_router(), recorded.make_router()]
         ends = [self.files.end_standing_uploads, uploads.end_standing_uploads]
         self.tasks = [BackgroundTask(name="standstill", run=partial(end_standing_for_ever, ends))]
+        if store.remote:
+            stored = StoredRecordings(self.files, rows)
+            self.tasks.append(BackgroundTask(name="stored", run=stored.fit_for_ever))
 
     async def open(self) -> None:
         """Bring files and their list together."""

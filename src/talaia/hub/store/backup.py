@@ -44,8 +44,9 @@ _LOG = logging.getLogger(__name__)
 DATABASE = "talaia.db"
 WAITING = "restore"
 _MANIFEST = "backup.json"
-# Not copied: the lock of who runs now, and imports on their way, whose files people still have.
-_NOT_KEPT = frozenset((LOCK, "import"))
+# Not copied: the lock of who runs now, imports on their way, whose files people still have, and
+# copies of what is in a bucket.
+_NOT_KEPT = frozenset((LOCK, "import", "copies"))
 # How a backup's folder is laid out; other numbers are refused.
 _FORM = 1
 

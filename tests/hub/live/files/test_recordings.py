@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 
+from talaia.hub.files.local_folder import LocalFolder
 from talaia.hub.live.files.recordings import Recordings
 from talaia.wire.frames import FileOffer
 
@@ -31,7 +32,9 @@ class SlowRows:
 
 async def test_recording_that_is_slow_to_be_taken_holds_up_no_other_site(tmp_path) -> None:
     rows = SlowRows("thief")
-    recordings = Recordings(rows, audit=None, data=tmp_path, most_bytes=0)
+    recordings = Recordings(
+        rows=rows, store=LocalFolder(tmp_path), audit=None, data=tmp_path, most_bytes=0
+    )
     offer = FileOffer(
         id="20260101T120000Z-abcdef",
         size=len(BODY),

@@ -58,7 +58,7 @@ export class PageStorage extends LitElement {
           ${warning === null || warning.kind === "info"
             ? nothing
             : html`<t-status kind=${warning.kind === "bad" ? "bad" : "warn"} word=${warning.kind === "bad" ? msg("Act now") : msg("Soon full")}></t-status>`}
-          <p>${use.trouble === "" ? forecastText(use, zone) : warning?.text}</p>
+          <p>${use.trouble === "" && use.files_trouble === "" ? forecastText(use, zone) : warning?.text}</p>
         </div>
       </section>
       ${signals.length === 0

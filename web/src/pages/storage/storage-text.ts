@@ -48,8 +48,9 @@ export interface StorageWarningText {
 }
 
 /** What an admin is told on every page; null while there is nothing to tell. */
-export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: OutlookShape, zone: string): StorageWarningText | null {
+export function warningOf({ trouble, files_trouble: files, warn, full_us: full, free_bytes: free }: OutlookShape, zone: string): StorageWarningText | null {
   if (trouble !== "") return { kind: "bad", text: msg(str`The hub cannot store samples now (${trouble}). Gateways keep theirs until it can.`) };
+  if (files !== "") return { kind: "bad", text: msg(str`Recordings and pictures cannot be stored or shown now: ${files}. Gateways keep theirs until they can.`) };
   const left = free === null ? "" : msg(str` Only ${formatBytes(free)} are free.`);
   const day = full === null ? "" : formatDate(full, zone);
   switch (warn) {

@@ -6,7 +6,7 @@ const DAY_US = 86_400e6;
 const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
 const USE: StorageShape = {
   kind: "SQLite 3.46", place: "/var/lib/talaia/talaia.db", database_bytes: 6e9, spare_bytes: 0, blocks_bytes: 5e9, free_bytes: 50e9, disk_bytes: 100e9,
-  limit_bytes: 0, day_bytes: 1e9, full_us: NOW + 50 * DAY_US, by_limit: false, oldest_us: NOW - 90 * DAY_US, kept_days: null, warn: "", trouble: "", channels: [],
+  limit_bytes: 0, day_bytes: 1e9, full_us: NOW + 50 * DAY_US, by_limit: false, oldest_us: NOW - 90 * DAY_US, kept_days: null, warn: "", trouble: "", files_trouble: "", channels: [],
 };
 describe("what the forecast says", () => {
   it("names the day on which the disk is full, and what is oldest then", () => {
@@ -32,6 +32,9 @@ describe("what the forecast says", () => {
     expect(warningOf({ ...USE, warn: "soon" }, "UTC")).toMatchObject({ kind: "warn" });
     expect(warningOf({ ...USE, warn: "limit" }, "UTC")).toMatchObject({ kind: "info" });
     expect(warningOf({ ...USE, warn: "full", free_bytes: 4e8 }, "UTC")?.text).toContain("Only 400\u202fMB are free");
+    expect(warningOf({ ...USE, files_trouble: "the store of files cannot be reached" }, "UTC")).toMatchObject({
+      kind: "bad", text: expect.stringContaining("the store of files cannot be reached. Gateways keep theirs"),
+    });
     expect(warningOf({ ...USE, trouble: "database or disk is full" }, "UTC")).toMatchObject({ kind: "bad" });
   });
 });

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.clients.open_protocols import OpenProtocols
     from talaia.hub.cluster.peers import HubNotice
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.live.alarms.alarm_state import LiveAlarm
     from talaia.hub.live.pages.page_connections import Browsers
     from talaia.hub.live.sites import LiveSite, Sites
@@ -72,9 +73,11 @@ class MetricsRoute:
         browsers: Browsers,
         alarms_of: Callable[[str], Iterable[LiveAlarm]],
         clock: Clock,
+        files: FileStore,
         seat: ClusterSeat | None = None,
     ) -> None:
         """All of it is where figures come from."""
+        self._files = files
         self._seat = seat
         self._protocols = protocols
         self._sites = sites
@@ -112,6 +115,7 @@ class MetricsRoute:
                 sum(1 for _ in self._browsers),
                 {name: self._protocols.count_connected(name) for name in CLIENT_PROTOCOLS},
                 self._list_hubs(),
+                not self._files.trouble if self._files.remote else None,
             ),
             self._sites,
             grants=who.grants,

@@ -13,6 +13,7 @@ from talaia.hub.cluster.peers import SILENT_S, HubNotice
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.ports import ClusterSeat
 
 __all__ = ["HubPages"]
@@ -21,8 +22,12 @@ __all__ = ["HubPages"]
 class HubPages:
     """The route of hubs."""
 
-    def __init__(self, seat: ClusterSeat | None, clock: Clock) -> None:
-        """Answer by what ``seat`` hears of the others; none: this hub is alone."""
+    def __init__(self, seat: ClusterSeat | None, clock: Clock, files: FileStore) -> None:
+        """Answer by what ``seat`` hears of the others; none: this hub is alone.
+
+        ``files`` are where whole files are.
+        """
+        self._files = files
         self._seat = seat
         self._clock = clock
 
@@ -35,8 +40,9 @@ class HubPages:
     async def hubs(self) -> HubList:
         """List the hubs that are one, how each stands, and what is wrong with them."""
         seat = self._seat
+        lost = [_sentence(self._files.trouble)] if self._files.trouble else []
         if seat is None:
-            return HubList(clustered=False, bus=False, epoch=0, hubs=[], problems=[])
+            return HubList(clustered=False, bus=False, epoch=0, hubs=[], problems=lost)
         own, now_ns = seat.own_notice(), self._clock.monotonic_ns()
         heard = list(seat.heard_hubs())
         # One that was killed has said that it leads, and is not missed before it has been silent.
@@ -51,8 +57,12 @@ class HubPages:
             bus=seat.connected,
             epoch=own.epoch,
             hubs=hubs,
-            problems=find_problems(hubs, bus=seat.connected),
+            problems=find_problems(hubs, bus=seat.connected) + lost,
         )
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _shape(notice: HubNotice, newest: int, *, own: bool, silent_s: float) -> HubShape:

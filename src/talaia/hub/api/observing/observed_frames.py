@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
 import tarfile
 from typing import TYPE_CHECKING, Literal
 
@@ -28,12 +26,12 @@ from talaia.hub.observing.frame_assignment import SLACK_US, ObservationSpan, ass
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection
-    from pathlib import Path
 
     from talaia.hub.api.observing.group_lookup import GroupLookup
     from talaia.hub.archive.frame_rows import ArchivedFrame
     from talaia.hub.archive.obscore import ObscoreValue
     from talaia.hub.archive.store import Archive
+    from talaia.hub.files.ports import OpenFile
     from talaia.hub.store.observing.observations import ObservationStore
     from talaia.hub.store.observing.proposals import ProposalStore
     from talaia.hub.store.observing.request_store import RequestStore
@@ -182,35 +180,35 @@ class ObservedFramePages:
 
     async def _tar(self, frames: AsyncIterator[ArchivedFrame]) -> AsyncIterator[bytes]:
         async for frame in frames:
-            path = self._archive.frame_path(frame)
-            # A file that somebody took away is left out, and the others still come.
-            if not await asyncio.to_thread(path.is_file):
+            try:
+                file = await self._archive.files.open_file(self._archive.frame_key(frame))
+            except FileNotFoundError:
+                # One that somebody took away is left out, and the others still come.
                 continue
-            async for piece in _tar_member(path, f"{frame.night}/{frame.name}", frame.time_us):
+            async for piece in _tar_member(file, f"{frame.night}/{frame.name}", frame.time_us):
                 yield piece
         # The end of a tar: two empty blocks (POSIX.1-2017, pax).
         yield bytes(2 * tarfile.BLOCKSIZE)
 
 
-async def _tar_member(path: Path, name: str, time_us: int) -> AsyncIterator[bytes]:
-    """Give a file as a member of a tar, piece by piece; read beside the event loop."""
-    file = await asyncio.to_thread(path.open, "rb")
+async def _tar_member(file: OpenFile, name: str, time_us: int) -> AsyncIterator[bytes]:
+    """Give a file as a member of a tar, piece by piece; it is closed at the end."""
     try:
         info = tarfile.TarInfo(name)
         # Of the open file: it may be measured just now, and another one take its place.
-        info.size = os.fstat(file.fileno()).st_size
+        info.size = file.size
         info.mtime = time_us // 1_000_000
         yield info.tobuf(tarfile.PAX_FORMAT)
         left = info.size
         while left:
-            piece = await asyncio.to_thread(file.read, min(_PIECE, left))
+            piece = await file.read_part(info.size - left, min(_PIECE, left))
             # Its size is promised already: what was cut off meanwhile is filled up.
             piece = piece or bytes(min(_PIECE, left))
             left -= len(piece)
             yield piece
         yield bytes(-info.size % tarfile.BLOCKSIZE)
     finally:
-        await asyncio.to_thread(file.close)
+        await file.close()
 
 
 def _night_cameras(request: Request) -> list[str]:

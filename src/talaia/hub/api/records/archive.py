@@ -12,6 +12,7 @@ from talaia.hub.api.access import live_of, number_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.query_params import STILL, Time, Word
+from talaia.hub.api.records.stored_files import send_stored_file
 from talaia.hub.api.schemas.archive_schemas import (
     CardShape,
     FrameDetail,
@@ -109,13 +110,20 @@ class ArchivePages:
             header=[CardShape(key=a, value=b, comment=c) for a, b, c in looks.cards],
         )
 
-    async def file(self, request: Request, site: str, frame: str) -> FileResponse:
+    async def file(self, request: Request, site: str, frame: str) -> Response:
         """Download the FITS file."""
         found = await self._find_frame(request, site, frame)
-        path = self._archive.frame_path(found)
-        if not path.is_file():
-            raise ApiProblem(410, "gone", "the file is not there any more")
-        return FileResponse(path, media_type="application/fits", filename=found.name, headers=STILL)
+        try:
+            return await send_stored_file(
+                self._archive.files,
+                self._archive.frame_key(found),
+                request,
+                name=found.name,
+                kind="application/fits",
+                headers=STILL,
+            )
+        except FileNotFoundError as error:
+            raise ApiProblem(410, "gone", "the file is not there any more") from error
 
     async def preview(
         self,

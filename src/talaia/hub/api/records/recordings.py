@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
@@ -12,6 +11,7 @@ from talaia.hub.api.access import address_of, live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
+from talaia.hub.api.records.stored_files import send_stored_file
 from talaia.hub.api.schemas.recording_schemas import (
     FilmListShape,
     FilmShape,
@@ -22,6 +22,7 @@ from talaia.hub.api.schemas.recording_schemas import (
     UnfilmedShape,
 )
 from talaia.hub.auth.permissions import Right, sees_stream
+from talaia.hub.live.files.recording_files import file_key
 from talaia.hub.store.sites.recordings import RecordingState
 from talaia.model.connection import topic_of
 from talaia.wire.frames import RecordingRequest
@@ -149,24 +150,27 @@ class RecordingPages:
         return await self._send_file(found, request, "inline")
 
     async def _send_file(self, found: Recorded, request: Request, how: str) -> Response:
-        path = self._recordings.file_path(found)
-        # The disk may be slow, or a network's.
-        there = await asyncio.to_thread(path.is_file)
-        if found.state is not RecordingState.COMPLETE or not there:
-            raise ApiProblem(409, "incomplete", "this recording is not here as a whole")
+        camera = found.stream.replace("/", "-")
+        name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
+        said = "this recording is not here as a whole"
+        if found.state is not RecordingState.COMPLETE:
+            raise ApiProblem(409, "incomplete", said)
+        try:
+            answer = await send_stored_file(
+                self._recordings.store,
+                file_key(found),
+                request,
+                name=f"{found.site}-{name}",
+                kind="video/mp4" if camera else "application/octet-stream",
+                headers=_STILL,
+                disposition=how,
+            )
+        except FileNotFoundError as error:
+            raise ApiProblem(409, "incomplete", said) from error
         # A player asks for a film in many parts: only whole downloads are written down.
         if "range" not in request.headers:
             self._append_record(request, "recording downloaded", found.site, found.id)
-        camera = found.stream.replace("/", "-")
-        name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
-        kind = "video/mp4" if camera else "application/octet-stream"
-        return FileResponse(
-            path,
-            media_type=kind,
-            filename=f"{found.site}-{name}",
-            content_disposition_type=how,
-            headers=_STILL,
-        )
+        return answer
 
     async def remove(self, site: str, recording: str, request: Request) -> None:
         """Delete a recording for good."""

@@ -14,6 +14,7 @@ from talaia.hub.history.forecast import DAY_US, StorageRoom, Warn, forecast_stor
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.history.forecast import Forecast, Growth
     from talaia.hub.history.storage import ChannelStorage, Storage
     from talaia.hub.live.sites import Sites
@@ -28,9 +29,10 @@ _OUTLOOK_NS = 300 * SECOND
 class StoragePages:
     """The routes of storage."""
 
-    def __init__(self, history: History, sites: Sites, clock: Clock) -> None:
-        """Answer from what is stored."""
+    def __init__(self, *, history: History, files: FileStore, sites: Sites, clock: Clock) -> None:
+        """Answer from what is stored; ``files`` are where whole files are."""
         self._history = history
+        self._files = files
         self._sites = sites
         self._clock = clock
         # The last look and when it was (monotonic ns); shared by all pages.
@@ -68,6 +70,7 @@ class StoragePages:
             kept_days=None if said.kept_us is None else said.kept_us / DAY_US,
             warn=said.warn,
             trouble=self._history.trouble,
+            files_trouble=self._files.trouble,
             channels=[self._channel_schema(channel, now_us) for channel in found.channels],
         )
 
@@ -76,12 +79,19 @@ class StoragePages:
         trouble = self._history.trouble
         if trouble and self._found is None:
             # The database may be away: what is known must not wait for it.
-            return OutlookShape(trouble=trouble, warn=Warn.NOTHING, full_us=None, free_bytes=None)
+            return OutlookShape(
+                trouble=trouble,
+                files_trouble=self._files.trouble,
+                warn=Warn.NOTHING,
+                full_us=None,
+                free_bytes=None,
+            )
         # In trouble the last look is shown, however old it is.
         found = self._found if trouble and self._found else await self._measure_storage(_OUTLOOK_NS)
         said = self._make_forecast(found)
         return OutlookShape(
             trouble=trouble,
+            files_trouble=self._files.trouble,
             warn=said.warn,
             full_us=said.full_us,
             free_bytes=found.free_bytes,

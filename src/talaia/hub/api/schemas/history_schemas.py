@@ -201,7 +201,8 @@ class StorageShape(_Shape):
     disk is. ``day_bytes`` is the growth at the last week's rate. ``full_us`` is when the limit
     (``by_limit``) or the disk is reached at that rate, null if never or not known; ``oldest_us`` is
     the oldest sample's time then. ``kept_days``: with a limit, how far the history reaches back in
-    the long run. ``warn``: see `Warn`; ``trouble``: why nothing can be stored at present.
+    the long run. ``warn``: see `Warn`; ``trouble``: why nothing can be stored at present;
+    ``files_trouble``: why recordings and pictures cannot be stored or read at present.
     """
 
     kind: str
@@ -219,6 +220,7 @@ class StorageShape(_Shape):
     kept_days: float | None
     warn: Warn
     trouble: str
+    files_trouble: str
     channels: list[ChannelStorageShape]
 
 
@@ -226,6 +228,7 @@ class OutlookShape(_Shape):
     """Whether there is room for what comes; as in `StorageShape`."""
 
     trouble: str
+    files_trouble: str
     warn: Warn
     full_us: int | None
     free_bytes: int | None

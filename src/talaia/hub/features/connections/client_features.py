@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
     from talaia.hub.features.feature import Core, Feature
     from talaia.hub.features.media import MediaFeature
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
 
@@ -31,6 +32,7 @@ def build_client_features(
     media: MediaFeature,
     alarms: AlarmsFeature,
     history: History,
+    files: FileStore,
     access: Access,
     audit: Audit,
 ) -> tuple[Feature, ...]:
@@ -42,6 +44,7 @@ def build_client_features(
         media: has the pictures of cameras.
         alarms: has the alarms that are counted.
         history: has past values.
+        files: where whole files are.
         access: finds the account of a token.
         audit: where it is written who did what.
 
@@ -52,7 +55,7 @@ def build_client_features(
     return (
         AlpacaFeature(core, clients=clients, access=access, audit=audit),
         FoxgloveFeature(core, clients=clients, streams=media.streams, history=history),
-        MetricsFeature(core, clients=clients, alarms=alarms.engine, history=history),
+        MetricsFeature(core, clients=clients, alarms=alarms.engine, history=history, files=files),
         MqttFeature(core, clients=clients, access=access, audit=audit),
         RosbridgeFeature(core, clients=clients),
         ScriptsFeature(clients=clients),

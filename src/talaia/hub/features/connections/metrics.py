@@ -11,6 +11,7 @@ from talaia.hub.features.feature import Feature
 if TYPE_CHECKING:
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
     from talaia.hub.features.feature import Core
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.ports import History
 
@@ -23,9 +24,18 @@ class MetricsFeature(Feature):
     name = "metrics"
 
     def __init__(
-        self, core: Core, *, clients: ClientProtocolsFeature, alarms: AlarmEngine, history: History
+        self,
+        core: Core,
+        *,
+        clients: ClientProtocolsFeature,
+        alarms: AlarmEngine,
+        history: History,
+        files: FileStore,
     ) -> None:
-        """Give figures of now from the parts of the hub, past ones from ``history``."""
+        """Give figures of now from the parts of the hub, past ones from ``history``.
+
+        Of ``files`` it tells whether they can be read and written.
+        """
         route = MetricsRoute(
             protocols=clients.protocols,
             sites=core.sites,
@@ -33,6 +43,7 @@ class MetricsFeature(Feature):
             alarms_of=alarms.alarms_of,
             clock=core.clock,
             seat=core.seat,
+            files=files,
         )
         past = RemoteReadRoute(sites=core.sites, history=history)
         self.routers = [route.router(), past.router()]

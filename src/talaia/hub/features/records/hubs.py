@@ -9,6 +9,7 @@ from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
+    from talaia.hub.files.ports import FileStore
 
 __all__ = ["HubsFeature"]
 
@@ -18,6 +19,9 @@ class HubsFeature(Feature):
 
     name = "hubs"
 
-    def __init__(self, core: Core) -> None:
-        """Answer by the seat of this hub among the others, if there are any."""
-        self.routers = [HubPages(core.seat, core.clock).make_router()]
+    def __init__(self, core: Core, *, files: FileStore) -> None:
+        """Answer by the seat of this hub among the others, if there are any.
+
+        What is wrong with ``files`` is said there, too.
+        """
+        self.routers = [HubPages(core.seat, core.clock, files).make_router()]

@@ -9,6 +9,7 @@ from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.ports import History
 
 __all__ = ["StorageFeature"]
@@ -19,7 +20,7 @@ class StorageFeature(Feature):
 
     name = "storage"
 
-    def __init__(self, core: Core, *, history: History) -> None:
-        """Answer from ``history``."""
-        pages = StoragePages(history=history, sites=core.sites, clock=core.clock)
+    def __init__(self, core: Core, *, history: History, files: FileStore) -> None:
+        """Answer from ``history``, and say what is wrong with ``files``."""
+        pages = StoragePages(history=history, files=files, sites=core.sites, clock=core.clock)
         self.routers = [pages.make_router()]

@@ -1,5 +1,7 @@
 """The folder of recordings: their files, what stands beside each, and what has not come whole.
 
+Whole ones are in this folder or in a bucket, under the same names; see `talaia.hub.files`.
+
 Everything here waits for the disk, so it is called in a thread.
 """
 
@@ -20,7 +22,20 @@ if TYPE_CHECKING:
 
     from talaia.wire.frames import FilePiece
 
-__all__ = ["UNKNOWN_STREAM", "RecordingFiles", "is_recording_id", "is_site_folder"]
+__all__ = [
+    "FOLDER",
+    "UNKNOWN_STREAM",
+    "RecordingFiles",
+    "about_key",
+    "describe_recording",
+    "file_key",
+    "found_recording",
+    "is_recording_id",
+    "is_site_folder",
+    "read_file_key",
+]
+
+FOLDER = "recordings"
 
 _MESSAGES, _FILM, _PART, _ABOUT = ".mcap", ".mp4", ".part", ".json"
 # Of a film beside which nothing says whose it is.
@@ -42,6 +57,48 @@ def is_site_folder(site: str) -> bool:
     return _SITE.fullmatch(site) is not None
 
 
+def file_key(recorded: Recorded) -> str:
+    """Name the file of a complete recording in a store of files."""
+    return f"{FOLDER}/{recorded.site}/{recorded.id}{_file_ending(recorded)}"
+
+
+def about_key(recorded: Recorded) -> str:
+    """Name what stands beside it."""
+    return f"{FOLDER}/{recorded.site}/{recorded.id}{_ABOUT}"
+
+
+def read_file_key(key: str) -> tuple[str, str, bool] | None:
+    """Read site, id, and whether it is a film from a file's key; None: it is no recording's."""
+    match key.split("/"):
+        case [folder, site, file] if folder == FOLDER and is_site_folder(site):
+            name, ending = file[: -len(_FILM)], file[-len(_FILM) :]
+            if file.endswith(_MESSAGES):
+                name, ending = file.removesuffix(_MESSAGES), _MESSAGES
+            if ending in (_MESSAGES, _FILM) and is_recording_id(name):
+                return site, name, ending == _FILM
+    return None
+
+
+def describe_recording(about: bytes, known: Recorded) -> Recorded:
+    """Say what a file is by the words beside it; where they say nothing, it is as ``known``.
+
+    Of ``known`` what a file itself tells is right in any case: site, id, state, and size.
+    """
+    with suppress(ValueError, TypeError, KeyError):
+        read = json.loads(about)
+        told = Recorded(**{**read, "topics": tuple(read["topics"])})
+        whole = known.state is RecordingState.COMPLETE
+        known = told._replace(
+            site=known.site,
+            id=known.id,
+            state=known.state,
+            have=known.have,
+            size=known.size if whole else told.size,
+            stream=(told.stream or known.stream) if known.stream else "",
+        )
+    return known
+
+
 class RecordingFiles:
     """See the module."""
 
@@ -49,14 +106,11 @@ class RecordingFiles:
         """Keep files in ``folder``, by site."""
         self._folder = folder
 
-    def file_path(self, recorded: Recorded) -> Path:
-        """Give the file of a complete recording."""
-        return self._file_with(recorded, _file_ending(recorded))
-
     def _file_with(self, recorded: Recorded, ending: str) -> Path:
         return self._folder / recorded.site / (recorded.id + ending)
 
-    def _part_path(self, recorded: Recorded) -> Path:
+    def part_path(self, recorded: Recorded) -> Path:
+        """Say where what has come of a recording is."""
         return self._file_with(recorded, _file_ending(recorded) + _PART)
 
     def begin_file(self, recorded: Recorded) -> int:
@@ -76,7 +130,7 @@ class RecordingFiles:
         partial = about.with_suffix(".json.tmp")
         partial.write_text(json.dumps({**recorded._asdict(), "state": recorded.state.value}))
         partial.replace(about)
-        part = self._part_path(recorded)
+        part = self.part_path(recorded)
         have = part.stat().st_size if part.exists() else 0
         # Of another file with that name: it cannot be its beginning.
         if have > recorded.size:
@@ -91,7 +145,7 @@ class RecordingFiles:
             OSError: the disk does not take it.
 
         """
-        number = os.open(self._part_path(recorded), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+        number = os.open(self.part_path(recorded), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         try:
             have = os.fstat(number).st_size
             # Only what follows: a piece that came twice is there already.
@@ -109,7 +163,7 @@ class RecordingFiles:
 
     def check_part(self, recorded: Recorded) -> bool:
         """Tell whether what came is what was offered; what is not is deleted."""
-        part = self._part_path(recorded)
+        part = self.part_path(recorded)
         with part.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
             # On disk before it is called complete: the gateway need not keep its own after that.
@@ -118,26 +172,29 @@ class RecordingFiles:
             part.unlink()
         return digest == recorded.digest
 
-    def rename_part(self, recorded: Recorded) -> None:
-        """Call it whole."""
-        # Only a whole file has the name without `.part`.
-        self._part_path(recorded).rename(self.file_path(recorded))
+    def copy_about(self, recorded: Recorded) -> Path:
+        """Copy what stands beside it; the copy may be moved away.
+
+        Raises:
+            OSError: the disk does not take it.
+
+        """
+        about = self._file_with(recorded, _ABOUT)
+        copy = about.with_suffix(".json.copy")
+        shutil.copyfile(about, copy)
+        return copy
 
     def touched_s(self, recorded: Recorded) -> float:
         """Give when something of it was written last (s since the epoch, UTC)."""
         # What was only offered has nothing but the words beside it.
-        for path in (self._part_path(recorded), self._file_with(recorded, _ABOUT)):
+        for path in (self.part_path(recorded), self._file_with(recorded, _ABOUT)):
             with suppress(FileNotFoundError):
                 return path.stat().st_mtime
         return 0.0
 
     def unlink_files(self, recorded: Recorded) -> None:
-        """Delete it, and what stands beside it."""
-        for path in (
-            self.file_path(recorded),
-            self._part_path(recorded),
-            self._file_with(recorded, _ABOUT),
-        ):
+        """Delete what has come of it, and what stands beside it."""
+        for path in (self.part_path(recorded), self._file_with(recorded, _ABOUT)):
             path.unlink(missing_ok=True)
 
     def scan_folder(self) -> dict[tuple[str, str], Recorded]:
@@ -157,19 +214,34 @@ class RecordingFiles:
 
     def _describe_file(self, path: Path, site: str, name: str, *, whole: bool) -> Recorded:
         """Say what a file is: by the words beside it, else by what the disk knows."""
-        size = path.stat().st_size
+        found = path.stat()
         state = RecordingState.COMPLETE if whole else RecordingState.UPLOADING
-        with suppress(OSError, ValueError, TypeError, KeyError):
-            about = json.loads((path.parent / (name + _ABOUT)).read_text())
-            told = Recorded(**{**about, "topics": tuple(about["topics"])})
-            # What lies there decides, not what was written about it.
-            return told._replace(
-                site=site, id=name, state=state, have=size, size=size if whole else told.size
-            )
-        end_us = path.stat().st_mtime_ns // 1000
-        return Recorded(
-            site, name, state, "found in the folder", "", "", end_us, end_us, size, size, 0, "", ()
-        )
+        known = found_recording(site, name, found.st_size, found.st_mtime_ns // 1000)
+        # Whether it is a film, its ending tells.
+        known = known._replace(state=state, stream=UNKNOWN_STREAM)
+        about = b""
+        with suppress(OSError):
+            about = (path.parent / (name + _ABOUT)).read_bytes()
+        return describe_recording(about, known)
+
+
+def found_recording(site: str, name: str, size: int, changed_us: int) -> Recorded:
+    """Describe a whole recording of which nothing is known but its file."""
+    return Recorded(
+        site=site,
+        id=name,
+        state=RecordingState.COMPLETE,
+        why="found in the folder",
+        who="",
+        note="",
+        begin_us=changed_us,
+        end_us=changed_us,
+        size=size,
+        have=size,
+        messages=0,
+        digest="",
+        topics=(),
+    )
 
 
 def _file_ending(recorded: Recorded) -> str:

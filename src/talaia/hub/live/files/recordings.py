@@ -5,7 +5,8 @@ another site's files, and takes that of its own only once it is whole and what i
 
 A recording is the file ``recordings/<site>/<id>.mcap`` (a camera's film: ``<id>.mp4``) with
 ``<id>.json`` beside it, and a row. The files come first: a row that was lost is made anew from
-them at the next start, and nothing is deleted because a list does not name it.
+them at the next start, and nothing is deleted because a list does not name it. What has not come
+whole is in the data folder; whole ones are where the hub keeps its files.
 """
 
 from __future__ import annotations
@@ -19,8 +20,11 @@ from zlib import crc32
 from talaia.hub.errors import StoreDown
 from talaia.hub.live.files.coming_uploads import ComingUploads
 from talaia.hub.live.files.recording_files import (
+    FOLDER,
     UNKNOWN_STREAM,
     RecordingFiles,
+    about_key,
+    file_key,
     is_recording_id,
     is_site_folder,
 )
@@ -33,13 +37,13 @@ from talaia.wire.frames import FileOffer, FilePiece, FileProgress, FilmOffer
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from talaia.hub.files.ports import FileStore
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.recordings import RecordingList
 
-__all__ = ["FOLDER", "Recordings"]
+__all__ = ["Recordings"]
 
 _LOG = logging.getLogger(__name__)
-FOLDER = "recordings"
 # So many of one site may be on their way at once; a gateway sends one after the other.
 _MOST_COMING = 100
 
@@ -47,10 +51,22 @@ _MOST_COMING = 100
 class Recordings:
     """The folder of recordings and its list."""
 
-    def __init__(self, rows: RecordingList, audit: Audit, data: Path, most_bytes: int) -> None:
-        """Keep files in ``data``; of a site's above ``most_bytes`` the oldest go (0: no limit)."""
+    def __init__(
+        self,
+        *,
+        rows: RecordingList,
+        store: FileStore,
+        audit: Audit,
+        data: Path,
+        most_bytes: int,
+    ) -> None:
+        """Keep whole files in ``store``; of a site's above ``most_bytes`` the oldest go (0: none).
+
+        What has not come whole is in ``data``.
+        """
         # One row for each recording; files are the truth, see `open`.
         self._rows = rows
+        self._store = store
         self._audit = audit
         self._files = RecordingFiles(data / FOLDER)
         # All recordings of one site together (bytes); 0: as much as the disk holds.
@@ -60,9 +76,15 @@ class Recordings:
         # One thing at a time for each site: two connections may bring the same.
         self._turns = SiteTurns()
 
-    def file_path(self, recorded: Recorded) -> Path:
-        """Give the file of a complete recording."""
-        return self._files.file_path(recorded)
+    @property
+    def store(self) -> FileStore:
+        """Where whole files are, by their `file_key`."""
+        return self._store
+
+    @property
+    def turns(self) -> SiteTurns:
+        """Whose turn it is to change something of a site."""
+        return self._turns
 
     async def recordings_of(self, site: str) -> list[Recorded]:
         """List a site's recordings, the newest first."""
@@ -96,6 +118,9 @@ class Recordings:
                 _LOG.info("the recording %s of %s is in the list again", key[1], key[0])
                 await self._rows.save_recording(recorded)
         for key, row in rows.items():
+            # Whole ones that are elsewhere are looked for once the hub is open.
+            if self._store.remote and row.state is RecordingState.COMPLETE:
+                continue
             if key not in found and row.state is not RecordingState.FAILED:
                 note = "its file is not there"
                 failed = row._replace(state=RecordingState.FAILED, note=note, have=0)
@@ -177,9 +202,9 @@ class Recordings:
             _LOG.warning("the recording %s of %s: %s", row.id, row.site, note)
             await self._rows.save_recording(row._replace(have=0, note=note))
             return FileProgress(id=row.id, have=0)
+        await self._keep_file(row)
         # Only now: what is announced, or is not what it was said to be, costs no other file.
         await self._make_room(row)
-        await asyncio.to_thread(self._files.rename_part, row)
         self._coming.end_upload(row.site, row.id)
         await self._rows.save_recording(row._replace(state=RecordingState.COMPLETE, have=row.size))
         self._audit.append_record(
@@ -189,6 +214,16 @@ class Recordings:
             source="gateway",
         )
         return FileProgress(id=row.id, have=row.size, done=True)
+
+    async def _keep_file(self, row: Recorded) -> None:
+        """Put a whole file where the hub keeps its files; the part stays where that fails."""
+        if self._store.remote:
+            # What is said of it goes first: of a file alone no row could be made.
+            copy = await asyncio.to_thread(self._files.copy_about, row)
+            await self._store.keep_file(about_key(row), copy)
+        await self._store.keep_file(file_key(row), self._files.part_path(row))
+        if self._store.remote:
+            await asyncio.to_thread(self._files.unlink_files, row)
 
     async def _make_room(self, whole: Recorded) -> None:
         """Let the oldest of the same site go until a whole file has room."""
@@ -249,6 +284,7 @@ class Recordings:
     async def _delete_recording(self, recorded: Recorded) -> None:
         self._coming.end_upload(recorded.site, recorded.id)
         # The file first: a row without a file is found at the next start, and says so.
+        await self._store.remove_files([file_key(recorded), about_key(recorded)])
         await asyncio.to_thread(self._files.unlink_files, recorded)
         await self._rows.remove_recording(recorded.site, recorded.id)
 

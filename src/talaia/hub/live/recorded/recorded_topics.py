@@ -8,14 +8,15 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.auth.permissions import may_tap
+from talaia.hub.live.files.recording_files import file_key
 from talaia.hub.live.recorded.errors import RecordingUnreadable
 from talaia.hub.store.sites.recordings import RecordingState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-    from pathlib import Path
 
     from talaia.hub.auth.permissions import Grants
+    from talaia.hub.files.ports import Openable
     from talaia.hub.live.files.recordings import Recordings
     from talaia.hub.live.recorded.recording_index import (
         RecordedMessage,
@@ -89,8 +90,8 @@ class RecordedTopics:
     def __init__(self, recordings: Recordings) -> None:
         """Read the files of ``recordings``."""
         self._recordings = recordings
-        # By path and size, since a whole file never changes; the one used last stands last.
-        self._indexes: OrderedDict[tuple[Path, int], RecordingIndex | str] = OrderedDict()
+        # By key and size, since a whole file never changes; the one used last stands last.
+        self._indexes: OrderedDict[tuple[str, int], RecordingIndex | str] = OrderedDict()
         # Unpacking takes a core: driving and samples are to have the rest.
         self._reading = asyncio.Semaphore(_MOST_READING)
 
@@ -98,7 +99,7 @@ class RecordedTopics:
         """List the topics that recordings hold of a moment, as far as somebody may have them.
 
         Raises:
-            StoreDown: the database does not answer.
+            StoreDown: the database or the store of files does not answer.
 
         """
         rows = _readable(await self._recordings.recordings_of(site.site))
@@ -135,7 +136,7 @@ class RecordedTopics:
         A topic that somebody may not have is as one that was not recorded.
 
         Raises:
-            StoreDown: the database does not answer.
+            StoreDown: the database or the store of files does not answer.
 
         """
         from_us, to_us = span
@@ -186,13 +187,13 @@ class RecordedTopics:
 
     async def _index_of(self, row: Recorded) -> RecordingIndex | str:
         """Give a file's index, or why it has none."""
-        path = self._recordings.file_path(row)
-        key = (path, row.size)
+        file = self._recordings.store.name_file(file_key(row))
+        key = (file_key(row), row.size)
         known = self._indexes.get(key)
         if known is None:
             try:
                 async with self._reading:
-                    known = await asyncio.to_thread(_open_index, path)
+                    known = await asyncio.to_thread(_open_index, file)
             except (OSError, RecordingUnreadable) as error:
                 _LOG.warning("the recording %s of %s cannot be read: %s", row.id, row.site, error)
                 missing = "its file cannot be read"
@@ -205,14 +206,14 @@ class RecordedTopics:
 
     def _remember(self, row: Recorded, why: str) -> None:
         _LOG.warning("the recording %s of %s cannot be read: %s", row.id, row.site, why)
-        self._indexes[self._recordings.file_path(row), row.size] = why
+        self._indexes[file_key(row), row.size] = why
 
 
-def _open_index(path: Path) -> RecordingIndex:
+def _open_index(file: Openable) -> RecordingIndex:
     # Here, since a hub starts without what reads such files.
     from talaia.hub.live.recorded.recording_index import RecordingIndex
 
-    return RecordingIndex(path)
+    return RecordingIndex(file)
 
 
 def _readable(rows: Sequence[Recorded]) -> list[Recorded]:

@@ -20,9 +20,9 @@ from talaia.model.topics import is_latched_by_convention
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-    from pathlib import Path
     from typing import BinaryIO
 
+    from talaia.hub.files.ports import Openable
     from talaia.hub.live.recorded.mcap_records import (
         ChannelRecord,
         ChunkIndexRecord,
@@ -112,7 +112,7 @@ class RecordingIndex:
 
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, file: Openable) -> None:
         """Read the index of a file.
 
         Raises:
@@ -120,8 +120,8 @@ class RecordingIndex:
             OSError: it cannot be read.
 
         """
-        self._path = path
-        with path.open("rb") as stream:
+        self._file = file
+        with file.open("rb") as stream:
             self._summary = _read_summary(stream)
         self._chunks = sorted(
             self._summary.chunk_indexes, key=lambda chunk: chunk.message_start_time
@@ -153,7 +153,7 @@ class RecordingIndex:
             OSError: it cannot be read.
 
         """
-        with self._path.open("rb") as stream:
+        with self._file.open("rb") as stream:
             chunks = _ChunkReader(stream, self._summary, rates)
             before = [
                 message

@@ -1,0 +1,1 @@
+"""``talaia move-files``."""

@@ -1,0 +1,1 @@
+"""Where whole files are kept: the data folder, or a bucket of an object store."""
