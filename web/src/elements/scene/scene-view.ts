@@ -62,7 +62,8 @@ export class SceneView implements SceneDrawing {
   private preview: Object3D[] = [];
   private followed: Vector | null = null;
   private colours: SceneColours;
-  private paintKey = "";
+  /** Layers have colours that are not true any more. */
+  private repaint = false;
   private readonly painting = new FrameSchedule(() => {
     this.paint();
   });
@@ -94,6 +95,7 @@ export class SceneView implements SceneDrawing {
 
   setColours(colours: SceneColours): void {
     this.colours = colours;
+    this.repaint = true;
     this.scene.background = new Color(colours.background);
     this.ghosts.setColours(colours);
     // In red light a model is red, whatever its own colours: at night nothing else may shine.
@@ -111,6 +113,7 @@ export class SceneView implements SceneDrawing {
   }
 
   setOptions(options: SceneOptions): void {
+    this.repaint ||= options.cloudBy !== this.options.cloudBy;
     this.options = options;
     this.schedule();
   }
@@ -258,9 +261,8 @@ export class SceneView implements SceneDrawing {
 
   private updateLayers(): void {
     const { model, options } = this;
-    const key = JSON.stringify([this.colours, options.cloudBy]);
-    const repaint = key !== this.paintKey;
-    this.paintKey = key;
+    const { repaint } = this;
+    this.repaint = false;
     for (const [topic, { object }] of this.drawn) {
       if (model.layers.has(topic) && !repaint) continue;
       this.scene.remove(object);

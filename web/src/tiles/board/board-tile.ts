@@ -58,6 +58,7 @@ export class BoardTile extends LitElement {
         position: relative;
         container-type: inline-size;
         --t-map-height: 8rem;
+        --t-scene-around: var(--t-surface);
       }
       .inside:focus-visible {
         outline-offset: -3px;
