@@ -5,6 +5,7 @@
  * layer that was drawn for the first time; the benchmarks do.
  */
 
+import { msg } from "@lit/localize";
 import { FrameSchedule } from "../base/frame-schedule.js";
 import {
   AmbientLight, ArrowHelper, AxesHelper, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Line, LineBasicMaterial, PerspectiveCamera,
@@ -77,8 +78,7 @@ export class SceneView implements SceneDrawing {
     colours: SceneColours,
     private readonly onTrouble: (why: string) => void,
   ) {
-    // In software smooth edges take as long as all the rest together.
-    this.renderer = new WebGLRenderer({ canvas, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
+    this.renderer = new WebGLRenderer({ canvas, context: openGraphics(canvas) });
     this.meshes = new MeshStore(site);
     // REP-103: z is up.
     this.camera.up.set(0, 0, 1);
@@ -348,6 +348,17 @@ export class SceneView implements SceneDrawing {
     this.camera.lookAt(this.controls.target);
     this.camera.updateMatrixWorld();
   }
+}
+
+/**
+ * Three's own way would let what lies behind the canvas shine through: then the browser draws that for each frame, too,
+ * and mixes both. What is opaque is drawn alone.
+ */
+function openGraphics(canvas: HTMLCanvasElement): WebGL2RenderingContext {
+  // In software smooth edges take as long as all the rest together.
+  const context = canvas.getContext("webgl2", { alpha: false, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
+  if (context === null) throw new Error(msg("This browser cannot draw in space."));
+  return context;
 }
 
 function placeObject(object: Object3D, { at, turn }: Transform): void {
