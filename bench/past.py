@@ -7,6 +7,7 @@ the hour's begin (s), so that whoever sees it knows of which moment it is.
 from __future__ import annotations
 
 import asyncio
+import datetime as dt
 import json
 import math
 import random
@@ -79,12 +80,14 @@ NOTE_PAST = """
   const shown = ({ values, video }) => ({
     values: values.length > 0 && values.every(({ value, state }) =>
       state !== 'unknown' && near(note.beginUs + value * 1e6, 0.15e6)),
-    charts: note.charts.size >= note.all && [...note.charts.values()].every((us) => near(us, 0.6e6)),
+    charts: note.charts.size >= note.all
+      && [...note.charts.values()].every((us) => near(us, 0.6e6)),
     film: video !== undefined && !video.seeking && video.readyState >= 2
       && near(note.filmUs(note.at) + video.currentTime * 1e6, 0.15e6),
     scan: near(note.scan, 0.45e6),
   });
-  note.filmUs = (us) => note.beginUs + Math.floor((us - note.beginUs) / note.filmLength) * note.filmLength;
+  note.filmUs = (us) =>
+    note.beginUs + Math.floor((us - note.beginUs) / note.filmLength) * note.filmLength;
   const watch = () => {
     requestAnimationFrame(watch);
     if (note.took === null || note.took.all) return;
@@ -94,7 +97,8 @@ NOTE_PAST = """
     const is = shown(found);
     for (const [name, there] of Object.entries(is)) if (there) note.took[name] ??= now;
     if (Object.values(is).every((there) => there)) {
-      requestAnimationFrame(() => { note.took.all ??= performance.now() - note.began; });
+      const { took, began } = note;
+      requestAnimationFrame(() => { took.all ??= performance.now() - began; });
     }
   };
   requestAnimationFrame(watch);
@@ -289,9 +293,9 @@ def board_of_past() -> dict[str, Any]:
 async def open_past(page: Page, here: Stack, start_us: int) -> None:
     """Open the board in the middle of the hour, and wait until all of it is there."""
     key = await boards.keep_board(here, board_of_past())
-    middle = start_us + HOUR_S * SECOND_US // 2
+    middle = dt.datetime.fromtimestamp(start_us / 1e6 + HOUR_S / 2, dt.UTC)
     await pages.sign_in(page, here, "/boards")
-    await page.goto(f"{here.origin}/boards/{key}?at={middle}")
+    await page.goto(f"{here.origin}/boards/{key}?at={middle:%Y-%m-%dT%H:%M:%SZ}")
     await page.locator("t-chart canvas").first.wait_for()
     await page.locator("t-scene canvas").wait_for()
     await page.locator("video").wait_for()
