@@ -244,9 +244,10 @@ def walk(browser: Browser, address: str, who: str, password: str, shown: list[st
                     pages[name](page, address, password)
                     page.screenshot(path=TARGET / f"{name}-{width}-{theme}.png")
                 if name in RED and theme == "dark":
-                    page.evaluate("document.documentElement.dataset.theme = 'night'")
+                    page.get_by_role("button", name="Red screen").click()
                     page.wait_for_timeout(500)
                     page.screenshot(path=TARGET / f"{name}-{width}-red.png")
+                    page.get_by_role("button", name="Leave red").click()
             page.keyboard.up("w")
             context.close()
 
@@ -383,7 +384,8 @@ def scene(page: Page, address: str, _password: str) -> None:
 def log(page: Page, address: str, _password: str) -> None:
     """Show what the robot's nodes wrote."""
     page.goto(f"{address}/sites/agv/log")
-    page.get_by_text(LOG_LINES[-1][2]).first.wait_for(timeout=60_000)
+    # Of those that are kept without being asked for: warnings, and what is worse.
+    page.get_by_text(LOG_LINES[5][2]).first.wait_for(timeout=60_000)
     page.wait_for_timeout(500)
 
 
