@@ -166,7 +166,9 @@ def telling(robot_file: str, lines: list[str]) -> Iterator[None]:
     finally:
         ended.set()
         thread.join()
-        robot.terminate()
+        # Both end with what they read.
+        if robot.stdin is not None:
+            robot.stdin.close()
         robot.wait(20)
 
 
