@@ -5,7 +5,6 @@
  * layer that was drawn for the first time; the benchmarks do.
  */
 
-import { msg } from "@lit/localize";
 import { FrameSchedule } from "../base/frame-schedule.js";
 import {
   AmbientLight, ArrowHelper, AxesHelper, BufferAttribute, BufferGeometry, Color, DirectionalLight, GridHelper, Line, LineBasicMaterial, PerspectiveCamera,
@@ -357,7 +356,7 @@ export class SceneView implements SceneDrawing {
 function openGraphics(canvas: HTMLCanvasElement): WebGL2RenderingContext {
   // In software smooth edges take as long as all the rest together.
   const context = canvas.getContext("webgl2", { alpha: false, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
-  if (context === null) throw new Error(msg("This browser cannot draw in space."));
+  if (context === null) throw new Error("no WebGL");
   return context;
 }
 
