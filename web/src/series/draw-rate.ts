@@ -1,6 +1,6 @@
 /** How often charts are drawn: as often as an eye can tell, within a share of one core. */
 
-/** The last rounds, of which the middle one tells what drawing takes: longer ones were held up by other programs. */
+/** The last rounds, of which the quicker ones tell what drawing takes: longer ones were held up by other programs. */
 const ROUNDS = 9;
 
 export class DrawRate {
@@ -25,7 +25,7 @@ export class DrawRate {
    */
   intervalMs(fresh: boolean): number {
     const sorted = [...this.costs].sort((a, b) => a - b);
-    const cost = sorted[sorted.length >> 1] ?? 0;
+    const cost = sorted[sorted.length >> 2] ?? 0;
     return Math.min(this.mostMs, Math.max(fresh ? 0 : this.leastMs, cost / this.share));
   }
 
