@@ -108,13 +108,13 @@ def board_of_tiles() -> dict[str, Any]:
 SIGNALS = sum(COUNTS[kind] * signals for kind, signals, _, _ in KINDS)
 
 
-async def keep_board(here: Stack) -> str:
-    """Keep the board; give its key."""
+async def keep_board(here: Stack, board: dict[str, Any]) -> str:
+    """Keep a board; give its key."""
     headers = {"Origin": here.origin, "Cookie": await cookie(here)}
     async with httpx.AsyncClient(
         verify=context(here), base_url=here.origin, timeout=60, headers=headers
     ) as client:
-        answer = await client.post("/api/boards", json={"board": board_of_tiles(), "note": ""})
+        answer = await client.post("/api/boards", json={"board": board, "note": ""})
         answer.raise_for_status()
         return str(answer.json()["key"])
 

@@ -50,7 +50,7 @@ class Sink:
         """See `PictureSink.room`."""
         return self.share
 
-    def look(self, *_look: object) -> None:
+    def offer_frame(self, *_frame: object) -> None:
         """See `PictureSink.offer_frame`."""
 
     def filming(self, _stream: str, _time_us: int) -> Filming:

@@ -5,7 +5,7 @@
                                  demo, history, history-page, signin, press, many, spool, storm,
                                  load-description, camera, camera-slow, camera-crowd,
                                  objects, objects-drive, taps, taps-cloud, taps-drive,
-                                 board, scene, fleet
+                                 board, scene, fleet, past
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -32,6 +32,7 @@ import link
 import numpy as np
 import objects
 import pages
+import past
 import scenes
 import signin
 import stack
@@ -491,7 +492,7 @@ async def board() -> list[Figure]:
         stack.running(boards.SIGNALS) as here,
         stack.publisher(here, boards.SIGNALS, 20.0, "--waves"),
     ):
-        key = await boards.keep_board(here)
+        key = await boards.keep_board(here, boards.board_of_tiles())
         used = await boards.page_percent(here, key, 6)
         charts, rest = await boards.socket_to_paint(here, key, 12)
         clicked, data = await boards.board_opened(here, key, 5)
@@ -520,6 +521,43 @@ async def fleet() -> list[Figure]:
                        float(found.pauses.max()), 1000, "ms"),
             ]  # fmt: skip
     return figures
+
+
+async def past_() -> list[Figure]:
+    """An hour of 50 signals, a film and a scan on a board: to another moment, and ten times."""
+    start = past.begin_us()
+
+    async def fill(settings: Settings) -> None:
+        await past.fill_hour(settings, start)
+
+    async with (
+        stack.running(past.SIGNALS, camera=True, tapped=True, before=fill) as here,
+        pages.browser_page(past.NOTE_PAST, height=boards.HEIGHT, flags=pages.SPACE_FLAGS) as page,
+    ):
+        await past.open_past(page, here, start)
+        jumps = await past.scrub(page, start, 12, drag=False)
+        drags = await past.scrub(page, start, 6, drag=True)
+        played = await past.play(page, start, 12)
+    figures = []
+    for what, limit in (("values", 200), ("charts", 200), ("film", 200), ("scan", 200),
+                        ("all", 200)):  # fmt: skip
+        took = np.array([one[what] for one in jumps])
+        figures.append(Figure(f"to another moment: {what}, median of {took.size}",
+                              float(np.median(took)), limit, "ms"))  # fmt: skip
+    slowest = max(one["all"] for one in jumps)
+    after = float(np.median([one["all"] for one in drags]))
+    return [
+        *figures,
+        Figure("to another moment: all, slowest", slowest, math.inf, "ms"),
+        Figure(f"after a hand's last move: all, median of {len(drags)}", after, 200, "ms"),
+        Figure("play at 10 times: real time beside the played, × 10", 10 / played.speed, 1 / 0.95,
+               "times"),
+        Figure("playing: longest pause between frames", float(played.frames.max()), 250, "ms"),
+        Figure("playing: pause between frames, p99", float(np.percentile(played.frames, 99)), 100,
+               "ms"),
+        Figure("playing: the moment stood for, longest", float(played.stands.max()), 250, "ms"),
+        Figure("playing: the scan stood for, longest", float(played.scans.max()), 500, "ms"),
+    ]  # fmt: skip
 
 
 async def scene() -> list[Figure]:
@@ -565,7 +603,7 @@ async def scene() -> list[Figure]:
 
 
 PARTS = {
-    "scene": scene, "board": board, "fleet": fleet,
+    "scene": scene, "board": board, "fleet": fleet, "past": past_,
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,

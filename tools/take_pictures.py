@@ -41,6 +41,11 @@ FLAGS = [
     "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
+# Draws in space by software.
+SPACE_FLAGS = [
+    *(flag for flag in FLAGS if flag != "--disable-gpu"),
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+]  # fmt: skip
 
 
 def main(wanted: list[str]) -> int:
@@ -114,21 +119,30 @@ def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
                 walk(browser, address, who, passwords[who], shown)
         shown = [each for each in TOPIC_PAGES if not wanted or each in wanted]
         if shown:
-            with diagnosing():
+            with telling("diagnostics_robot.py", [json.dumps(STATUSES)]):
+                walk(browser, address, "admin", passwords["admin"], shown)
+        shown = [each for each in LOG_PAGES if not wanted or each in wanted]
+        if shown:
+            with telling("log_robot.py", [json.dumps(line) for line in LOG_LINES]):
                 walk(browser, address, "admin", passwords["admin"], shown)
         browser.close()
+        shown = [each for each in SPACE_PAGES if not wanted or each in wanted]
+        if shown:
+            browser = play.chromium.launch(executable_path=path, args=SPACE_FLAGS, env=clean)
+            walk(browser, address, "operator", passwords["operator"], shown)
+            browser.close()
 
 
 @contextmanager
-def diagnosing() -> Iterator[None]:
-    """Let a robot in the demo's own ROS domain publish diagnostics, once a second."""
+def telling(robot_file: str, lines: list[str]) -> Iterator[None]:
+    """Let a robot in the demo's own ROS domain say these lines in turn, one a second."""
     below = psutil.Process().children(recursive=True)
     # The browser leaves some of its own behind.
     alive = [process for process in below if process.status() != psutil.STATUS_ZOMBIE]
-    lines = [process.cmdline() for process in alive]
-    vehicle = next(line for line in lines if "vehicle" in line and "--domain" in line)
+    commands = [process.cmdline() for process in alive]
+    vehicle = next(words for words in commands if "vehicle" in words and "--domain" in words)
     domain = int(vehicle[vehicle.index("--domain") + 1])
-    script = ROOT / "tests" / "system" / "diagnostics_robot.py"
+    script = ROOT / "tests" / "system" / robot_file
     robot = subprocess.Popen(
         [sys.executable, str(script)],
         stdin=subprocess.PIPE,
@@ -139,9 +153,11 @@ def diagnosing() -> Iterator[None]:
     ended = threading.Event()
 
     def publish() -> None:
+        turn = 0
         while robot.stdin is not None and not ended.wait(1.0):
-            robot.stdin.write(json.dumps(STATUSES) + "\n")
+            robot.stdin.write(lines[turn % len(lines)] + "\n")
             robot.stdin.flush()
+            turn += 1
 
     thread = threading.Thread(target=publish)
     thread.start()
@@ -150,7 +166,9 @@ def diagnosing() -> Iterator[None]:
     finally:
         ended.set()
         thread.join()
-        robot.terminate()
+        # Both end with what they read.
+        if robot.stdin is not None:
+            robot.stdin.close()
         robot.wait(20)
 
 
@@ -209,7 +227,8 @@ def set_up(browser: Browser) -> None:
 
 def walk(browser: Browser, address: str, who: str, password: str, shown: list[str]) -> None:
     """Take some pages' pictures in every width and theme."""
-    pages = {**PAGES, **OBSERVATORY_PAGES, **ADMIN_PAGES, **GUEST_PAGES, **TOPIC_PAGES}
+    pages = {**PAGES, **OBSERVATORY_PAGES, **ADMIN_PAGES, **GUEST_PAGES}
+    pages |= {**TOPIC_PAGES, **LOG_PAGES, **SPACE_PAGES}
     for width, size in WIDTHS.items():
         for theme in THEMES:
             context = browser.new_context(
@@ -226,6 +245,11 @@ def walk(browser: Browser, address: str, who: str, password: str, shown: list[st
                 if name != "login":
                     pages[name](page, address, password)
                     page.screenshot(path=TARGET / f"{name}-{width}-{theme}.png")
+                if name in RED and theme == "dark":
+                    page.get_by_role("button", name="Red screen").click()
+                    page.wait_for_timeout(500)
+                    page.screenshot(path=TARGET / f"{name}-{width}-red.png")
+                    page.get_by_role("button", name="Leave red").click()
             page.keyboard.up("w")
             context.close()
 
@@ -349,6 +373,29 @@ def night(page: Page, address: str, _password: str) -> None:
     page.goto(f"{address}/sites/observatory/night")
     page.locator("t-night-glance t-part-dome").wait_for()
     page.wait_for_timeout(4000)
+
+
+def scene(page: Page, address: str, _password: str) -> None:
+    """Show the vehicle in its house, with its scan and the frames."""
+    page.goto(f"{address}/sites/agv/scene")
+    page.locator("t-scene canvas").wait_for()
+    page.get_by_text("live", exact=True).first.wait_for()
+    page.wait_for_timeout(4000)
+
+
+def log(page: Page, address: str, _password: str) -> None:
+    """Show what the robot's nodes wrote."""
+    page.goto(f"{address}/sites/agv/log")
+    # Of those that are kept without being asked for: warnings, and what is worse.
+    page.get_by_text(LOG_LINES[5][2]).first.wait_for(timeout=60_000)
+    page.wait_for_timeout(500)
+
+
+def support(page: Page, address: str, _password: str) -> None:
+    """Show what is in the file for whoever helps."""
+    page.goto(f"{address}/admin/support")
+    page.get_by_role("button", name="Make a support bundle").wait_for()
+    page.wait_for_timeout(300)
 
 
 def objects(page: Page, address: str, _password: str) -> None:
@@ -596,9 +643,14 @@ OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "
 ADMIN_PAGES = {
     "account": account, "people": people_page, "roles": roles, "gateways": gateways,
     "alarms": alarms, "logbook": logbook, "description": description, "storage": storage,
-    "audit": audit, "clients": clients,
+    "audit": audit, "clients": clients, "support": support,
 }  # fmt: skip
 TOPIC_PAGES = {"topics": topics, "diagnostics": diagnostics}
+LOG_PAGES = {"log": log}
+# In these a graphics card is stood in for.
+SPACE_PAGES = {"scene": scene}
+# Taken in red besides.
+RED = ("night",)
 # Name, level, message and values of what `diagnosing` publishes.
 STATUSES = [
     [
@@ -611,6 +663,17 @@ STATUSES = [
     ["/Vehicle/Battery", 1, "18 % left", {"voltage": "11.1 V", "charge": "18 %"}],
     ["lidar: rate", 0, "9.98 Hz", {"wanted": "10 Hz"}],
     ["lidar: connection", 0, "Connected", {"port": "/dev/ttyUSB0"}],
+]
+# Node, level and text of what the robot's log says, one after the other.
+LOG_LINES: list[tuple[str, int, str]] = [
+    ("bt_navigator", 20, "Begin navigating from (0.61, 0.42) to (3.20, -1.05)"),
+    ("controller_server", 20, "Received a goal, begin computing control effort"),
+    ("planner_server", 30, "GridBased: goal is 0.14 m beyond the known map, tolerance 0.25 m"),
+    ("amcl", 10, "Resampled 1842 particles"),
+    ("controller_server", 30, "Control loop missed its desired rate of 20 Hz: 17.4 Hz"),
+    ("lidar", 40, "No answer from /dev/ttyUSB0 for 0.5 s, asking again"),
+    ("lidar", 20, "Connected to /dev/ttyUSB0, 10.0 Hz"),
+    ("bt_navigator", 20, "Goal succeeded"),
 ]
 # Of these the vehicle should have driven about before.
 MOVING = {"home", "board", "live", "history", "devices", "device", "films"}

@@ -7,6 +7,8 @@ export class MessageError extends Error {}
 
 /** Longer lists than a message of this size can hold are not believed. */
 const ENCAPSULATION = 4;
+/** Letters of a short text. */
+const SHORT = 40;
 const decoder = new TextDecoder();
 
 export class MessageReader {
@@ -55,7 +57,7 @@ export class MessageReader {
     const raw = this.rawBytes(this.uint32());
     // In CDR a zero closes it.
     const end = raw.length > 0 && raw[raw.length - 1] === 0 ? raw.length - 1 : raw.length;
-    return decoder.decode(raw.subarray(0, end));
+    return shortText(raw, end) ?? decoder.decode(raw.subarray(0, end));
   }
 
   /** How many entries follow, each of at least `least` bytes. */
@@ -104,4 +106,16 @@ export class MessageReader {
     if (this.at > this.bytes.length) throw new MessageError(msg("it ends too early"));
     return begin;
   }
+}
+
+/** Names of frames come by the thousand a second, and a decoder takes its time for each; null of what is long, or not plain ASCII. */
+function shortText(raw: Uint8Array, end: number): string | null {
+  if (end > SHORT) return null;
+  let text = "";
+  for (let i = 0; i < end; i++) {
+    const letter = raw[i] ?? 0;
+    if (letter > 127) return null;
+    text += String.fromCharCode(letter);
+  }
+  return text;
 }

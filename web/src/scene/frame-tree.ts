@@ -9,6 +9,8 @@ const ORDER: readonly FrameSource[] = ["tf", "joints", "odometry"];
 /** So long what was is kept (µs): scans are older than the transforms that came meanwhile. */
 const KEEP_US = 10e6;
 const MOST_KEPT = 1000;
+/** So many that are older are taken out together. */
+const MANY = 50;
 /** A tree is never so deep; a circle would be. */
 const MOST_DEPTH = 100;
 
@@ -51,16 +53,28 @@ export interface FrameRow {
 
 /** Names of ROS 1 may begin with a slash, which means nothing. */
 export function frameName(name: string): string {
-  return name.replace(/^\/+/, "");
+  return name.startsWith("/") ? name.replace(/^\/+/, "") : name;
 }
 
 export class FrameTree {
   private readonly frames = new Map<string, FrameEntry>();
   private readonly parents = new Set<string>();
+  private changes = 0;
+
+  /** Counts the times that other frames were there, or stood in others: what is made of their names is of use until then. */
+  get version(): number {
+    return this.changes;
+  }
+
+  /** All frames, in no order. */
+  names(): readonly string[] {
+    return [...new Set([...this.frames.keys(), ...this.parents])];
+  }
 
   clear(): void {
     this.frames.clear();
     this.parents.clear();
+    this.changes += 1;
   }
 
   /** Whether there is such a frame. */
@@ -75,10 +89,16 @@ export class FrameTree {
     if (child === "" || parent === "" || child === parent || !isFinite(news.transform)) return;
     const known = this.frames.get(child);
     const stands = known !== undefined && ORDER.indexOf(known.source) < ORDER.indexOf(news.source);
-    if (stands || this.wouldCircle(child, parent)) return;
+    if (stands) return;
+    const moved = known?.parent !== parent;
+    // One that stands where it stood closes no circle.
+    if (moved && this.wouldCircle(child, parent)) return;
     const sample = { timeUs: news.timeUs, transform: news.transform };
-    this.parents.add(parent);
-    if (known === undefined || known.parent !== parent || known.source !== news.source || news.fixed || known.fixed) {
+    if (moved) {
+      this.parents.add(parent);
+      this.changes += 1;
+    }
+    if (known === undefined || moved || known.source !== news.source || news.fixed || known.fixed) {
       this.frames.set(child, { parent, source: news.source, fixed: news.fixed, samples: [sample], heardMs: nowMs });
       return;
     }
@@ -150,7 +170,9 @@ function insertSample(samples: Sample[], sample: Sample): void {
   while (at > 0 && (samples[at - 1]?.timeUs ?? 0) > sample.timeUs) at -= 1;
   if (samples[at - 1]?.timeUs === sample.timeUs) samples[at - 1] = sample;
   else samples.splice(at, 0, sample);
+  // Many at once: to take the first one out moves all others.
   const oldest = (samples.at(-1)?.timeUs ?? 0) - KEEP_US;
+  if (samples.length <= MOST_KEPT && (samples[MANY]?.timeUs ?? Infinity) >= oldest) return;
   const gone = samples.findIndex(({ timeUs }) => timeUs >= oldest);
   samples.splice(0, Math.max(gone, samples.length - MOST_KEPT));
 }
@@ -170,5 +192,6 @@ function sampleAt(samples: readonly Sample[], timeUs: number): Transform {
 }
 
 function isFinite({ at, turn }: Transform): boolean {
-  return [...at, ...turn].every(Number.isFinite);
+  // What is not finite makes the sum so, too.
+  return Number.isFinite(at[0] + at[1] + at[2] + turn[0] + turn[1] + turn[2] + turn[3]);
 }

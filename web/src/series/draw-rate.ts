@@ -1,13 +1,14 @@
 /** How often charts are drawn: as often as an eye can tell, within a share of one core. */
 
-const SMOOTHING = 0.1;
+/** The last rounds, of which the quicker ones tell what drawing takes: longer ones were held up by other programs. */
+const ROUNDS = 9;
 
 export class DrawRate {
-  private cost = 0;
+  private readonly costs: number[] = [];
   private last = -Infinity;
 
   /**
-   * @param leastMs never more often than this (33 ms is 30 pictures a second)
+   * @param leastMs what only moves is never drawn more often than this (33 ms is 30 pictures a second)
    * @param share drawing takes at most this part of the time
    * @param mostMs never less often than this, however dear drawing is
    */
@@ -17,19 +18,26 @@ export class DrawRate {
     private readonly mostMs = 250,
   ) {}
 
-  /** Time between the starts of two rounds that keeps to the share (ms). */
-  get intervalMs(): number {
-    return Math.min(this.mostMs, Math.max(this.leastMs, this.cost / this.share));
+  /**
+   * Time between the starts of two rounds (ms).
+   *
+   * @param fresh something new has come: as soon as the share allows; else no oftener than movement is drawn
+   */
+  intervalMs(fresh: boolean): number {
+    const sorted = [...this.costs].sort((a, b) => a - b);
+    const cost = sorted[sorted.length >> 2] ?? 0;
+    return Math.min(this.mostMs, Math.max(fresh ? 0 : this.leastMs, cost / this.share));
   }
 
   /** Whether a round may start now. A frame that is a little early counts: the next would be late. */
-  isDue(nowMs: number): boolean {
-    return nowMs - this.last >= this.intervalMs - 4;
+  isDue(nowMs: number, fresh: boolean): boolean {
+    return nowMs - this.last >= this.intervalMs(fresh) - 4;
   }
 
   /** Take down a round that was drawn. */
   recordRound(startedMs: number, tookMs: number): void {
     this.last = startedMs;
-    this.cost += (tookMs - this.cost) * SMOOTHING;
+    this.costs.push(tookMs);
+    if (this.costs.length > ROUNDS) this.costs.shift();
   }
 }

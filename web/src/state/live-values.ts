@@ -104,11 +104,11 @@ export class LiveValues implements ReadingSource {
     else group.wanted.delete(channel);
     if (group.scheduled) return;
     group.scheduled = true;
-    // A page that is drawn or left changes many at once: ask once, afterwards.
-    queueMicrotask(() => {
+    // A page that is drawn or left changes many, one after the other in microtasks: ask once, after all of these.
+    setTimeout(() => {
       group.scheduled = false;
       this.subscribeGroup(site, group);
-    });
+    }, 0);
   }
 
   private subscribeGroup(site: string, group: ChannelGroup): void {

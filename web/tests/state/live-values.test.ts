@@ -58,7 +58,8 @@ describe("live values", () => {
       });
     }
   }
-  const microtask = (): Promise<void> => Promise.resolve();
+  /** All that was begun in this turn is done. */
+  const nextTurn = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 0));
 
   test("of many elements are one subscription", async () => {
     const feed = new HandFeed();
@@ -66,21 +67,40 @@ describe("live values", () => {
     live.watchChannel("agv", "b/x", () => undefined);
     live.watchChannel("agv", "a/y", () => undefined);
     live.watchChannel("agv", "a/y", () => undefined);
-    await microtask();
+    await nextTurn();
     expect(feed.open.map((entry) => entry.channels)).toEqual([["a/y", "b/x"]]);
+  });
+
+  test("of elements that are drawn one after the other are one subscription, asked for once", async () => {
+    const feed = new HandFeed();
+    let asked = 0;
+    const live = new LiveValues({
+      subscribe: (...words) => {
+        asked += 1;
+        return feed.subscribe(...words);
+      },
+    });
+    // As elements inside each other are: each draws its own, which come behind in microtasks.
+    for (const channel of ["a/x", "a/y", "a/z"]) {
+      live.watchChannel("agv", channel, () => undefined);
+      await Promise.resolve();
+    }
+    await nextTurn();
+    expect(feed.open.map((entry) => entry.channels)).toEqual([["a/x", "a/y", "a/z"]]);
+    expect(asked).toBe(1);
   });
 
   test("are no longer asked for when the last element has gone", async () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed);
     const stops = [live.watchChannel("agv", "a/y", () => undefined), live.watchChannel("agv", "a/y", () => undefined)];
-    await microtask();
+    await nextTurn();
     stops[0]?.();
     stops[0]?.();
-    await microtask();
+    await nextTurn();
     expect(feed.open).toHaveLength(1);
     stops[1]?.();
-    await microtask();
+    await nextTurn();
     expect(feed.open).toEqual([]);
   });
 
@@ -89,7 +109,7 @@ describe("live values", () => {
     let now = 10_000;
     const live = new LiveValues(feed, () => now);
     live.watchChannel("agv", "a/y", () => undefined);
-    await microtask();
+    await nextTurn();
     feed.say(0, 5, 1.5, [7000]);
     now += 500;
     const reading = live.latestReading("agv", "a/y");
@@ -101,7 +121,7 @@ describe("live values", () => {
     const live = new LiveValues(feed, () => 10_000);
     let told = 0;
     live.watchChannel("agv", "a/y", () => (told += 1));
-    await microtask();
+    await nextTurn();
     feed.say(0, 5, 1.5);
     live.addAge(3_600_000);
     const reading = live.latestReading("agv", "a/y");
@@ -114,7 +134,7 @@ describe("live values", () => {
     const live = new LiveValues(feed, () => 0);
     let calls = 0;
     live.watchChannel("agv", "a/y", () => (calls += 1));
-    await microtask();
+    await nextTurn();
     feed.say(0, 20, 2);
     feed.say(0, 10, 1);
     expect([live.latestReading("agv", "a/y")?.value, calls]).toEqual([2, 1]);
@@ -124,7 +144,7 @@ describe("live values", () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed, () => 0);
     live.watchChannel("agv", "a/y", () => undefined);
-    await microtask();
+    await nextTurn();
     feed.say(4, 20, 2);
     expect(live.latestReading("agv", "a/y")).toBeUndefined();
   });

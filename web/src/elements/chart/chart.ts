@@ -53,8 +53,8 @@ const DRAWN: readonly (keyof Chart)[] = [
 const NO_AXIS: ChartAxis = { limits: { minimum: null, maximum: null }, least: 0 };
 /** The cursor finds a value within so many pixels. */
 const REACH = 14;
-/** New samples are drawn so soon after those before (ms): with 50, what comes every 50 ms would as often as not wait a second time. */
-const SOON_MS = 33;
+/** A window that has moved by so many pixels is drawn anew. */
+const MOVED = 0.5;
 const NO_INDENT: ChartIndent = indentOf(0, 0);
 const NO_OUTLIERS: ReadonlyMap<string, OutlierPoints> = new Map();
 const NO_LEVELS: readonly number[] = [];
@@ -114,7 +114,6 @@ export class Chart extends LitElement implements Paintable {
   private onScreen = false;
   private dirty = true;
   private drawnVersion = -1;
-  private drawnAt = -Infinity;
   private stops: (() => void)[] = [];
   private speakTimer: ReturnType<typeof setTimeout> | undefined;
 
@@ -195,18 +194,29 @@ export class Chart extends LitElement implements Paintable {
 
   // ── painting ────────────────────────────────────────────────────────────────────────────
 
-  get isMoving(): boolean {
-    return this.follow !== null && this.onScreen;
+  get isFresh(): boolean {
+    return this.dirty || this.dataVersion() !== this.drawnVersion;
   }
 
   needsPaint(nowMs: number): boolean {
     if (!this.onScreen || this.view === null) return false;
-    if (this.dirty) return true;
-    const { follow, shown } = this;
-    if (follow === null || shown === null) return false;
-    const moved = (follow(nowMs).toUs - shown.toUs) / this.widthUs(shown);
     // Half a pixel is seen as movement; less is not worth a picture, unless something new came.
-    return moved >= 0.5 || (this.dataVersion() !== this.drawnVersion && nowMs - this.drawnAt >= SOON_MS);
+    return this.dirty || (this.shown !== null && this.follow !== null && (this.isFresh || this.movedPart(nowMs) >= MOVED));
+  }
+
+  restMs(nowMs: number): number {
+    const { follow, shown } = this;
+    if (follow === null || !this.onScreen) return Infinity;
+    if (shown === null) return 0;
+    // Of a moment that is moved by a person or plays, nobody knows how soon it will be elsewhere.
+    const rate = (follow(nowMs + 1000).toUs - follow(nowMs).toUs) / 1000;
+    return rate > 0 ? Math.max(0, ((MOVED - this.movedPart(nowMs)) * this.widthUs(shown)) / rate) : 0;
+  }
+
+  /** By how many pixels the window has moved since it was drawn. */
+  private movedPart(nowMs: number): number {
+    const { follow, shown } = this;
+    return follow === null || shown === null ? 0 : (follow(nowMs).toUs - shown.toUs) / this.widthUs(shown);
   }
 
   paintFrame(nowMs: number): void {
@@ -215,7 +225,6 @@ export class Chart extends LitElement implements Paintable {
     if (span === null || view === null || palette === null) return;
     this.shown = span;
     this.dirty = false;
-    this.drawnAt = nowMs;
     this.drawnVersion = this.dataVersion();
     const columnUs = this.widthUs(span);
     const ranges = this.axes.axisRanges(this.series, span, columnUs);

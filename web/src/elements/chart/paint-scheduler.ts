@@ -4,19 +4,50 @@ import { DrawRate } from "../../series/draw-rate.js";
 
 /** What is drawn in rounds. */
 export interface Paintable {
-  /** Whether there is anything new to draw. */
+  /** Samples or a change that have not been drawn. */
+  readonly isFresh: boolean;
+  /** Whether there is anything to draw: something fresh, or it has moved. */
   needsPaint(nowMs: number): boolean;
   paintFrame(nowMs: number): void;
-  /** It moves by itself: look again at the next frame. */
-  readonly isMoving: boolean;
+  /** How soon (ms) it will have moved; Infinity: not by itself. */
+  restMs(nowMs: number): number;
 }
+
+/** When there are frames, and what time it is (ms). */
+export interface FrameClock {
+  now(): number;
+  nextFrame(run: () => void): void;
+  /** Gives what ends it. */
+  after(ms: number, run: () => void): () => void;
+}
+
+const BROWSER_FRAMES: FrameClock = {
+  now: () => performance.now(),
+  nextFrame: (run) => {
+    requestAnimationFrame(run);
+  },
+  after: (ms, run) => {
+    const timer = setTimeout(run, ms);
+    return () => {
+      clearTimeout(timer);
+    };
+  },
+};
+/** A rest shorter than two frames is none. */
+const LEAST_REST_MS = 34;
+/** However slowly a chart moves, it is looked at this often (ms): what fails to wake us is not late for long. */
+const MOST_REST_MS = 250;
 
 /** A hidden tab gets no frames, so nothing is drawn there. */
 export class PaintScheduler {
   private readonly charts = new Set<Paintable>();
-  private frame = 0;
+  private asked = false;
+  private endRest: (() => void) | null = null;
 
-  constructor(private readonly pace = new DrawRate()) {}
+  constructor(
+    private readonly pace = new DrawRate(),
+    private readonly frames = BROWSER_FRAMES,
+  ) {}
 
   /** Returns the way to take the chart out again. */
   addChart(chart: Paintable): () => void {
@@ -27,28 +58,34 @@ export class PaintScheduler {
     };
   }
 
-  /** A chart has something new. */
-  wakeUp(): void {
-    if (this.frame === 0) this.frame = requestAnimationFrame(this.paintRound);
-  }
+  /** A chart has something new: all that came until the next frame is drawn with it, in one go. */
+  readonly wakeUp = (): void => {
+    this.endRest?.();
+    this.endRest = null;
+    if (this.asked) return;
+    this.asked = true;
+    this.frames.nextFrame(this.paintRound);
+  };
 
   private readonly paintRound = (): void => {
-    this.frame = 0;
-    const started = performance.now();
-    let again = false;
-    if (this.pace.isDue(started)) {
-      let drawn = false;
-      for (const chart of this.charts) {
-        if (chart.needsPaint(started)) {
-          chart.paintFrame(started);
-          drawn = true;
-        }
-        again ||= chart.isMoving;
+    this.asked = false;
+    const started = this.frames.now();
+    const waiting = [...this.charts].filter((chart) => chart.needsPaint(started));
+    if (waiting.length > 0) {
+      if (!this.pace.isDue(started, waiting.some(({ isFresh }) => isFresh))) {
+        this.wakeUp();
+        return;
       }
-      if (drawn) this.pace.recordRound(started, performance.now() - started);
-    } else {
-      again = true;
+      for (const chart of waiting) chart.paintFrame(started);
+      this.pace.recordRound(started, this.frames.now() - started);
     }
-    if (again) this.wakeUp();
+    this.rest(Math.min(...[...this.charts].map((chart) => chart.restMs(started))));
   };
+
+  /** Frames in which nothing moves are not asked for: each costs, drawn or not. */
+  private rest(ms: number): void {
+    if (ms === Infinity || this.asked) return;
+    if (ms < LEAST_REST_MS) this.wakeUp();
+    else this.endRest = this.frames.after(Math.min(ms, MOST_REST_MS), this.wakeUp);
+  }
 }

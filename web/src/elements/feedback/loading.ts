@@ -24,7 +24,8 @@ export class LoadingIndicator extends LitElement {
         border: 2px solid var(--t-line);
         border-block-start-color: var(--t-accent);
         border-radius: 50%;
-        animation: turn 1s linear infinite;
+        /* Not before it is seen: what turns asks for every frame. */
+        animation: turn 1s 0.25s linear infinite;
       }
       @keyframes appear {
         from {

@@ -1,6 +1,7 @@
 /** The robot's form once more, translucent, where a digital twin is: at each frame that ends as the robot's own does. */
 
 import { Group, Mesh, MeshBasicMaterial, type Scene } from "three";
+import type { FrameTree } from "../../scene/frame-tree.js";
 import type { SceneModel } from "../../scene/scene-model.js";
 import { composed, IDENTITY } from "../../scene/transform.js";
 import { ghostFrames } from "../../scene/scene-topics.js";
@@ -10,12 +11,16 @@ import type { RobotModel } from "./robot-model.js";
 const OPACITY = 0.35;
 /** The robot's frame that a twin's frame is the same of. */
 const BODY = "base_link";
+const NONE: readonly string[] = [];
 
 export class GhostModels {
   private readonly ghosts = new Map<string, Group>();
   private readonly paint = new MeshBasicMaterial({ transparent: true, opacity: OPACITY, depthWrite: false });
   private meshes = 0;
   private robot: RobotModel | null = null;
+  private tree: FrameTree | null = null;
+  private version = -1;
+  private frames: readonly string[] = NONE;
 
   constructor(private readonly scene: Scene) {}
 
@@ -25,7 +30,8 @@ export class GhostModels {
 
   /** Draws all that there are now; none without a robot's form. */
   update(robot: RobotModel | null, model: SceneModel, { fixed, showRobot }: SceneOptions): void {
-    const frames = robot === null || !showRobot ? [] : ghostFrames(model.tree.rows(model.nowMs()).map(({ name }) => name));
+    const frames = robot === null || !showRobot ? NONE : this.framesOf(model);
+    if (frames.length === 0 && this.ghosts.size === 0) return;
     // Meshes come one by one: a ghost of fewer is made anew.
     const meshes = robot === null ? 0 : countMeshes(robot);
     if (meshes !== this.meshes || robot !== this.robot) this.clear();
@@ -47,6 +53,12 @@ export class GhostModels {
       ghost.position.set(...at);
       ghost.quaternion.set(...turn);
     }
+  }
+
+  /** Names of frames are the same for most pictures. */
+  private framesOf({ tree }: SceneModel): readonly string[] {
+    if (tree !== this.tree || tree.version !== this.version) [this.tree, this.version, this.frames] = [tree, tree.version, ghostFrames(tree.names())];
+    return this.frames;
   }
 
   dispose(): void {

@@ -11,6 +11,7 @@ export class RobotModel {
   readonly root: URDFRobot;
   /** Frame of the link that all others hang on. */
   readonly frame: string;
+  private readonly jointed: readonly JointedLinks[];
 
   /**
    * @param onChange a mesh has come
@@ -37,8 +38,9 @@ export class RobotModel {
       );
     };
     this.root = loader.parse(urdf);
+    this.jointed = Object.values(this.root.joints).flatMap((joint) => linksOf(joint) ?? []);
     // A link without a joint above it: its frame is the robot's.
-    const children = new Set(this.joints().map((joint) => childOf(joint)?.name));
+    const children = new Set(this.jointed.map(({ child }) => child));
     this.frame = Object.keys(this.root.links).find((name) => !children.has(name)) ?? "";
   }
 
@@ -48,17 +50,14 @@ export class RobotModel {
       const value = joints.positions[at];
       if (value !== undefined && Number.isFinite(value)) this.root.setJointValue(name, value);
     });
-    for (const joint of this.joints()) {
-      const child = childOf(joint);
-      const parent = joint.parent;
-      if (child === null || parent === null) continue;
+    for (const { joint, parent, child } of this.jointed) {
       const fixed = joint.jointType === "fixed";
       if (!fixed && joints === null) continue;
       const { position, quaternion } = joint;
       model.tree.add(
         {
-          parent: linkName(parent),
-          child: linkName(child),
+          parent,
+          child,
           timeUs: joints?.timeUs ?? 0,
           transform: { at: [position.x, position.y, position.z], turn: [quaternion.x, quaternion.y, quaternion.z, quaternion.w] },
           source: "joints",
@@ -71,23 +70,25 @@ export class RobotModel {
 
   /** Puts each link where the tree has it now. */
   placeLinks(model: SceneModel): void {
-    for (const joint of this.joints()) {
-      const child = childOf(joint);
-      if (child === null || joint.parent === null) continue;
-      const found = model.tree.find(linkName(joint.parent), linkName(child), Infinity);
+    for (const { joint, parent, child } of this.jointed) {
+      const found = model.tree.find(parent, child, Infinity);
       if (found === null) continue;
       joint.position.set(...found.at);
       joint.quaternion.set(...found.turn);
     }
   }
-
-  private joints(): readonly URDFJoint[] {
-    return Object.values(this.root.joints);
-  }
 }
 
-function childOf(joint: URDFJoint): Object3D | null {
-  return joint.children.find((child) => "isURDFLink" in child) ?? null;
+/** A joint with the names of the links that it joins. */
+interface JointedLinks {
+  readonly joint: URDFJoint;
+  readonly parent: string;
+  readonly child: string;
+}
+
+function linksOf(joint: URDFJoint): JointedLinks | null {
+  const child = joint.children.find((part) => "isURDFLink" in part);
+  return child === undefined || joint.parent === null ? null : { joint, parent: linkName(joint.parent), child: linkName(child) };
 }
 
 /** The robot itself stands for its root link, and has its own name besides. */

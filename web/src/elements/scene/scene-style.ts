@@ -23,9 +23,49 @@ export const sceneStyle = css`
     min-block-size: var(--t-scene-least, 22rem);
     block-size: var(--t-scene-height, 70vh);
     ${raisedBox}
-    /* Round corners of a picture that moves are cut out of each frame anew: in software a sixth of its cost. */
     border-radius: 0;
-    overflow: hidden;
+    box-shadow: none;
+  }
+  /*
+   * Round corners of a picture that moves are cut out of each frame anew: in software a sixth of its cost. So four small
+   * pieces of what lies around it cover its corners, with the edge on them.
+   */
+  .corner {
+    --at: calc(var(--t-radius) - 0.5px);
+    position: absolute;
+    inline-size: var(--t-radius);
+    block-size: var(--t-radius);
+    background: radial-gradient(
+      circle at var(--middle),
+      transparent calc(var(--at) - 1px),
+      var(--t-line) calc(var(--at) - 0.5px) calc(var(--at) + 0.25px),
+      var(--t-scene-around, var(--t-bg)) calc(var(--at) + 0.75px)
+    );
+    pointer-events: none;
+  }
+  .corner:is(.nw, .ne) {
+    inset-block-start: -1px;
+  }
+  .corner:is(.sw, .se) {
+    inset-block-end: -1px;
+  }
+  .corner:is(.nw, .sw) {
+    inset-inline-start: -1px;
+  }
+  .corner:is(.ne, .se) {
+    inset-inline-end: -1px;
+  }
+  .nw {
+    --middle: bottom right;
+  }
+  .ne {
+    --middle: bottom left;
+  }
+  .sw {
+    --middle: top right;
+  }
+  .se {
+    --middle: top left;
   }
   canvas {
     position: absolute;

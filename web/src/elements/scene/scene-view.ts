@@ -62,7 +62,8 @@ export class SceneView implements SceneDrawing {
   private preview: Object3D[] = [];
   private followed: Vector | null = null;
   private colours: SceneColours;
-  private paintKey = "";
+  /** Layers have colours that are not true any more. */
+  private repaint = false;
   private readonly painting = new FrameSchedule(() => {
     this.paint();
   });
@@ -76,8 +77,7 @@ export class SceneView implements SceneDrawing {
     colours: SceneColours,
     private readonly onTrouble: (why: string) => void,
   ) {
-    // In software smooth edges take as long as all the rest together.
-    this.renderer = new WebGLRenderer({ canvas, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
+    this.renderer = new WebGLRenderer({ canvas, context: openGraphics(canvas) });
     this.meshes = new MeshStore(site);
     // REP-103: z is up.
     this.camera.up.set(0, 0, 1);
@@ -94,6 +94,7 @@ export class SceneView implements SceneDrawing {
 
   setColours(colours: SceneColours): void {
     this.colours = colours;
+    this.repaint = true;
     this.scene.background = new Color(colours.background);
     this.ghosts.setColours(colours);
     // In red light a model is red, whatever its own colours: at night nothing else may shine.
@@ -111,6 +112,7 @@ export class SceneView implements SceneDrawing {
   }
 
   setOptions(options: SceneOptions): void {
+    this.repaint ||= options.cloudBy !== this.options.cloudBy;
     this.options = options;
     this.schedule();
   }
@@ -258,9 +260,8 @@ export class SceneView implements SceneDrawing {
 
   private updateLayers(): void {
     const { model, options } = this;
-    const key = JSON.stringify([this.colours, options.cloudBy]);
-    const repaint = key !== this.paintKey;
-    this.paintKey = key;
+    const { repaint } = this;
+    this.repaint = false;
     for (const [topic, { object }] of this.drawn) {
       if (model.layers.has(topic) && !repaint) continue;
       this.scene.remove(object);
@@ -346,6 +347,17 @@ export class SceneView implements SceneDrawing {
     this.camera.lookAt(this.controls.target);
     this.camera.updateMatrixWorld();
   }
+}
+
+/**
+ * Three's own way would let what lies behind the canvas shine through: then the browser draws that for each frame, too,
+ * and mixes both. What is opaque is drawn alone.
+ */
+function openGraphics(canvas: HTMLCanvasElement): WebGL2RenderingContext {
+  // In software smooth edges take as long as all the rest together.
+  const context = canvas.getContext("webgl2", { alpha: false, antialias: !isSoftware(rendererName()), preserveDrawingBuffer: false });
+  if (context === null) throw new Error("no WebGL");
+  return context;
 }
 
 function placeObject(object: Object3D, { at, turn }: Transform): void {

@@ -41,6 +41,9 @@ const AGAIN_MS = 5000;
 /** A frame that is not said for so long (s) is old. */
 const OLD_S = 2;
 
+/** What makes the picture's corners round; see the style. */
+const CORNERS = html`<i class="corner nw"></i><i class="corner ne"></i><i class="corner sw"></i><i class="corner se"></i>`;
+
 /** A tool that gives a place with a heading: a button's name by what `t-pose` says. */
 export interface PoseTool {
   readonly id: string;
@@ -156,6 +159,7 @@ export class SceneElement extends LitElement {
         ${this.drawing === null ? html`<div class="notes"><div class="note"><t-loading what=${msg("Loading the scene")}></t-loading></div></div>` : nothing}
         ${this.renderTools()}
         <div class="notes">${this.noSpace === "" ? nothing : html`<p class="note">${this.noSpace}</p>`}${this.renderNote()}</div>
+        ${CORNERS}
       </div>
       ${this.bare ? nothing : this.renderSide(session.topics)}`;
   }

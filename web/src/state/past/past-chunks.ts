@@ -2,6 +2,7 @@
 
 import type { HistoryAnswer, SeriesShape, ValueList, ValueShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
+import { channelGroups } from "./channel-groups.js";
 
 /** What is asked of the hub. */
 export interface PastSource {
@@ -32,8 +33,6 @@ interface Chunk {
   untilUs: number;
 }
 
-/** Channels in one question: an address may not get too long. */
-const AT_ONCE = 24;
 /** Stretches that are asked for at a time: who scrubs wants the last one, not all between. */
 const MOST_RUNNING = 2;
 const MOST_KEPT = 16;
@@ -137,7 +136,7 @@ export class PastChunks {
     for (const channel of channels) chunk.asked.add(channel);
     this.running += 1;
     try {
-      for (let i = 0; i < channels.length; i += AT_ONCE) await this.askSome(chunk, index, channels.slice(i, i + AT_ONCE));
+      for (const group of channelGroups(channels)) await this.askSome(chunk, index, group);
       chunk.untilUs = askedUs;
     } catch (error) {
       if (!this.ending.signal.aborted) this.failure = error;

@@ -2,8 +2,9 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query } from "lit/decorators.js";
+import { customElement, property, query, state } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
+import { FrameSchedule } from "../../elements/base/frame-schedule.js";
 import { base, raisedBox } from "../../elements/base/base-style.js";
 import { adviceFor } from "../../format/error-advice.js";
 import type { BoardTileShape } from "../../generated/api.js";
@@ -13,6 +14,9 @@ import "../../elements/feedback/loading.js";
 import { boardTileEntry } from "./board-catalog.js";
 import type { BoardTileContext, BoardTileEntry } from "./board-tile-entry.js";
 import { tileTrouble, type TileTrouble } from "./tile-trouble.js";
+
+/** What takes no longer is not worth a word, nor the elements for it in each tile. */
+const LATE_MS = 250;
 
 @customElement("t-board-tile")
 export class BoardTile extends LitElement {
@@ -27,6 +31,8 @@ export class BoardTile extends LitElement {
         min-inline-size: 0;
         ${raisedBox}
         overflow: hidden;
+        /* It has its size from the board: what changes in it moves nothing around it, and no other tile is laid out anew. */
+        contain: strict;
       }
       :host([past]) {
         border-style: dashed;
@@ -58,6 +64,7 @@ export class BoardTile extends LitElement {
         position: relative;
         container-type: inline-size;
         --t-map-height: 8rem;
+        --t-scene-around: var(--t-surface);
       }
       .inside:focus-visible {
         outline-offset: -3px;
@@ -90,18 +97,28 @@ export class BoardTile extends LitElement {
   @query(".inside") private readonly inside!: HTMLElement | null;
 
   private readonly element = new LoadController<unknown>(this);
-  private readonly size = new ResizeObserver(() => {
+  /** To be measured once all tiles are drawn: in between, each would have the whole board laid out anew. */
+  private readonly measuring = new FrameSchedule(() => {
     this.letScroll();
   });
+  private readonly size = new ResizeObserver(this.measuring.schedule);
+  /** It has been on its way for so long that it is said. */
+  @state() private late = false;
+  private lateTimer: ReturnType<typeof setTimeout> | undefined;
 
   override connectedCallback(): void {
     super.connectedCallback();
     this.size.observe(this);
+    this.lateTimer = setTimeout(() => {
+      if (this.element.result.state === "loading") this.late = true;
+    }, LATE_MS);
   }
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
     this.size.disconnect();
+    this.measuring.cancel();
+    clearTimeout(this.lateTimer);
   }
 
   override willUpdate(): void {
@@ -119,7 +136,7 @@ export class BoardTile extends LitElement {
   }
 
   override updated(): void {
-    this.letScroll();
+    this.measuring.schedule();
   }
 
   private renderInside(tile: BoardTileShape, entry: BoardTileEntry | null, context: BoardTileContext): unknown {
@@ -133,7 +150,7 @@ export class BoardTile extends LitElement {
     if (trouble !== null) return renderTrouble(trouble);
     const { result } = this.element;
     if (result.state === "failed") return html`<div data-state="error">${renderAdvice(adviceFor(result.error, msg("the tile")), this.element.invalidate)}</div>`;
-    if (result.state !== "ready") return html`<t-loading what=${msg("Loading the tile")}></t-loading>`;
+    if (result.state !== "ready") return !this.late ? nothing : html`<t-loading what=${msg("Loading the tile")}></t-loading>`;
     if (this.arranged && entry.rests === true) {
       return html`<div class="trouble"><t-icon name=${entry.icon}></t-icon><span>${msg(str`${entry.title}: at rest while the board is arranged.`)}</span></div>`;
     }

@@ -8,6 +8,7 @@ import { toShown } from "../../format/unit.js";
 import type { GapShape, HistoryAnswer, ShownUnitShape, SignalShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
+import { channelGroups } from "../../state/past/channel-groups.js";
 import { samplesOf } from "../../state/past/history-samples.js";
 
 /** What the feed needs of a connection. */
@@ -24,8 +25,6 @@ export interface HistorySource {
 const EVERY_MS = 50;
 /** A back-fill never needs more pixels than a wide chart has. */
 const BACKFILL_PX = 1200;
-/** Channels in one question: an address may not get too long. */
-const AT_ONCE = 24;
 
 /** The history has a score at least this often while samples come (s). */
 const WRITTEN_S = 130;
@@ -186,7 +185,7 @@ export class ChartFeed {
     this.backfill = "loading";
     try {
       for (const some of [missing.filter((address) => !this.scores.has(address)), missing.filter((address) => this.scores.has(address))]) {
-        for (let i = 0; i < some.length; i += AT_ONCE) await this.loadHistoryOf(some.slice(i, i + AT_ONCE), span, asking.signal);
+        for (const group of channelGroups(some)) await this.loadHistoryOf(group, span, asking.signal);
       }
       this.backfill = "done";
     } catch {

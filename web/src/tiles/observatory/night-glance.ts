@@ -51,7 +51,7 @@ export class NightGlance extends LitElement {
       }
       .readings {
         display: grid;
-        grid-template-columns: repeat(auto-fill, minmax(min(7rem, 100%), 1fr));
+        grid-template-columns: repeat(auto-fill, minmax(min(10rem, 100%), 1fr));
         gap: var(--t-space-2) var(--t-space-3);
       }
       .target {
