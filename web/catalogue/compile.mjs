@@ -1,7 +1,7 @@
 /** Makes modules of catalogues, in the shape that `@lit/localize` reads in its runtime mode. */
 
 import ts from "typescript";
-import { FORMS } from "./xliff.mjs";
+import { FORMS, isMarkup } from "./xliff.mjs";
 
 /**
  * The source of a module with the messages of a catalogue. What is not translated is left out, and stays English.
@@ -26,7 +26,7 @@ function accented(text) {
 }
 
 function messageOf({ id, source, target }) {
-  const markup = id.startsWith("h");
+  const markup = isMarkup(id);
   const first = numbersOf(source);
   let places = 0;
   const body = target

@@ -39,10 +39,10 @@ import "./alarm-history.js";
 
 type AlarmAction = "assign" | "comment" | "shelve";
 
-const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: string, action: string]>> = {
-  assign: [msg("Who sees to it?"), msg("Name of the person (empty: nobody)"), msg("Assign")],
-  comment: [msg("Say something about it"), msg("Comment"), msg("Keep")],
-  shelve: [msg("Put it aside for a while"), msg("Why"), msg("Shelve")],
+const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: string, action: string, asked: string]>> = {
+  assign: [msg("Who sees to it?"), msg("Name of the person (empty: nobody)"), msg("Assign"), msg("assign the alarm")],
+  comment: [msg("Say something about it"), msg("Comment", { id: "comment.noun" }), msg("Keep"), msg("keep the comment")],
+  shelve: [msg("Put it aside for a while"), msg("Why"), msg("Shelve"), msg("shelve the alarm")],
 };
 
 const SHELVE_HOURS = [["0.5", msg("half an hour")], ["1", msg("1 hour")], ["8", msg("8 hours")], ["24", msg("1 day")], ["168", msg("7 days")]] as const;
@@ -364,7 +364,7 @@ export class PageAlarms extends LitElement {
     const { site, alarm } = doing.about;
     const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
     const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
-    void this.action.run(msg(str`${doing.what} it`), () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
+    void this.action.run(QUESTIONS[doing.what][3], () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
       // Another question may have been opened while the hub was asked.
       if (done && this.doing.subject === doing) this.doing.close();
     });

@@ -143,7 +143,7 @@ export class PageArchive extends LitElement {
         </select>
       </t-field>
       <t-field label=${msg("Target")}><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
-      <t-field label=${msg("Filter")}><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
+      <t-field label=${msg("Filter", { id: "filter.optical" })}><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
       <t-field label=${msg("Camera")}><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
       <t-field label="RA (J2000)" hint=${msg("05:34:32 or 83.63°")} error=${errorOf("ra")}>
         <input name="ra" autocomplete="off" .value=${shownRa(filter)} />

@@ -54,7 +54,7 @@ export class AuditFilterForm extends LitElement {
       <t-field label=${msg("Kind")} hint=""><input name="kind" autocomplete="off" maxlength="200" .value=${filter.kind} /></t-field>
       <t-field label=${msg("Outcome")}>
         <select name="good">
-          ${renderOptions([["", msg("both")], ["true", msg("done")], ["false", msg("refused")]], filter.good)}
+          ${renderOptions([["", msg("both")], ["true", msg("done", { id: "done.outcome" })], ["false", msg("refused", { id: "refused.outcome" })]], filter.good)}
         </select>
       </t-field>
       <t-field class="time" label=${msg(str`From (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}>

@@ -130,7 +130,7 @@ export class PageAudit extends LitElement {
     { title: msg("Who"), name: "who", cell: renderPerson },
     { title: msg("What"), name: "what", cell: ({ kind, message }) => html`<strong>${kind}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
     { title: msg("Where"), name: "where", cell: ({ site, device, source }) => [site, device, source === "gateway" ? msg("said by the gateway") : ""].filter(Boolean).join(" · ") || html`<span class="muted">${msg("hub")}</span>` },
-    { title: msg("Outcome"), cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? msg("done") : msg("refused")}></t-status>` },
+    { title: msg("Outcome"), cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? msg("done", { id: "done.outcome" }) : msg("refused", { id: "refused.outcome" })}></t-status>` },
   ];
 
   private filter(): AuditFilter {

@@ -87,7 +87,7 @@ export class WitnessedHubs extends LitElement {
   }
 
   private renderList(rows: readonly WitnessedHubShape[]): unknown {
-    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("There are none.")}</p>`;
+    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("There are none.", { id: "there-are-none.hubs" })}</p>`;
     return renderRows(rows, (row) => this.renderRow(row));
   }
 

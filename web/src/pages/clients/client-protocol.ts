@@ -132,7 +132,7 @@ function ownZone(): string {
 
 function openWords({ path, connected }: ClientProtocolShape): string {
   // Where the hub connects, its broker says below how that stands.
-  if (path === "") return msg("open");
+  if (path === "") return msg("open", { id: "open.clients" });
   if (connected === 0) return msg("open, nobody is connected");
   return plural(connected, msg("open, 1 client is connected"), msg(str`open, ${String(connected)} clients are connected`));
 }

@@ -31,7 +31,7 @@ import "../../tiles/observatory/device-summary.js";
 const AGAIN_S = 5;
 
 const STANDINGS: readonly ChoiceOption[] = [
-  { id: "", label: msg("All") },
+  { id: "", label: msg("All", { id: "all.devices" }) },
   { id: "online", label: msg("Online") },
   { id: "stale", label: msg("Stale") },
   { id: "unreached", label: msg("Not reached") },
@@ -128,7 +128,7 @@ export class PageDevices extends LitElement {
         rows === undefined ? nothing : devicesSummary(rows),
         html`<div class="tools" role="search">
           <t-choice label=${msg("Status")} .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
-          <input type="search" aria-label=${msg("Filter devices")} placeholder=${msg("Filter")} .value=${this.words} @input=${this.onInput} />
+          <input type="search" aria-label=${msg("Filter devices")} placeholder=${msg("Filter", { id: "filter.verb" })} .value=${this.words} @input=${this.onInput} />
         </div>`,
       )}
       ${renderLoaded(this.rows, msg("the list of devices"), (loaded) => this.renderContent(loaded))}`;

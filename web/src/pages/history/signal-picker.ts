@@ -103,7 +103,7 @@ export class SignalPicker extends LitElement {
     const devices = [...new Set(described.map(({ device }) => device))];
     return html`
       <div class="head">
-        <input type="search" placeholder=${msg("Filter")} aria-label=${msg("Filter signals")} @input=${this.onInput} />
+        <input type="search" placeholder=${msg("Filter", { id: "filter.verb" })} aria-label=${msg("Filter signals")} @input=${this.onInput} />
         <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.clearChoice}>${msg("Clear")}</t-button>
       </div>
       ${repeat(

@@ -149,7 +149,7 @@ export class PageLogbook extends LitElement {
           <t-field label=${msg("Who")}><input name="who" maxlength="200" autocomplete="off" .value=${settled(filter.who)} /></t-field>
           <t-field label=${msg("Device")}>
             <select name="device">
-              ${renderOptions([["", msg("All")], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
+              ${renderOptions([["", msg("All", { id: "all.devices" })], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
             </select>
           </t-field>
           <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> ${msg("Only what went wrong")}</label>

@@ -23,6 +23,7 @@ import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi, type GroupStep } from "../../wire/observing-api.js";
 import { constraintsText, motionText } from "./constraint-text.js";
+import { GUIDING_WORDS, IMAGE_WORDS } from "./form/draft.js";
 import { angleText } from "./form/framing-draft.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -178,7 +179,7 @@ export class RequestDetailView extends LitElement {
       <dd>${msg(str`${URGENCY_WORDS[group.urgency]}, priority ${group.priority}`)}</dd>
       ${target?.type === "ICRS" ? html`<dt>J2000</dt><dd>${formatRa(target.ra / 15)} ${formatDec(target.dec)}${motionText(target)}</dd>` : nothing}
       ${target?.type === "ICRS" && target.position_angle != null ? html`<dt>${msg("Position angle")}</dt><dd>${msg(str`${angleText(target.position_angle)}°, of the top from north through east`)}</dd>` : nothing}
-      <dt>${windows.length === 1 ? msg("Window") : "Windows"}</dt>
+      <dt>${windows.length === 1 ? msg("Window") : msg("Windows")}</dt>
       <dd>${map(windows, ({ start_us: start, end_us: end }) => html`<div>${msg(html`<t-time .us=${start} .zone=${this.zone}></t-time> to <t-time .us=${end} .zone=${this.zone}></t-time>`)}</div>`)}</dd>
       <dt>${msg("Must hold")}</dt>
       <dd>${constraintsText(constraints)}</dd>
@@ -193,13 +194,13 @@ export class RequestDetailView extends LitElement {
         rows,
         key: ({ id }) => id,
         columns: [
-          { title: msg("Kind"), heads: true, cell: ({ type = "LIGHT" }) => type.toLowerCase().replace("_", " ") },
-          { title: msg("Filter"), titled: true, cell: ({ filter = "" }) => (filter === "" ? msg("any") : filter) },
+          { title: msg("Kind"), heads: true, cell: ({ type = "LIGHT" }) => IMAGE_WORDS[type] },
+          { title: msg("Filter", { id: "filter.optical" }), titled: true, cell: ({ filter = "" }) => (filter === "" ? msg("any") : filter) },
           { title: msg("Exposure"), titled: true, cell: ({ exposure }) => `${String(exposure)} s` },
           { title: msg("Binning"), titled: true, cell: ({ binning = 1 }) => `${String(binning)} × ${String(binning)}` },
           { title: msg("Gain"), titled: true, cell: ({ gain }) => (gain == null ? msg("as it is") : String(gain)) },
-          { title: msg("Guiding"), titled: true, cell: ({ guiding = "OFF" }) => guiding.toLowerCase() },
-          { title: msg("Done"), titled: true, cell: ({ done: many, count = 1 }) => msg(str`${String(many)} of ${String(count)}`) },
+          { title: msg("Guiding"), titled: true, cell: ({ guiding = "OFF" }) => GUIDING_WORDS[guiding] },
+          { title: msg("Done", { id: "done.frames" }), titled: true, cell: ({ done: many, count = 1 }) => msg(str`${String(many)} of ${String(count)}`) },
         ],
       })}
     </div>`;

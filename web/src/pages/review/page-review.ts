@@ -118,7 +118,7 @@ export class PageReview extends LitElement {
 
   override render(): TemplateResult {
     return html`${renderPageHead(
-        msg("Review"),
+        msg("Review", { id: "review.page" }),
         msg(str`What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} saw, day by day.`),
         html`<div class="actions">
           <a href=${sitePath(this.site, "sightings")}>${msg("Sightings")}</a>

@@ -118,7 +118,7 @@ export class PageSightings extends LitElement {
         msg("Sightings"),
         msg(str`What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.`),
         html`<div class="actions">
-          <a href=${sitePath(this.site, "review")}>${msg("Review")}</a>
+          <a href=${sitePath(this.site, "review")}>${msg("Review", { id: "review.page" })}</a>
           <a href=${sitePath(this.site, "cameras")}>${msg("Cameras")}</a>
           <a href=${sitePath(this.site, "logbook")}>${msg("Logbook")}</a>
         </div>`,
