@@ -6,3 +6,8 @@ import { intlLocale } from "./locale.js";
 export function eitherText(names: readonly string[]): string {
   return new Intl.ListFormat(intlLocale(), { type: "disjunction" }).format(names);
 }
+
+/** `a`, `a and b`, `a, b and c`. */
+export function togetherText(names: readonly string[]): string {
+  return new Intl.ListFormat(intlLocale(), { type: "conjunction" }).format(names);
+}

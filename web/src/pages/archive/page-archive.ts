@@ -198,7 +198,7 @@ export class PageArchive extends LitElement {
         ${frame.stars === null
           ? nothing
           : html`<span class="muted small">
-              ${[msg(str`${String(frame.stars)} stars`), frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.solved ? msg("solved") : ""].filter(Boolean).join(" · ")}
+              ${[plural(frame.stars, msg("1 star"), msg(str`${String(frame.stars)} stars`)), frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.solved ? msg("solved") : ""].filter(Boolean).join(" · ")}
             </span>`}
         <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone()}></t-time></span>
         ${frame.ra_deg === null || frame.dec_deg === null

@@ -19,6 +19,7 @@ import { devicePath } from "../../state/router.js";
 import type { DeviceSummary, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
+import { togetherText } from "../../words/lists.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -143,7 +144,7 @@ export class PageDevices extends LitElement {
     const shown = rows.filter((row) => matchesSearch(row, this.words, this.chosen, this.isUnreachable(row)));
     if (shown.length === 0) {
       return html`<t-empty heading=${msg("No device matches")} icon="devices">
-        <p>${msg(str`${String(rows.length)} devices are open to you, and none of them is like this.`)}</p>
+        <p>${plural(rows.length, msg("One device is open to you, and it is not like this."), msg(str`${String(rows.length)} devices are open to you, and none of them is like this.`))}</p>
         <t-button @click=${this.clearSearch}>${msg("Show all")}</t-button>
       </t-empty>`;
     }
@@ -169,11 +170,11 @@ export class PageDevices extends LitElement {
     const names = detail?.devices.filter((device) => device.unguarded).map((device) => device.name) ?? [];
     if (names.length === 0) return nothing;
     const many = names.length > 1;
-    const who = many ? msg(str`${names.slice(0, -1).join(", ")} and ${names.at(-1) ?? ""} do`) : msg(str`${names[0] ?? ""} does`);
+    const who = togetherText(names);
     return html`<p class="unguarded" role="note">
       <t-icon name="info"></t-icon>
       <span>
-        ${many ? msg(html`${who} not close or park by themselves. In rain, in wind or without weather data only a person closes or parks them (docs: <em>Make a robot safe by itself</em>).`) : msg(html`${who} not close or park by itself. In rain, in wind or without weather data only a person closes or parks it (docs: <em>Make a robot safe by itself</em>).`)}
+        ${many ? msg(html`${who} do not close or park by themselves. In rain, in wind or without weather data only a person closes or parks them (docs: <em>Make a robot safe by itself</em>).`) : msg(html`${who} does not close or park by itself. In rain, in wind or without weather data only a person closes or parks it (docs: <em>Make a robot safe by itself</em>).`)}
       </span>
     </p>`;
   }

@@ -1,6 +1,6 @@
 /** Zones and lines of a camera as a person draws them, and as the site's description has them. Pure. */
 
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import type { PicturePoint } from "../../elements/camera/mark-shapes.js";
 import { changedAt, freeName, isObject, valueAt, type Json, type JsonObject } from "../description/json-schema.js";
 

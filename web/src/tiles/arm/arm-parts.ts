@@ -6,7 +6,7 @@
  * arguments. Pure.
  */
 
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import type { CommandShape, DeviceShape, SignalShape } from "../../generated/api.js";
 import type { CommandButton } from "../observatory/roles.js";
 
