@@ -5,6 +5,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { eventWords } from "../../format/event-kinds.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
@@ -163,7 +164,7 @@ export class LogbookBoardTile extends LitElement {
                 ({ id }) => id,
                 ({ time_us: time, kind, who, message, good }) => html`<li>
                   <div class="facts"><t-time short .us=${time} .zone=${zone}></t-time>${who === "" ? nothing : html`<span>${who}</span>`}</div>
-                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
+                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${eventWords(kind)}</strong> ${message}</div>
                 </li>`,
               )}
             </ul>
