@@ -80,7 +80,7 @@ export function plainText(parts) {
   return parts.map((part) => (typeof part === "string" ? part : `{${part.id}}`)).join("");
 }
 
-const HASH = /^([hs])[0-9a-f]{16}$/;
+const HASH = /^([hs])[0-9a-f]+$/;
 
 /** Whether a message is markup; one whose id the code gives is not. */
 export function isMarkup(id) {
