@@ -187,8 +187,9 @@ export class PageAlarms extends LitElement {
     const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
     const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
     if (list.length === 0) return "";
-    const parts = [plural(on, msg("1 is active"), msg(str`${String(on)} are active`)), msg(str`of ${String(list.length)}`)];
-    return parts.join(" ") + (unknown === 0 ? "." : msg(str`; ${String(unknown)} cannot be judged now.`));
+    const all = String(list.length);
+    const active = plural(on, msg(str`1 is active of ${all}`), msg(str`${String(on)} are active of ${all}`));
+    return unknown === 0 ? `${active}.` : msg(str`${active}; ${String(unknown)} cannot be judged now.`);
   }
 
   private renderSheet(list: readonly AlarmUpdate[]): TemplateResult {

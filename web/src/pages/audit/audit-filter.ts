@@ -47,7 +47,7 @@ export class AuditFilterForm extends LitElement {
       <t-field label=${msg("Person")}><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
       <t-field label=${msg("Site")}>
         <select name="site">
-          ${renderOptions([["", "all"], ...this.sites.map(({ site, name }) => [site, name] as const)], filter.site)}
+          ${renderOptions([["", msg("all", { id: "all.sites" })], ...this.sites.map(({ site, name }) => [site, name] as const)], filter.site)}
         </select>
       </t-field>
       <t-field label=${msg("Device")}><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>

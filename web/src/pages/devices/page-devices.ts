@@ -19,6 +19,7 @@ import { devicePath } from "../../state/router.js";
 import type { DeviceSummary, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
+import { deviceKindWords } from "../../format/device-kinds.js";
 import { togetherText } from "../../words/lists.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
@@ -192,7 +193,7 @@ export class PageDevices extends LitElement {
       </div>
       ${this.renderSummary(row)}
       <div class="facts">
-        <span>${row.kind}</span>
+        <span>${deviceKindWords(row.kind)}</span>
         <span>${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}</span>
       </div>
       <div class="chips">

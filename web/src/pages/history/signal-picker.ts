@@ -132,7 +132,7 @@ export class SignalPicker extends LitElement {
       (row) => html`<label title=${row.address}
         ><input type="checkbox" .value=${row.address} .checked=${this.chosen.includes(row.address)} /><span class="name"
           >${row.name}${row.former ? html` <span class="unit">${row.device.name}</span>` : nothing}</span
-        ><span class="unit">${row.type === "number" ? row.unit : row.type}</span></label
+        ><span class="unit">${row.type === "number" ? row.unit : row.type === "state" ? msg("state", { id: "state.type" }) : msg("text", { id: "text.type" })}</span></label
       >`,
     );
   }
