@@ -2,7 +2,7 @@ import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import { compileCatalogue } from "../../catalogue/compile.mjs";
 import { allMessageIds } from "../../catalogue/messages.mjs";
-import { plainTexts } from "../../catalogue/plain-text-rule.mjs";
+import { isSentence, plainTexts } from "../../catalogue/plain-text-rule.mjs";
 import { pseudoModule, pseudoUnits } from "../../catalogue/pseudo.mjs";
 import { faultOf, fillCatalogue, idFault, languages, plainText, readCatalogue, unitsOf } from "../../catalogue/xliff.mjs";
 
@@ -91,6 +91,11 @@ test("a message whose id the code gives is told from others of the same words, a
 describe("the rule against bare texts", () => {
   test("finds texts and attributes that are read", () => {
     expect(plainTexts(['<p title="Some words">', " <b>not known</b></p>"])).toEqual(['title="Some words"', "not known"]);
+  });
+
+  test("finds sentences in code, and no names, paths or selectors", () => {
+    expect(["Write a date and a time.", "This site takes no  0  frames for requests."].map(isSentence)).toEqual([true, true]);
+    expect(["Windows", "stop key", "Content-Type", "M2 2h12v8H8.5L5 14v-4H2z", "transform: translate"].map(isSentence)).toEqual([false, false, false, false, false]);
   });
 
   test("lets code, units, names and what is filled in pass", () => {
