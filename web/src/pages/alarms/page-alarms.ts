@@ -6,6 +6,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
+import { severityWords } from "../../format/severity.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { OpenSubject } from "../../controllers/open-subject.js";
@@ -218,7 +219,7 @@ export class PageAlarms extends LitElement {
     const named = id === this.addressedAlarm();
     return html`<li class="alarm ${alarm.severity} ${on} ${named ? "named" : ""}" data-alarm=${alarm.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
       <div>
-        <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" && alarm.known ? nothing : html`<span class="chip">${alarm.severity}</span>`}</div>
+        <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" && alarm.known ? nothing : html`<span class="chip">${severityWords(alarm.severity)}</span>`}</div>
         <div class="name">${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</div>
         ${alarm.why === "" ? nothing : html`<div class="why">${alarm.why}</div>`}
         ${alarm.shares.length < 2

@@ -139,7 +139,7 @@ export class PageArchive extends LitElement {
     return html`<form class="sheet filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
       <t-field label=${msg("Night")}>
         <select name="night">
-          ${renderOptions([["", "all"], ...nights.map(({ night, frames }) => [night, `${night} (${String(frames)})`] as const)], filter.night)}
+          ${renderOptions([["", msg("all", { id: "all.nights" })], ...nights.map(({ night, frames }) => [night, `${night} (${String(frames)})`] as const)], filter.night)}
         </select>
       </t-field>
       <t-field label=${msg("Target")}><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>

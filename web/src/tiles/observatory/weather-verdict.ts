@@ -109,7 +109,7 @@ export function limitLines(
               name: less === undefined ? signal.name : msg(str`${signal.name} minus ${less}`),
               signal: signal.address,
               stands: doubted ? "unknown" : standsOf(limit, now),
-              now: now.fresh ? (signal.type === "state" ? now.word : (less === undefined ? shownText : shownDifferenceText)(signal, now.value)) : "unknown",
+              now: now.fresh ? (signal.type === "state" ? now.word : (less === undefined ? shownText : shownDifferenceText)(signal, now.value)) : msg("unknown"),
               limit: limitText(limit, signal, lasting, less !== undefined),
               part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
             },
