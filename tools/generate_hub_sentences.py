@@ -1,4 +1,4 @@
-"""Write web/src/generated/hub-sentences.ts: what hub and gateways say to people; ``--check`` compares.
+"""Write web/src/generated/hub-sentences.ts, what hub and gateways say; ``--check`` compares.
 
 .venv/bin/python tools/generate_hub_sentences.py [--check]
 
@@ -14,8 +14,11 @@ import ast
 import json
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src" / "talaia"
@@ -68,7 +71,9 @@ SPEAKING = (
     "planner/why_not.py",
 )
 # What these are called with is for the log or for who writes the program.
-UNSAID = frozenset({"ValueError", "TypeError", "RuntimeError", "KeyError", "AssertionError", "text"})
+UNSAID = frozenset(
+    {"ValueError", "TypeError", "RuntimeError", "KeyError", "AssertionError", "text"}
+)
 LEAST_WORDS = 2
 
 
@@ -149,8 +154,9 @@ def module() -> str:
     return (
         FIRST_LINE
         + 'import { msg, str } from "@lit/localize";\n\n'
-        + "/** What hub and gateways say, `{}` for what is filled in, and the same as pages say it. */\n"
-        + "export const SENTENCES: readonly (readonly [said: string, text: (...values: readonly string[]) => string])[] = [\n"
+        + "/** What hub and gateways say, `{}` for what is filled in, and how pages say it. */\n"
+        + "export const SENTENCES: readonly (readonly [said: string, "
+        + "text: (...values: readonly string[]) => string])[] = [\n"
         + "".join(line_of(template) for template in sentences())
         + "];\n"
     )

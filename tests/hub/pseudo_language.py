@@ -19,29 +19,43 @@ WEB = ROOT / "web"
 NAMES = frozenset(
     {
         # The product, a button that is called so everywhere, and what is on keys.
-        "Talaia", "STOP", "Esc", "Shift", "Space", "space", "Enter",
+        "Talaia", "STOP", "Esc", "Shift", "Space", "Enter",
         # Languages call themselves.
         "English", "Català", "Español",
-        # Formats, protocols and programs.
-        "UTC", "Alpaca", "Foxglove", "Lichtblick", "Socket", "Prometheus", "Arrow", "Parquet",
-        "rosbridge", "ntfy", "Matrix", "Telegram", "SQLite", "MeerK40t", "IQR",
-        # Rights and roles, which are called so in the description and on the command line.
-        "admin", "view", "use", "guest", "operator", "tap", "viewer",
-        # Units.
-        "min", "rad", "mag", "deg", "mas",
+        # Programs, formats and protocols.
+        "UTC", "SQLite", "Chrome", "Linux", "Mozilla", "AppleWebKit", "KHTML", "like", "Gecko",
+        "HeadlessChrome", "Safari",
+        # Rights and roles: so called in the description and on the command line, too.
+        "admin", "view", "use", "guest", "operator", "metrics", "request", "approve", "arm",
+        "unblurred",
+        # Units, coordinates and zones.
+        "kPa", "MPa", "mbar", "bar", "psi", "inHg", "nmi", "arcmin", "rad", "mag", "mas", "min",
+        "Dec", "CET", "CEST", "GMT",
+        # Stars.
+        "Sirius", "Vega", "Capella", "Rigel", "Procyon", "Betelgeuse", "Altair", "Aldebaran",
+        "Pollux", "Fomalhaut", "Deneb",
+        # Dates are those of Catalan, whose place the language takes.
+        "del", "nov", "des", "gen", "febr", "març", "abr", "maig", "juny", "jul", "set", "oct",
+        # What the hub says: the word of a version, an alarm that it makes by itself, a name that
+        # the description would give, and what a gateway does without its hub.
+        "version", "Gateway", "silent", "CLOSED", "NOT", "agv", "after", "then",
     }
 )  # fmt: skip
 # Texts and names of what a person can see, also within shadow roots, each once.
 SAID = """() => {
   const found = new Set();
   const unread = new Set(['STYLE', 'SCRIPT', 'CODE', 'PRE', 'KBD', 'SAMP', 'TEMPLATE']);
-  const keep = text => { const said = (text ?? '').replace(/\\s+/g, ' ').trim(); if (said) found.add(said); };
+  const read = ['aria-label', 'title', 'placeholder', 'alt', 'aria-valuetext'];
+  const keep = text => {
+    const said = (text ?? '').replace(/\\s+/g, ' ').trim();
+    if (said) found.add(said);
+  };
   const look = root => {
     for (const node of root.childNodes) {
       if (node.nodeType === Node.TEXT_NODE) { keep(node.data); continue; }
       if (node.nodeType !== Node.ELEMENT_NODE || unread.has(node.tagName)) continue;
-      if (node.tagName !== 'OPTION' && node.tagName !== 'SLOT' && !node.checkVisibility()) continue;
-      for (const name of ['aria-label', 'title', 'placeholder', 'alt', 'aria-valuetext']) keep(node.getAttribute(name));
+      if (!['OPTION', 'SLOT'].includes(node.tagName) && !node.checkVisibility()) continue;
+      for (const name of read) keep(node.getAttribute(name));
       look(node);
       if (node.shadowRoot) look(node.shadowRoot);
     }
@@ -74,7 +88,7 @@ async def speak_pseudo(context) -> None:
 
 
 def english_of(said: list[str], data: set[str]) -> list[str]:
-    """Give the texts with a word that the language did not touch, and that is no data and no name."""
+    """Give the texts with a word that the language did not touch, which is no data and no name."""
     known = data | NAMES
     return [
         text for text in said if any(plain(word) and word not in known for word in words_of(text))

@@ -1,4 +1,4 @@
-"""Pages in a language that nobody speaks: nothing stays English, and nothing is wider than its page.
+"""Pages in a language that nobody speaks: nothing stays English or is wider than its page.
 
 On every change some pages are looked at, as an admin sees them and as a guest does, at a desk and
 on a phone. As the proof ``words`` (`make proofs ONLY=words`) all of them are, and the table is
