@@ -24,9 +24,9 @@ NAMES = frozenset(
         "English", "Català", "Español",
         # Programs, formats and protocols.
         "UTC", "SQLite", "Chrome", "Linux", "Mozilla", "AppleWebKit", "KHTML", "like", "Gecko",
-        "HeadlessChrome", "Safari",
+        "HeadlessChrome", "Safari", "rosbridge",
         # Rights and roles: so called in the description and on the command line, too.
-        "admin", "view", "use", "guest", "operator", "metrics", "request", "approve", "arm",
+        "admin", "view", "use", "guest", "operator", "metrics", "request", "approve", "arm", "tap",
         "unblurred",
         # Units, coordinates and zones.
         "kPa", "MPa", "mbar", "bar", "psi", "inHg", "nmi", "arcmin", "rad", "mag", "mas", "min",
@@ -38,7 +38,7 @@ NAMES = frozenset(
         "del", "nov", "des", "gen", "febr", "març", "abr", "maig", "juny", "jul", "set", "oct",
         # What the hub says: the word of a version, an alarm that it makes by itself, a name that
         # the description would give, and what a gateway does without its hub.
-        "version", "Gateway", "silent", "CLOSED", "NOT", "agv", "after", "then",
+        "version", "Gateway", "silent", "first", "seen", "CLOSED", "NOT", "agv", "after", "then",
     }
 )  # fmt: skip
 # Texts and names of what a person can see, also within shadow roots, each once.
@@ -96,8 +96,8 @@ def english_of(said: list[str], data: set[str]) -> list[str]:
 
 
 def words_of(text: str) -> list[str]:
-    """Split a text into its words; what has a dot, a slash or an underscore is an address."""
-    return re.findall(r"[^\W\d_]+", re.sub(r"\S*[./_@:]\S*\w", " ", text))
+    """Split a text into its words; what has a dot, a slash, an underscore or a digit is none."""
+    return re.findall(r"[^\W\d_]+", re.sub(r"\S*[./_@:]\S*\w|\S*\d\S*", " ", text))
 
 
 def plain(word: str) -> bool:

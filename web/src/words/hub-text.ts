@@ -32,6 +32,8 @@ export class HubSentences {
   /** The same in the page's language; as it was where it is not known. */
   textOf(said: string, depth = 0): string {
     if (said.length > LONGEST) return said;
+    // Some end as sentences do, most as pages want them.
+    if (said.endsWith(".") && !this.plain.has(said)) return `${this.textOf(said.slice(0, -1), depth)}.`;
     return this.wholeText(said, depth) ?? this.partsText(said, depth) ?? said;
   }
 

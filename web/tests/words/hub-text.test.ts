@@ -3,12 +3,12 @@ import { SENTENCES } from "../../src/generated/hub-sentences.js";
 import { HubSentences, inPageLanguage } from "../../src/words/hub-text.js";
 
 const own = new HubSentences([
-  ["there is no {}", (what) => `no hi ha: ${what ?? ""}`],
+  ["there is no {}", (what) => `no hi ha: ${what}`],
   ["there is no such site", () => "no hi ha aquest lloc"],
-  ["{}: no value newer than {} s", (name, age) => `${name ?? ""}: cap valor de menys de ${age ?? ""} s`],
+  ["{}: no value newer than {} s", (name, age) => `${name}: cap valor de menys de ${age} s`],
   ["the name cannot be used", () => "el nom no es pot fer servir"],
   ["take another", () => "tria'n un altre"],
-  ["{} needs its power: {}", (device, why) => `${device ?? ""} necessita corrent: ${why ?? ""}`],
+  ["{} needs its power: {}", (device, why) => `${device} necessita corrent: ${why}`],
   ["it still moves", () => "encara es mou"],
 ]);
 
@@ -21,6 +21,7 @@ describe("what the hub says", () => {
 
   test("is said in parts: a problem and its remedy, a name and its reason, a reason within another", () => {
     expect(own.textOf("the name cannot be used; take another")).toBe("el nom no es pot fer servir; tria'n un altre");
+    expect(own.textOf("it still moves.")).toBe("encara es mou.");
     expect(own.textOf("Roof: it still moves")).toBe("Roof: encara es mou");
     expect(own.textOf("Dome needs its power: it still moves")).toBe("Dome necessita corrent: encara es mou");
   });
