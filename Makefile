@@ -39,6 +39,7 @@ check: setup  ## style, types, import direction, generated files
 	$(VENV)/python tools/generate_web_types.py --check
 	$(VENV)/python tools/generate_reference.py --check
 	$(VENV)/python tools/generate_asyncapi.py --check
+	$(VENV)/python tools/generate_hub_sentences.py --check
 	$(VENV)/python tools/generate_notice.py --check
 	$(VENV)/python tools/check_tree.py
 	$(VENV)/python tools/check_tests.py
@@ -66,6 +67,7 @@ soak: setup  ## hub and gateway for 2 hours (HOURS=24 before a release), and wha
 docs: setup  ## write docs/reference from the code
 	$(VENV)/python tools/generate_reference.py
 	$(VENV)/python tools/generate_asyncapi.py
+	$(VENV)/python tools/generate_hub_sentences.py
 	$(VENV)/python tools/generate_notice.py
 	$(VENV)/python tools/generate_web_types.py
 

@@ -82,6 +82,14 @@ JOBS = (
         minutes=10,
     ),
     Job(
+        "words",
+        "no page says anything that no catalogue has, or is wider than its window, in a language"
+        " whose texts are 30 % longer",
+        (*PYTEST, "tests/hub/features/test_pseudo_language_in_browser.py"),
+        "docs/words-table.md",
+        minutes=5,
+    ),
+    Job(
         "crash-loop",
         "a hundred killed gateways and ROS 2 nodes leave nothing in /dev/shm",
         (*PYTEST, "tests/test_shared_memory.py", "tests/system/test_link.py", "-k", "crash_loop"),

@@ -145,7 +145,7 @@ export default defineConfig({
     },
   },
   plugins: [
-    catalogues({ firstPages: FIRST_PAGES.map((page) => page.replace("src/", "")), pseudo: process.env["TALAIA_PSEUDO"] === "1" }),
+    catalogues({ firstPages: FIRST_PAGES.map((page) => page.replace("src/", "")) }),
     preloadFrame(),
     fillWorker(),
     firstPaint(),

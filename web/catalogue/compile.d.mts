@@ -1,3 +1,2 @@
 import type { Unit } from "./xliff.mjs";
 export function compileCatalogue(units: readonly (Unit | undefined)[], wanted?: (id: string) => boolean): string;
-export function pseudoUnits(units: readonly Unit[]): Unit[];

@@ -1,7 +1,7 @@
 /** Makes modules of catalogues, in the shape that `@lit/localize` reads in its runtime mode. */
 
 import ts from "typescript";
-import { FORMS } from "./xliff.mjs";
+import { FORMS, isMarkup } from "./xliff.mjs";
 
 /**
  * The source of a module with the messages of a catalogue. What is not translated is left out, and stays English.
@@ -14,19 +14,8 @@ export function compileCatalogue(units, wanted = () => true) {
   return `import { html } from "lit";\nimport { str } from "@lit/localize";\nexport const templates = {\n${entries.join(",\n")}\n};\n`;
 }
 
-/** A catalogue of a language nobody speaks: each text with accents, in brackets. */
-export function pseudoUnits(units) {
-  return units.map((unit) => ({ ...unit, target: ["⟦", ...unit.source.map((part) => (typeof part === "string" ? accented(part) : part)), "⟧"] }));
-}
-
-const ACCENTS = { a: "á", e: "é", i: "í", o: "ó", u: "ú", A: "Á", E: "É", I: "Í", O: "Ó", U: "Ú", n: "ñ", c: "ç" };
-
-function accented(text) {
-  return text.replace(/[aeiouAEIOUnc]/g, (letter) => ACCENTS[letter] ?? letter);
-}
-
 function messageOf({ id, source, target }) {
-  const markup = id.startsWith("h");
+  const markup = isMarkup(id);
   const first = numbersOf(source);
   let places = 0;
   const body = target

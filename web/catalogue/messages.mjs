@@ -20,13 +20,20 @@ export function messageIds(path) {
   const found = [];
   const look = (node) => {
     if (ts.isCallExpression(node) && ts.isIdentifier(node.expression) && node.expression.text === "msg") {
-      const id = idOf(node.arguments[0]);
+      const id = givenId(node.arguments[1]) ?? idOf(node.arguments[0]);
       if (id !== null) found.push(id);
     }
     ts.forEachChild(node, look);
   };
   look(ts.createSourceFile(path, text, ts.ScriptTarget.Latest, true));
   return found;
+}
+
+/** The id that the code gives a message, where one text has several meanings: `msg("Open", { id: "open.verb" })`. */
+function givenId(options) {
+  if (options === undefined || !ts.isObjectLiteralExpression(options)) return null;
+  const found = options.properties.find((property) => ts.isPropertyAssignment(property) && property.name.getText() === "id");
+  return found !== undefined && ts.isStringLiteral(found.initializer) ? found.initializer.text : null;
 }
 
 function idOf(argument) {

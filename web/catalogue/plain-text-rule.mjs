@@ -57,8 +57,42 @@ export function plainTexts(strings) {
   return found;
 }
 
+/** Whether a text of the code is a sentence that people read: it begins with a capital, and has three words or more. */
+export function isSentence(text) {
+  return /^[A-Z“]/.test(text) && !/[;{}<>=]/.test(text) && (text.match(/\p{L}{2,}/gu) ?? []).length >= 3 && / \p{Ll}+[ .,?!]/u.test(text);
+}
+
+/** What is given to these is said elsewhere, or to who writes the program. */
+const SAID_ELSEWHERE = /^(msg|css|.*Error|MessageError|describe|test)$/;
+
+function isSaidElsewhere(node) {
+  for (let outer = node.parent; outer != null; outer = outer.parent) {
+    if (outer.type === "CallExpression" || outer.type === "NewExpression") {
+      const name = outer.callee.name ?? outer.callee.property?.name ?? "";
+      if (SAID_ELSEWHERE.test(name)) return true;
+    }
+    if (outer.type === "TaggedTemplateExpression" && ["css", "str", "html", "svg"].includes(outer.tag.name)) return outer.tag.name !== "html" && outer.tag.name !== "svg";
+    if (outer.type === "ImportDeclaration" || outer.type === "TSLiteralType") return true;
+  }
+  return false;
+}
+
 export default {
   rules: {
+    "plain-sentence": {
+      meta: { type: "problem", schema: [], messages: { plain: "“{{text}}” stays English: put it through msg() of @lit/localize." } },
+      create: (context) => {
+        const check = (node, text) => {
+          if (isSentence(text) && !isSaidElsewhere(node)) context.report({ node, messageId: "plain", data: { text } });
+        };
+        return {
+          Literal: (node) => typeof node.value === "string" && check(node, node.value),
+          TemplateLiteral(node) {
+            if (node.parent.type !== "TaggedTemplateExpression") check(node, node.quasis.map(({ value }) => value.cooked).join(" 0 "));
+          },
+        };
+      },
+    },
     "plain-text": {
       meta: { type: "problem", schema: [], messages: { plain: "“{{text}}” stays English: put it through msg() of @lit/localize." } },
       create: (context) => ({

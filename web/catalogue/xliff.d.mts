@@ -9,5 +9,6 @@ export function languages(): string[];
 export function readCatalogue(language: string): Unit[];
 export function unitsOf(xml: string): Unit[];
 export function plainText(parts: readonly Part[]): string;
+export function idFault(unit: Unit): string;
 export function faultOf(source: readonly Part[] | undefined, text: string): string;
 export function fillCatalogue(xml: string, translations: Readonly<Record<string, string>>): string;

@@ -80,6 +80,26 @@ export function plainText(parts) {
   return parts.map((part) => (typeof part === "string" ? part : `{${part.id}}`)).join("");
 }
 
+const HASH = /^([hs])[0-9a-f]+$/;
+
+/** Whether a message is markup; one whose id the code gives is not. */
+export function isMarkup(id) {
+  return HASH.exec(id)?.[1] === "h";
+}
+
+/**
+ * What is wrong with the id of a message; empty when nothing is.
+ *
+ * One that the code gives begins with the words it stands for, and then says which meaning it is: changed words
+ * are a new message here, too, and never say in another language what they said before.
+ */
+export function idFault({ id, source }) {
+  if (HASH.test(id)) return "";
+  const words = plainText(source).replace(/\{\d+\}/g, " ").toLowerCase().match(/[\p{L}\d]+/gu) ?? [];
+  const begins = `${words.join("-")}.`;
+  return id.startsWith(begins) && /^[a-z][a-z-]*$/.test(id.slice(begins.length)) ? "" : `"${id}" of “${plainText(source)}”: expected "${begins}" and then which meaning it is`;
+}
+
 /** What stands at the places of a text, for who wonders what `{0}` is. */
 export function placesText(parts) {
   return parts.filter((part) => typeof part !== "string").map(({ id, text }) => `{${id}} = ${text}`).join("; ");

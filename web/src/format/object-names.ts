@@ -60,10 +60,8 @@ export function storyFacts(story: SightingStory | null | undefined): string[] {
   const facts = story.stays.map(({ zone, entries, dwell_s }) =>
     entries > 1 ? msg(str`${formatDuration(dwell_s)} in ${zone}, came ${timesText(entries)}`) : msg(str`${formatDuration(dwell_s)} in ${zone}`));
   for (const { line, left, right } of story.crossings) {
-    const sides = [["left", left], ["right", right]] as const;
-    for (const [side, many] of sides) {
-      if (many > 0) facts.push(msg(str`crossed ${line} to the ${side}${many > 1 ? ` ${timesText(many)}` : ""}`));
-    }
+    if (left > 0) facts.push(left === 1 ? msg(str`crossed ${line} to the left`) : msg(str`crossed ${line} to the left ${timesText(left)}`));
+    if (right > 0) facts.push(right === 1 ? msg(str`crossed ${line} to the right`) : msg(str`crossed ${line} to the right ${timesText(right)}`));
   }
   if (story.speed !== null) facts.push(`${fixedText(story.speed, 1)}\u202fm/s`);
   return facts;

@@ -1,5 +1,6 @@
 /** How grave a state or a message of a robot is. Pure. */
 
+import { msg } from "@lit/localize";
 import type { SignalShape, StateMeaning } from "../generated/api.js";
 
 export type SeverityLevel = "" | "warn" | "bad";
@@ -18,4 +19,15 @@ export function stateLevel({ meanings }: Pick<SignalShape, "meanings">, value: n
 /** How grave a message is that begins with its level: `[ERROR] no answer`. */
 export function messageLevel(text: string): SeverityLevel {
   return LOG_LEVELS[/^\[([A-Z]+)\]/.exec(text)?.[1] ?? ""] ?? "";
+}
+
+const ALARM_SEVERITIES: Readonly<Record<string, string>> = {
+  critical: msg("critical", { id: "critical.severity" }),
+  warning: msg("warning", { id: "warning.severity" }),
+  info: msg("info", { id: "info.severity" }),
+};
+
+/** How grave an alarm is, as people read it. */
+export function severityWords(severity: string): string {
+  return ALARM_SEVERITIES[severity] ?? severity;
 }

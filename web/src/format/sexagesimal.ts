@@ -45,10 +45,10 @@ export function formatAzimuth(degrees: number, decimals = 1): string {
   return `${fixedText(wrapped(degrees, 360), decimals)}° ${windOf(degrees)}`;
 }
 
-const WINDS = ["N", msg("NE"), "E", msg("SE"), "S", msg("SW"), "W", msg("NW")] as const;
+const WINDS = [msg("N"), msg("NE"), msg("E"), msg("SE"), msg("S"), msg("SW"), msg("W"), msg("NW")] as const;
 
 export function windOf(degrees: number): string {
-  return WINDS[Math.round(wrapped(degrees, 360) / 45) % 8] ?? "N";
+  return WINDS[Math.round(wrapped(degrees, 360) / 45) % 8] ?? msg("N");
 }
 
 /**

@@ -7,6 +7,7 @@
 import type { ShownUnitShape, SignalShape } from "../generated/api.js";
 import { UNITS } from "../generated/units.js";
 import { decimalsFor, formatNumber } from "./number.js";
+import { ENGLISH, shownLanguage } from "../words/locale.js";
 
 /** What stands between number and unit: nothing before a degree sign alone (SI brochure 5.4.3). */
 export function unitGap(unit: string): string {
@@ -17,9 +18,9 @@ export function formatWithUnit(value: number, unit: string, decimals = -1): stri
   return formatNumber(value, decimalsFor(unit, decimals)) + unitGap(unit) + unit;
 }
 
-/** A unit as a screen reader should say it. */
+/** A unit as a screen reader should say it; in other languages than English its sign, which each reads by itself. */
 export function spokenUnit(unit: string): string {
-  return unit === "" ? "" : (UNITS[unit]?.name ?? unit);
+  return unit === "" || shownLanguage() !== ENGLISH ? unit : (UNITS[unit]?.name ?? unit);
 }
 
 /** What is needed of a signal to show its values. */

@@ -34,6 +34,7 @@ export function takenBlocks(frames: readonly FrameShape[], requests: readonly Kn
     const startMs = (taken[0]?.time_us ?? 0) / 1000;
     const known = requests.filter((request) => request.target === target);
     const filters = [...new Set(taken.map(({ filter }) => filter).filter(Boolean))].join(", ");
+    const many = plural(taken.length, msg("1 frame"), msg(str`${String(taken.length)} frames`));
     return {
       id: `taken-${String(Math.round(startMs))}`,
       request: known.length === 1 ? (known[0]?.id ?? "") : "",
@@ -42,7 +43,7 @@ export function takenBlocks(frames: readonly FrameShape[], requests: readonly Kn
       startMs,
       endMs: Math.max(endMs, startMs + 1000),
       state: "done",
-      reason: plural(taken.length, msg(str`${String(taken.length)} frame${filters === "" ? "" : ` (${filters})`}.`), msg(str`${String(taken.length)} frames${filters === "" ? "" : ` (${filters})`}.`)),
+      reason: `${many}${filters === "" ? "" : ` (${filters})`}.`,
     };
   });
 }

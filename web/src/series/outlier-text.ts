@@ -14,7 +14,7 @@ import type { Outliers } from "./outliers.js";
 export function outlierText(found: Outliers, unit: string, decimals: number, exact: boolean | number): string {
   const { samples, count, low, high } = found;
   const of = exact === true ? msg("samples") : exact === false ? msg("points on the chart") : msg(str`samples spread evenly among about ${formatNumber(exact, 0)}`);
-  if (Number.isNaN(low)) return msg(str`Too few ${of} for quartiles`);
+  if (Number.isNaN(low)) return exact === true ? msg("Too few samples for quartiles") : exact === false ? msg("Too few points on the chart for quartiles") : msg(str`Too few samples spread evenly among about ${formatNumber(exact, 0)} for quartiles`);
   const what = count === 0 ? msg("No outliers") : plural(count, msg("1 outlier"), msg(str`${formatNumber(count, 0)} outliers`));
   const share = count === 0 ? "" : ` (${shareText(count / samples)})`;
   const fences = count === 0 ? msg(str`all within ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`) : msg(str`outside ${formatNumber(low, decimals)} to ${formatNumber(high, decimals)}${unit === "" ? "" : `\u202f${unit}`}`);

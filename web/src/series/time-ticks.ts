@@ -49,7 +49,7 @@ function milliseconds(us: number): string {
   return String(Math.floor((us % SECOND_US) / 1000)).padStart(3, "0");
 }
 
-const MONTHS = [msg("Jan"), msg("Feb"), msg("Mar"), msg("Apr"), msg("May"), msg("Jun"), msg("Jul"), msg("Aug"), msg("Sep"), msg("Oct"), msg("Nov"), "Dec"];
+const MONTHS = [msg("Jan"), msg("Feb"), msg("Mar"), msg("Apr"), msg("May"), msg("Jun"), msg("Jul"), msg("Aug"), msg("Sep"), msg("Oct"), msg("Nov"), msg("Dec")];
 
 function shortDate(us: number, clock: ZoneClock): string {
   const date = new Date((us + clock.offsetUs(us)) / 1000);

@@ -28,5 +28,5 @@ export function renderGlance(row: SiteSummary, { bad, warn }: { readonly bad: nu
 /** `41.38741° N, 2.16863° E`: about a metre. */
 export function placeText(latitude: number, longitude: number): string {
   const part = (value: number, plus: string, minus: string): string => `${formatNumber(Math.abs(value), 5)}° ${value < 0 ? minus : plus}`;
-  return `${part(latitude, "N", "S")}, ${part(longitude, "E", "W")}`;
+  return `${part(latitude, msg("N"), msg("S"))}, ${part(longitude, msg("E"), msg("W"))}`;
 }

@@ -76,7 +76,7 @@ export function valueNote(value: unknown): string {
     const whole = plural(count, msg(str`${countedText(count)} entry`), msg(str`${countedText(count)} entries`));
     return left > 0 && entries.length > 0 ? msg(str`${whole}, the first ${String(entries.length)} shown`) : whole;
   }
-  if (isCutText(value)) return msg(str`${countedText(value.$of)} bytes`);
+  if (isCutText(value)) return plural(value.$of, msg("1 byte"), msg(str`${countedText(value.$of)} bytes`));
   const us = stampUs(value);
   return us === null ? "" : new Date(us / 1000).toISOString().replace("T", " ").replace("Z", " UTC");
 }

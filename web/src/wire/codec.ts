@@ -15,6 +15,7 @@ import {
   type TopicToBrowser,
   type Values,
 } from "../generated/wire.js";
+import { inPageLanguage } from "../words/hub-text.js";
 
 /** What a page may leave out when it sends: everything that has a default. */
 export type Sendable<M extends { t: keyof typeof DEFAULTS }> = M extends {
@@ -40,7 +41,7 @@ export function encodeMessage(message: Sendable<FromBrowser> | Sendable<MediaFro
  * @throws FrameError when the bytes are no message at all
  */
 export function decodeMessage(bytes: ArrayBuffer): ToBrowser | null {
-  return withDefaults(bytes, TO_BROWSER) as ToBrowser | null;
+  return inPageLanguage(withDefaults(bytes, TO_BROWSER)) as ToBrowser | null;
 }
 
 /**

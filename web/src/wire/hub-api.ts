@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, LearnAnswer, Me, OidcAnswer, OidcDone, OidcProvider, OidcStart, OutlierList, PasskeyOptions, SiteShape, SiteSummary, SkyFieldShape, SkyList, StatisticsList, StoredList, StoredShape, ValueList } from "../generated/api.js";
+import { hubText, inPageLanguage } from "../words/hub-text.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -268,7 +269,7 @@ export class HubApi {
       throw new Unreachable(msg("The hub does not answer."), { cause: error });
     }
     if (response.ok && bytes) return (await response.arrayBuffer()) as T;
-    if (response.ok) return (response.status === 204 ? undefined : await response.json()) as T;
+    if (response.ok) return (response.status === 204 ? undefined : inPageLanguage(await response.json())) as T;
     if (response.status === 502 || response.status === 503 || response.status === 504) {
       throw new Unreachable(msg("The hub is not ready."));
     }
@@ -308,7 +309,7 @@ async function refusalOf(response: Response): Promise<Refused> {
   return new Refused(
     response.status,
     typeof code === "string" ? code : "unknown",
-    typeof message === "string" ? message : msg(str`The hub answered ${String(response.status)}.`),
+    typeof message === "string" ? hubText(message) : msg(str`The hub answered ${String(response.status)}.`),
     retryAfter,
   );
 }

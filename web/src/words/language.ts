@@ -2,6 +2,7 @@
 
 import { configureLocalization } from "@lit/localize";
 import { catalogues } from "virtual:catalogues";
+import { learnSentences } from "./hub-text.js";
 import { ENGLISH, shownLanguage, useLanguage } from "./locale.js";
 
 type Messages = Awaited<ReturnType<(typeof catalogues)[string]["first"]>>["templates"];
@@ -54,7 +55,10 @@ export async function startLanguage(): Promise<void> {
   useLanguage(code);
   document.documentElement.lang = code;
   rest = catalogue.rest().then(
-    (words) => Object.assign(templates, words.templates),
+    async (words) => {
+      Object.assign(templates, words.templates);
+      learnSentences((await import("../generated/hub-sentences.js")).SENTENCES);
+    },
     () => undefined,
   );
 }

@@ -1,9 +1,10 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
-import { compileCatalogue, pseudoUnits } from "../../catalogue/compile.mjs";
+import { compileCatalogue } from "../../catalogue/compile.mjs";
 import { allMessageIds } from "../../catalogue/messages.mjs";
-import { plainTexts } from "../../catalogue/plain-text-rule.mjs";
-import { faultOf, fillCatalogue, languages, plainText, readCatalogue, unitsOf } from "../../catalogue/xliff.mjs";
+import { isSentence, plainTexts } from "../../catalogue/plain-text-rule.mjs";
+import { pseudoModule, pseudoUnits } from "../../catalogue/pseudo.mjs";
+import { faultOf, fillCatalogue, idFault, languages, plainText, readCatalogue, unitsOf } from "../../catalogue/xliff.mjs";
 
 /** How many texts of a language may be English still: only ever lowered. */
 const pending = JSON.parse(readFileSync(new URL("../../locales/pending.json", import.meta.url), "utf8")) as Readonly<Record<string, number>>;
@@ -21,6 +22,10 @@ describe.each(languages())("the catalogue of %s", (language) => {
 
   test("has no more texts in English than are written in pending.json", () => {
     expect(units.filter(({ target }) => target === null).length).toBeLessThanOrEqual(pending[language] ?? Infinity);
+  });
+
+  test("has ids of the code that begin with their words and say which meaning it is", () => {
+    expect(units.map(idFault).filter((fault) => fault !== "")).toEqual([]);
   });
 
   test("has each place of a text in its translation", () => {
@@ -62,14 +67,35 @@ describe("a catalogue", () => {
     expect(compileCatalogue([unit])).toContain("&lt;script&gt;\\`\\${x}");
   });
 
-  test("has a language for tests that changes every text", () => {
-    expect(compileCatalogue(pseudoUnits(unitsOf(XLIFF)))).toContain("⟦${0} óf ${1} & móré⟧");
+  test("has a language for tests that changes and lengthens every text", () => {
+    expect(compileCatalogue(pseudoUnits(unitsOf(XLIFF)))).toContain("⟦${0} óf ${1} & móré ééé⟧");
+    const long = plainText(pseudoUnits(unitsOf(XLIFF))[1]?.target ?? []);
+    expect(long.length).toBeGreaterThanOrEqual(1.3 * "Open {0}the page{1}".length);
+    expect(pseudoModule()).not.toContain("import ");
   });
+
+  test("has no words in the build that no language has", () => {
+    expect(languages()).not.toContain("en-XA");
+    expect(readFileSync(new URL("../../catalogue/plugin.mjs", import.meta.url), "utf8")).not.toContain("pseudo");
+  });
+});
+
+test("a message whose id the code gives is told from others of the same words, and changed words ask for another id", () => {
+  const unit = { id: "open.verb", source: ["Open"], target: null, note: "" };
+  expect(idFault(unit)).toBe("");
+  expect(idFault({ ...unit, source: ["Open it"] })).toContain('expected "open-it."');
+  expect(idFault({ ...unit, id: "open" })).toContain("which meaning");
+  expect(idFault({ ...unit, id: "saf64034c86022ed1" })).toBe("");
 });
 
 describe("the rule against bare texts", () => {
   test("finds texts and attributes that are read", () => {
     expect(plainTexts(['<p title="Some words">', " <b>not known</b></p>"])).toEqual(['title="Some words"', "not known"]);
+  });
+
+  test("finds sentences in code, and no names, paths or selectors", () => {
+    expect(["Write a date and a time.", "This site takes no  0  frames for requests."].map(isSentence)).toEqual([true, true]);
+    expect(["Windows", "stop key", "Content-Type", "M2 2h12v8H8.5L5 14v-4H2z", "transform: translate"].map(isSentence)).toEqual([false, false, false, false, false]);
   });
 
   test("lets code, units, names and what is filled in pass", () => {

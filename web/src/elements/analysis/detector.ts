@@ -96,7 +96,7 @@ export class DetectorElement extends LitElement {
     return html`<div class="head">
         <span class="name">${this.named ? `${subjectOf(detector)}, ${detector.name}` : msg(str`Anomaly score, ${detector.name}`)}</span>
         ${renderStatusOf(detector)}
-        <span class="score">${msg(html`${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}told from ${formatNumber(detector.bar, 2)}`)}${this.renderScope(detector)}</span>
+        <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}${msg(str`told from ${formatNumber(detector.bar, 2)}`)}${this.renderScope(detector)}</span>
       </div>
       ${series === null ? nothing : this.renderChart(detector, series)} ${this.renderWords(detector)}
       ${detector.anomaly === null || detector.anomaly.shares.length === 0
@@ -107,8 +107,9 @@ export class DetectorElement extends LitElement {
   /** How many signals a group looks at, how often, and the way of running that it is in. */
   private renderScope({ signals, stepS, mode }: Detector): unknown {
     if (signals.length === 0) return nothing;
+    const many = plural(signals.length, msg("1 signal"), msg(str`${String(signals.length)} signals`));
     const often = plural(stepS, msg("once a second"), msg(str`once in ${formatNumber(stepS, 0)} s`));
-    return mode === "" ? msg(str`, ${String(signals.length)} signals ${often}`) : msg(str`, ${String(signals.length)} signals ${often}, way of running: ${mode}`);
+    return mode === "" ? msg(str`, ${many} ${often}`) : msg(str`, ${many} ${often}, way of running: ${mode}`);
   }
 
   private renderChart(detector: Detector, series: ChartSeries): TemplateResult {
@@ -134,8 +135,10 @@ export class DetectorElement extends LitElement {
     if (anomaly === null) {
       if (learning === 0) return nothing;
       const group = detector.signals.length > 0;
-      const [many, before] = group ? [msg("steps"), msg("tells nothing before")] : [msg("samples"), msg("tells little before")];
-      return html`<p class="why">${msg(str`It learns what is usual for ${formatNumber(learning, 0)} more ${many}, and ${before}.`)}</p>`;
+      const left = formatNumber(learning, 0);
+      return html`<p class="why">${group
+        ? plural(learning, msg("It learns what is usual for 1 more step, and tells nothing before."), msg(str`It learns what is usual for ${left} more steps, and tells nothing before.`))
+        : plural(learning, msg("It learns what is usual for 1 more sample, and tells little before."), msg(str`It learns what is usual for ${left} more samples, and tells little before.`))}</p>`;
     }
     const { why, forgiven } = anomaly;
     const button =

@@ -44,7 +44,7 @@ export class OutlierTool extends LitElement {
     return html`<t-button pressed=${on ? "true" : "false"} @click=${this.toggle}>${msg("Outliers")}</t-button>
       ${on
           ? html`<label title=${msg("A sample so many times the distance of the quartiles beyond them is an outlier")}
-              >${msg("beyond")} <input type="number" aria-label=${msg("Times the interquartile range")} min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.onInput} /> ${msg("× IQR")}</label
+              >${msg("beyond", { id: "beyond.outliers" })} <input type="number" aria-label=${msg("Times the interquartile range")} min=${LEAST_K} max=${MOST_K} step="0.5" .value=${String(this.k)} @change=${this.onInput} /> ${msg("× IQR")}</label
             >`
           : nothing}`;
   }

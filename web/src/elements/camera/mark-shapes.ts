@@ -66,17 +66,23 @@ export function sideSpots(points: readonly ViewPoint[], away: number, middle: Vi
   return { left: { x: middle.x + x, y: middle.y + y }, right: { x: middle.x - x, y: middle.y - y } };
 }
 
-/** What is told of a class in per cent, in words before the number. */
-const PERCENT: Readonly<Record<string, string>> = { share: "", ahead: "ahead ", left_edge: "from ", right_edge: "to " };
+/** What is told of a class in per cent. */
+const PERCENT: Readonly<Record<string, (label: string, part: string) => string>> = {
+  share: (label, part) => `${label} ${part}`,
+  ahead: (label, part) => msg(str`${label} ahead ${part}`),
+  left_edge: (label, part) => msg(str`${label} from ${part}`),
+  right_edge: (label, part) => msg(str`${label} to ${part}`),
+};
 
 /** @param value - what a signal tells at its mark; null for one that tells nothing now (stale, or not yet) */
 export function markCount(measure: string, label: string, value: number | null): string {
   if (measure === "dwell") return value === null ? msg("longest –") : msg(str`longest ${formatDuration(value)}`);
   if (measure === "nearest") return value === null ? msg("nearest –") : msg(str`nearest ${roundText(value, 2)}`);
   const percent = PERCENT[measure];
-  if (percent !== undefined) return `${label} ${percent}${value === null ? "\u2013" : `${String(Math.round(value))}\u00a0%`}`;
+  if (percent !== undefined) return percent(label, value === null ? "\u2013" : `${String(Math.round(value))}\u00a0%`);
   const many = value === null ? null : Math.round(value);
-  if (measure === "left" || measure === "right") return `${measure} ${many === null ? "\u2013" : String(many)}`;
+  if (measure === "left") return msg(str`left ${many === null ? "\u2013" : String(many)}`);
+  if (measure === "right") return msg(str`right ${many === null ? "\u2013" : String(many)}`);
   return many === null ? `\u2013 ${label}` : countText(many, label);
 }
 

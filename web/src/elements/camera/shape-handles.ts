@@ -217,7 +217,7 @@ export class ShapeHandles extends LitElement {
   private renderOutline(points: readonly ViewPoint[], index: number): unknown {
     const kind = this.shapes[index]?.kind ?? "zone";
     const text = pointsText(points);
-    const is = index === this.chosen ? msg(str`${kind} chosen`) : `${kind} `;
+    const is = index === this.chosen ? `${kind} chosen` : kind;
     const hold = (event: PointerEvent): void => {
       this.beginDrag(event, index, -1);
     };
@@ -234,7 +234,7 @@ export class ShapeHandles extends LitElement {
   private renderName(points: readonly ViewPoint[], index: number): TemplateResult {
     const shape = this.shapes[index];
     const kind = shape?.kind ?? "zone";
-    const name = shape?.name === undefined || shape.name === "" ? msg(str`unnamed ${kind}`) : shape.name;
+    const name = shape?.name === undefined || shape.name === "" ? (kind === "zone" ? msg("unnamed zone") : msg("unnamed line")) : shape.name;
     const chosen = index === this.chosen;
     const hold = (event: PointerEvent): void => {
       this.beginDrag(event, index, -1);

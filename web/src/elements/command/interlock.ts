@@ -87,13 +87,14 @@ export class InterlockLine extends LitElement {
     const refused = news.refuses.length === 0 ? "" : msg(str` Refused: ${news.refuses.join(", ")}.`);
     const slowed = news.slows.length === 0 ? "" : msg(str` Slowed down: ${news.slows.join(", ")}.`);
     // What only slows down locks nothing.
-    const word = news.refuses.length === 0 && slowed !== "" ? msg("So") : msg("Locked");
+    const since = html`<t-time .us=${news.since_us} .zone=${this.zone} short></t-time>`;
+    const stands = news.refuses.length === 0 && slowed !== "" ? msg(html`So since ${since}.`) : msg(html`Locked since ${since}.`);
     const state = news.unsafe
       ? `${news.why || msg("unsafe now")}.`
       : msg(str`safe now; released in ${formatDuration(Math.ceil(this.clears / 1000))} if it stays so.`);
     const never = news.no_override === "" ? "" : msg(str` Not to be overridden now: ${news.no_override}.`);
     return html`– ${state}
-      <span class="more">${msg(html`${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}${never}`)}</span>`;
+      <span class="more">${stands}${refused}${slowed}${never}</span>`;
   }
 
   private renderOverridden(news: InterlockUpdate): TemplateResult {

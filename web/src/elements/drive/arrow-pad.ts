@@ -25,6 +25,9 @@ const ARROWS: readonly Arrow[] = [
   { id: "backward", label: msg("Backward"), key: "X", path: "M12 5v13M6 12l6 6 6-6", stick: { forward: -1, turn: 0 } },
 ];
 
+/** What the arrows are called where the wheels are steered. */
+const STEERED: Readonly<Record<string, string>> = { left: msg("Steer left"), right: msg("Steer right") };
+
 const ASIDE: readonly Arrow[] = [
   { id: "sideLeft", label: msg("Move left"), key: "Q", path: "M20 5v14M16 12H4M9 7l-5 5 5 5", stick: { forward: 0, turn: 0, side: 1 } },
   { id: "sideRight", label: msg("Move right"), key: "E", path: "M4 5v14M8 12h12M15 7l5 5-5 5", stick: { forward: 0, turn: 0, side: -1 } },
@@ -149,7 +152,7 @@ export class ArrowPad extends LitElement {
   }
 
   private get arrows(): readonly Arrow[] {
-    const arrows = this.steers ? ARROWS.map((arrow) => ({ ...arrow, label: arrow.label.replace("Turn", "Steer") })) : ARROWS;
+    const arrows = this.steers ? ARROWS.map((arrow) => ({ ...arrow, label: STEERED[arrow.id] ?? arrow.label })) : ARROWS;
     return this.sideways ? [...arrows, ...ASIDE] : arrows;
   }
 

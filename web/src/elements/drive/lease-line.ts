@@ -96,7 +96,7 @@ export class LeaseLine extends LitElement {
     return html`<div class="row">
       ${asked ? this.renderQuestion() : mine ? this.renderMyLease() : this.renderStatus()}
       <span class=${asked ? "answers" : ""}>
-        ${asked ? html`<t-button @click=${this.fireKeep}>${msg("Keep")}</t-button>` : nothing}
+        ${asked ? html`<t-button @click=${this.fireKeep}>${msg("Keep", { id: "keep.control" })}</t-button>` : nothing}
         <t-button kind=${kind} ?disabled=${!mine && !this.online} ?busy=${this.kind === "asking"} @click=${press}
           >${word}</t-button
         >

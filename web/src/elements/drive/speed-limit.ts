@@ -142,7 +142,7 @@ export class SpeedLimit extends LitElement {
           max="100"
           step="10"
           aria-label=${msg("Speed of a full push, per cent of the limit")}
-          aria-valuetext=${msg(str`${String(percent)} per cent${speed === "" ? "" : `, ${speed}`}`)}
+          aria-valuetext=${speed === "" ? msg(str`${String(percent)} per cent`) : msg(str`${String(percent)} per cent, ${speed}`)}
           .value=${String(percent)}
           ?disabled=${this.disabled}
           @input=${this.onSlide}

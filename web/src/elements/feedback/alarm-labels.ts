@@ -10,11 +10,21 @@ const AROUND_US = 120e6;
 
 /** How it stands: the kind of the mark, and the word beside it. What cannot be judged is never well. */
 export function alarmStatus(alarm: AlarmUpdate, shelved: boolean): readonly [StatusKind, string] {
-  const over = shelved ? msg(", shelved") : "";
-  if (alarm.phase === "active") return ["bad", `active${over}`];
-  if (alarm.phase === "acknowledged") return ["warn", msg(str`active, acknowledged${over}`)];
-  if (alarm.phase === "cleared") return ["warn", msg(str`over, not acknowledged${over}`)];
-  return alarm.known ? ["ok", `well${over}`] : ["unknown", msg(str`cannot be judged${over}`)];
+  const [kind, word] = phaseStatus(alarm);
+  return [kind, shelved ? msg(str`${word}, shelved`) : word];
+}
+
+function phaseStatus({ phase, known }: AlarmUpdate): readonly [StatusKind, string] {
+  switch (phase) {
+    case "active":
+      return ["bad", msg("active")];
+    case "acknowledged":
+      return ["warn", msg("active, acknowledged")];
+    case "cleared":
+      return ["warn", msg("over, not acknowledged")];
+    default:
+      return known ? ["ok", msg("well", { id: "well.alarm" })] : ["unknown", msg("cannot be judged")];
+  }
 }
 
 /** The history page with an alarm's signals at the moment when it was raised. */

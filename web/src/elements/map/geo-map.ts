@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { plural } from "../../words/plural.js";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ContextConsumer } from "@lit/context";
 import { FrameSchedule } from "../base/frame-schedule.js";
@@ -179,8 +180,9 @@ export class GeoMapElement extends LitElement {
 
   private pictureText(): string {
     const { robots, zones } = this;
-    const who = robots.length === 1 ? (robots[0]?.name ?? "") : msg(str`${String(robots.length)} robots`);
-    return zones.length === 0 ? msg(str`Map with ${robots.length === 0 ? msg("no robot") : who}`) : msg(str`Map with ${robots.length === 0 ? msg("no robot") : who} and ${String(zones.length)} zones`);
+    const who = robots.length === 1 ? (robots[0]?.name ?? "") : robots.length === 0 ? msg("no robot") : msg(str`${String(robots.length)} robots`);
+    if (zones.length === 0) return msg(str`Map with ${who}`);
+    return plural(zones.length, msg(str`Map with ${who} and 1 zone`), msg(str`Map with ${who} and ${String(zones.length)} zones`));
   }
 
   override firstUpdated(): void {

@@ -24,7 +24,7 @@ const WORDS: Readonly<Record<RoofState, string>> = {
 };
 /** Degrees that a shell of a clamshell folds down. */
 const FOLD = 100;
-const WINDS = [["N", 0], ["E", 90], ["S", 180], ["W", 270]] as const;
+const WINDS = [[msg("N"), 0], [msg("E"), 90], [msg("S"), 180], [msg("W"), 270]] as const;
 
 @customElement("t-dome-drawing")
 export class DomeDrawing extends LitElement {
@@ -213,7 +213,7 @@ export class DomeDrawing extends LitElement {
       const [a, b] = [groundPoint(i * 15, 1.2), groundPoint(i * 15, i % 6 === 0 ? 1.28 : 1.24)];
       return svg`<path class="line" d="M${a.x * 100} ${a.y * 100 + 16}L${b.x * 100} ${b.y * 100 + 16}"></path>`;
     });
-    const winds = WINDS.filter(([name]) => name !== "N").map(([name, azimuth]) => {
+    const winds = WINDS.filter(([, azimuth]) => azimuth !== 0).map(([name, azimuth]) => {
       const { x, y } = groundPoint(azimuth, 1.4);
       return svg`<text x=${x * 100} y=${y * 100 + 16}>${name}</text>`;
     });

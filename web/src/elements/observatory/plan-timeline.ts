@@ -22,7 +22,7 @@ const EMPTY: SkySpan = { from: 0, to: 1 };
 /** Each state has a sign of its own, so that it reads without colour. */
 const SIGNS: Readonly<Record<BlockState, string>> = { planned: "", current: "▶", done: "✓", suspended: "‖", failed: "✕" };
 export const BLOCK_WORDS: Readonly<Record<BlockState, string>> = {
-  planned: msg("planned"),
+  planned: msg("planned", { id: "planned.block" }),
   current: msg("observed now"),
   done: msg("done"),
   suspended: msg("interrupted, goes on later"),

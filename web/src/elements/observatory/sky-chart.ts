@@ -14,7 +14,7 @@ import { styled } from "../base/style-directive.js";
 
 const R = 100;
 const NAMED_BELOW = 1.3;
-const WINDS = [["N", 0], [msg("NE"), 45], ["E", 90], [msg("SE"), 135], ["S", 180], [msg("SW"), 225], ["W", 270], [msg("NW"), 315]] as const;
+const WINDS = [[msg("N"), 0], [msg("NE"), 45], [msg("E"), 90], [msg("SE"), 135], [msg("S"), 180], [msg("SW"), 225], [msg("W"), 270], [msg("NW"), 315]] as const;
 
 /** A direction with a name. */
 export interface TelescopeAim extends Horizontal {

@@ -1,5 +1,6 @@
 /** What a scene hears: the topics of a site by kind, followed while the scene is looked at, into one model. */
 
+import { msg, str } from "@lit/localize";
 import type { TopicShape } from "../../generated/api.js";
 import { MessageError } from "../../scene/cdr.js";
 import { isShownAtFirst, isSwitched, sceneKind, type SceneKind } from "../../scene/scene-topics.js";
@@ -39,7 +40,7 @@ export class SceneSession {
           this.problems.delete(topic);
         } catch (error) {
           if (!(error instanceof MessageError || error instanceof RangeError)) throw error;
-          this.problems.set(topic, `Its messages are not what ${found.kind.name.toLowerCase()} messages are: ${error.message}`);
+          this.problems.set(topic, msg(str`${found.kind.name}: its messages are not what they should be: ${error.message}`));
           this.listener.onState();
         }
         this.listener.onChange();

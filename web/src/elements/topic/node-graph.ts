@@ -250,8 +250,11 @@ function shortened(name: string): string {
 function wordsOf({ key, name, kind }: GraphBox, lines: readonly GraphLine[]): string {
   const after = lines.filter(({ from }) => from === key).map(({ to }) => to.replace(/^\w+ /, ""));
   const before = lines.filter(({ to }) => to === key).map(({ from }) => from.replace(/^\w+ /, ""));
-  const of = (word: string, names: readonly string[]): string => (names.length === 0 ? "" : ` ${word} ${names.join(", ")}.`);
-  return kind === "node" ? msg(str`Node ${name}.${of(msg("Publishes"), after)}${of(msg("Hears"), before)}`) : msg(str`Topic ${name}.${of(msg("From"), before)}${of(msg("To"), after)}`);
+  const [to, from] = [after.join(", "), before.join(", ")];
+  const said = kind === "node"
+    ? [msg(str`Node ${name}.`), to && msg(str`Publishes ${to}.`), from && msg(str`Hears ${from}.`)]
+    : [msg(str`Topic ${name}.`), from && msg(str`Comes from ${from}.`), to && msg(str`Goes to ${to}.`)];
+  return said.filter((sentence) => sentence !== "").join(" ");
 }
 
 function summaryOf({ boxes, left }: GraphDrawing, nodes: number, around: string): string {

@@ -112,7 +112,7 @@ export class Value extends LitElement {
       case "live":
         return nothing;
       case "stale":
-        return html`<span class="note">${msg(str`stale${Number.isNaN(this.age) ? "" : `, ${formatAge(this.age)}`}`)}</span>`;
+        return html`<span class="note">${Number.isNaN(this.age) ? msg("stale") : msg(str`stale, ${formatAge(this.age)}`)}</span>`;
       case "outside":
         return html`<span class="note">${msg("out of range")}</span>`;
       case "unknown":

@@ -89,7 +89,7 @@ export class NotificationRules extends LitElement {
 
   private renderRule(rule: NoticeRuleShape, known: LoadedRules): TemplateResult {
     const way = known.ways.find(({ id }) => id === rule.way);
-    const name = rule.target === "" ? (way?.name ?? msg("a way that is gone")) : msg(str`${way?.name ?? msg("a way that is gone")} to ${rule.target ?? ""}`);
+    const name = rule.target === "" ? (way?.name ?? msg("a way that is gone")) : msg(str`${way?.name ?? msg("a way that is gone")} to ${rule.target ?? ""}`, { id: "to.recipient" });
     const site = rule.site === "*" ? msg("every site") : (this.sites.store?.siteRow(rule.site)?.name ?? rule.site);
     const quiet = quietHours(rule);
     const changed = rule.id === this.form.subject;

@@ -68,7 +68,7 @@ export class AccountPasskeys extends LitElement {
       <div>
         <span class="name">${row.name}</span>
         <div class="facts">
-          <span>${msg(str`for ${row.host}`)}</span>
+          <span>${msg(str`for ${row.host}`, { id: "for.host" })}</span>
           <span>${msg(html`since <t-time .us=${row.created_us} .zone=${zone}></t-time>`)}</span>
           <span>${row.used_us === 0 ? msg("not used yet") : msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}</span>
         </div>

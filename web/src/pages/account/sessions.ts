@@ -20,6 +20,9 @@ import "../../elements/forms/button.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
+/** Tells what ends all others from what ends one. */
+const OTHERS = "others";
+
 @customElement("t-account-sessions")
 export class AccountSessions extends LitElement {
   static override styles = [base, sheets];
@@ -40,7 +43,7 @@ export class AccountSessions extends LitElement {
         <h2>${msg("Sessions")}</h2>
         ${others < 2
           ? nothing
-          : html`<t-button ?busy=${under === "end them"} @click=${this.endOthers}>${msg("End all others")}</t-button>`}
+          : html`<t-button ?busy=${under === OTHERS} @click=${this.endOthers}>${msg("End all others")}</t-button>`}
       </div>
       ${renderAdvice(problem)}
       <p class="visually-hidden" role="status">${done}</p>
@@ -54,7 +57,7 @@ export class AccountSessions extends LitElement {
         <span class="name" title=${row.agent}>${browserName(row.agent)}</span>
         ${row.this ? html`<t-status kind="ok" word=${msg("this one")}></t-status>` : nothing}
         <div class="facts">
-          <span>${msg(str`from ${row.address === "" ? msg("an unknown address") : row.address}`)}</span>
+          <span>${row.address === "" ? msg("from an unknown address") : msg(str`from ${row.address}`, { id: "from.address" })}</span>
           <span>${msg(html`since <t-time .us=${row.created_us} .zone=${zone}></t-time>`)}</span>
           <span>${msg(html`last used <t-time .us=${row.used_us} .zone=${zone}></t-time>`)}</span>
         </div>
@@ -84,7 +87,7 @@ export class AccountSessions extends LitElement {
 
   private readonly endOthers = (): void => {
     const api = new AccountApi(this.api);
-    void this.action.run(msg("end them"), () => api.endOtherSessions(), msg("All other sessions are ended.")).then(this.rows.invalidate);
+    void this.action.run(msg("end them"), () => api.endOtherSessions(), msg("All other sessions are ended."), OTHERS).then(this.rows.invalidate);
   };
 }
 

@@ -16,6 +16,7 @@ import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { UnitChoice } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { ENGLISH, shownLanguage } from "../../words/locale.js";
 import "../../elements/forms/field.js";
 
 @customElement("t-account-units")
@@ -58,7 +59,7 @@ export class AccountUnits extends LitElement {
   private renderChoice({ unit, name, sites, choices, shown }: UnitChoice, known: readonly UnitChoice[]): TemplateResult {
     const now = this.chosen.get(unit) ?? shown;
     const options = [["", msg("as the site has it")], [unit, msg(str`${unit}, as stored`)], ...choices.map((other) => [other, other] as const)] as const;
-    return html`<t-field label=${name === unit ? unit : `${name} (${unit})`} hint=${sites.join(", ")}>
+    return html`<t-field label=${name === unit || shownLanguage() !== ENGLISH ? unit : `${name} (${unit})`} hint=${sites.join(", ")}>
       <select data-unit=${unit} ?disabled=${this.action.busy} @change=${this.chooser(unit, known)}>${renderOptions(options, now)}</select>
     </t-field>`;
   }

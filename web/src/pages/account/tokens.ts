@@ -90,7 +90,7 @@ export class AccountTokens extends LitElement {
       (row) => html`<li>
         <div>
           <span class="name">${row.name}</span>
-          ${row.ends_us <= now ? html`<t-status kind="offline" word=${msg("ended")}></t-status>` : nothing}
+          ${row.ends_us <= now ? html`<t-status kind="offline" word=${msg("ended", { id: "ended.token" })}></t-status>` : nothing}
           <div class="facts">
             <span>${msg(str`may ${permissionText(row.permissions)}`)}</span>
             <span>${msg(html`until <t-time .us=${row.ends_us} .zone=${zone}></t-time>`)}</span>

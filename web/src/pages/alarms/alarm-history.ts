@@ -5,6 +5,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { alarmWords } from "../../format/event-kinds.js";
 import { boardAtPath } from "../../boards/board-query.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
@@ -58,7 +59,7 @@ export class AlarmHistoryView extends LitElement {
           value.past,
           (event) => html`<li>
             <t-time .us=${event.time_us} .zone=${this.zone}></t-time>
-            <strong>${event.what}</strong>${event.who === "" ? "" : msg(str` by ${event.who}`)}${event.message === "" ? "" : `: ${event.message}`}
+            <strong>${alarmWords(event.what)}</strong>${event.who === "" ? "" : msg(str` by ${event.who}`)}${event.message === "" ? "" : `: ${event.message}`}
             <a href=${boardAtPath(this.site, event.time_us)} title=${msg("See the board at that moment")}>${msg("Board then")}</a>
           </li>`,
         )}

@@ -6,6 +6,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
+import { severityWords } from "../../format/severity.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { OpenSubject } from "../../controllers/open-subject.js";
@@ -39,10 +40,10 @@ import "./alarm-history.js";
 
 type AlarmAction = "assign" | "comment" | "shelve";
 
-const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: string, action: string]>> = {
-  assign: [msg("Who sees to it?"), msg("Name of the person (empty: nobody)"), msg("Assign")],
-  comment: [msg("Say something about it"), msg("Comment"), msg("Keep")],
-  shelve: [msg("Put it aside for a while"), msg("Why"), msg("Shelve")],
+const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: string, action: string, asked: string]>> = {
+  assign: [msg("Who sees to it?"), msg("Name of the person (empty: nobody)"), msg("Assign"), msg("assign the alarm")],
+  comment: [msg("Say something about it"), msg("Comment", { id: "comment.noun" }), msg("Keep"), msg("keep the comment")],
+  shelve: [msg("Put it aside for a while"), msg("Why"), msg("Shelve"), msg("shelve the alarm")],
 };
 
 const SHELVE_HOURS = [["0.5", msg("half an hour")], ["1", msg("1 hour")], ["8", msg("8 hours")], ["24", msg("1 day")], ["168", msg("7 days")]] as const;
@@ -187,8 +188,9 @@ export class PageAlarms extends LitElement {
     const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
     const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
     if (list.length === 0) return "";
-    const parts = [plural(on, msg("1 is active"), msg(str`${String(on)} are active`)), msg(str`of ${String(list.length)}`)];
-    return parts.join(" ") + (unknown === 0 ? "." : msg(str`; ${String(unknown)} cannot be judged now.`));
+    const all = String(list.length);
+    const active = plural(on, msg(str`1 is active of ${all}`), msg(str`${String(on)} are active of ${all}`));
+    return unknown === 0 ? `${active}.` : msg(str`${active}; ${String(unknown)} cannot be judged now.`);
   }
 
   private renderSheet(list: readonly AlarmUpdate[]): TemplateResult {
@@ -217,7 +219,7 @@ export class PageAlarms extends LitElement {
     const named = id === this.addressedAlarm();
     return html`<li class="alarm ${alarm.severity} ${on} ${named ? "named" : ""}" data-alarm=${alarm.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
       <div>
-        <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" && alarm.known ? nothing : html`<span class="chip">${alarm.severity}</span>`}</div>
+        <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" && alarm.known ? nothing : html`<span class="chip">${severityWords(alarm.severity)}</span>`}</div>
         <div class="name">${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</div>
         ${alarm.why === "" ? nothing : html`<div class="why">${alarm.why}</div>`}
         ${alarm.shares.length < 2
@@ -364,7 +366,7 @@ export class PageAlarms extends LitElement {
     const { site, alarm } = doing.about;
     const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
     const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
-    void this.action.run(msg(str`${doing.what} it`), () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
+    void this.action.run(QUESTIONS[doing.what][3], () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
       // Another question may have been opened while the hub was asked.
       if (done && this.doing.subject === doing) this.doing.close();
     });

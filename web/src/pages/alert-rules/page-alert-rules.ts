@@ -109,7 +109,7 @@ export class PageAlertRules extends LitElement {
         <span class="name">${name}</span>
         <div>${filterText(filter)}</div>
         <div class="facts">
-          <t-status kind=${active ? "ok" : "unknown"} word=${active ? msg("active") : msg("off")}></t-status>
+          <t-status kind=${active ? "ok" : "unknown"} word=${active ? msg("active") : msg("off", { id: "off.rule" })}></t-status>
           <span>${frames}</span><span>${msg(str`within ${hours} h of the event`)}</span><span>${msg(str`priority ${priority}`)}</span>
           ${maker === "" ? html`<t-status kind="warn" word=${msg("its maker is gone: it makes nothing")}></t-status>` : html`<span>${msg(str`asks in the name of ${maker}`)}</span>`}
         </div>

@@ -2,6 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import type { AlertFilterShape, AlertRuleAsk, AlertRuleShape, GroupShape, RequestShape } from "../../generated/api.js";
+import { eitherText } from "../../words/lists.js";
 import { FieldReader } from "../requests/form/field-reader.js";
 import type { ReadGroup } from "../requests/form/read-draft.js";
 
@@ -39,11 +40,11 @@ export interface ReadRule {
 export function readRule(draft: RuleDraft, request: ReadGroup["requests"][number] | undefined): ReadRule {
   const fields = new FieldReader<RuleField>();
   const name = draft.name.trim();
-  if (name === "") fields.problems.set("name", "Give it a name: requests are called by it.");
-  if (draft.roles.length === 0) fields.problems.set("roles", "Choose at least one: a notice always has a role.");
+  if (name === "") fields.problems.set("name", msg("Give it a name: requests are called by it."));
+  if (draft.roles.length === 0) fields.problems.set("roles", msg("Choose at least one: a notice always has a role."));
   const low = fields.optional("lowestDec", draft.lowestDec, [-90, 90], msg("Declination in °"), -90);
   const high = fields.optional("highestDec", draft.highestDec, [-90, 90], msg("Declination in °"), 90);
-  if (low > high) fields.problems.set("highestDec", "It is lower than the lowest declination.");
+  if (low > high) fields.problems.set("highestDec", msg("It is lower than the lowest declination."));
   const filter: AlertFilterShape = {
     sources: linesOf(draft.sources),
     roles: draft.roles,
@@ -76,7 +77,7 @@ function readParameters(text: string, { problems }: FieldReader<RuleField>): Pic
       continue;
     }
     const number = Number(value.replace(",", ".").replace("−", "-"));
-    if (sign === "" || value === "" || !Number.isFinite(number)) problems.set("parameters", `“${line}” is no condition: write Rate_Signif >= 7, Rate_Signif <= 99, or Packet_Type = 61, 67.`);
+    if (sign === "" || value === "" || !Number.isFinite(number)) problems.set("parameters", msg(str`“${line}” is no condition: write Rate_Signif >= 7, Rate_Signif <= 99, or Packet_Type = 61, 67.`));
     else if (sign === ">=" || sign === "≥") least[name] = number;
     else most[name] = number;
   }
@@ -124,13 +125,13 @@ export function ruleGroup(rule: Pick<AlertRuleShape, "configurations" | "constra
 /** What a filter asks, in words, for a list. */
 export function filterText({ sources = [], roles = [], largest_error: error = 0, lowest_declination: low = -90, highest_declination: high = 90, least = {}, most = {}, equal = {} }: AlertFilterShape): string {
   const parts = [
-    sources.length === 0 ? msg("from anybody") : msg(str`from ${sources.join(" or ")}`),
-    roles.join(" or "),
+    sources.length === 0 ? msg("from anybody") : msg(str`from ${eitherText(sources)}`, { id: "from.senders" }),
+    eitherText(roles),
     error === 0 ? "" : msg(str`known to ${String(error)}° or better`),
     low === -90 && high === 90 ? "" : msg(str`declination ${String(low).replace("-", "−")}° to ${String(high).replace("-", "−")}°`),
     ...Object.entries(least).map(([name, value]) => msg(str`${name} at least ${String(value)}`)),
     ...Object.entries(most).map(([name, value]) => msg(str`${name} at most ${String(value)}`)),
-    ...Object.entries(equal).map(([name, values]) => msg(str`${name} is ${values.join(" or ")}`)),
+    ...Object.entries(equal).map(([name, values]) => msg(str`${name} is ${eitherText(values)}`)),
   ];
   return parts.filter(Boolean).join(", ");
 }

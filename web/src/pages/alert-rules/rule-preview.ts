@@ -86,8 +86,8 @@ export class AlertRulePreview extends LitElement {
       columns: [
         { title: msg("Came"), cell: ({ received_us: time }) => html`<t-time .us=${time} .zone=${this.zone}></t-time>` },
         { title: msg("Event"), heads: true, cell: ({ event, source }) => html`${event} <span class="muted small">${source}</span>` },
-        { title: msg("Place (J2000)"), titled: true, cell: ({ ra, dec }) => (ra === null || dec === null ? "none" : `${formatRa(ra / 15)} ${formatDec(dec)}`) },
-        { title: msg("Request"), cell: ({ passes }) => html`<t-status kind=${passes ? "ok" : "unknown"} word=${passes ? msg("would be made") : msg("none")}></t-status>` },
+        { title: msg("Place (J2000)"), titled: true, cell: ({ ra, dec }) => (ra === null || dec === null ? msg("none", { id: "none.place" }) : `${formatRa(ra / 15)} ${formatDec(dec)}`) },
+        { title: msg("Request"), cell: ({ passes }) => html`<t-status kind=${passes ? "ok" : "unknown"} word=${passes ? msg("would be made") : msg("none", { id: "none.request" })}></t-status>` },
         { title: msg("Why"), cell: ({ why }) => why },
       ],
     });

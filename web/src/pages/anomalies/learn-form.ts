@@ -72,7 +72,7 @@ export class LearnForm extends LitElement {
             ${map(this.groups, (group) => html`<option value=${group.address}>${subjectOf(group)}</option>`)}
           </select>
         </t-field>
-        ${moment("from", msg("From"), now - HOUR_US, this.errors.from)} ${moment("to", msg("To"), now, this.errors.to)}
+        ${moment("from", msg("From", { id: "from.time" }), now - HOUR_US, this.errors.from)} ${moment("to", msg("To", { id: "to.time" }), now, this.errors.to)}
         <t-field label=${msg("Which run it was (optional)")}><input name="comment" autocomplete="off" maxlength="500" /></t-field>
         <t-button kind="primary" type="submit" ?disabled=${this.action.busy} @click=${this.submit}>${this.action.busy ? msg("Learning…") : msg("Learn from it")}</t-button>
       </form>

@@ -187,7 +187,7 @@ export class PageAnomalies extends LitElement {
 
 function renderSingle(site: string, detail: SiteShape, { address, name, on, learning, anomaly }: Detector, label: string): TemplateResult {
   const path = `${sitePath(site, "history")}?${new URLSearchParams({ c: address }).toString()}`;
-  const [kind, word] = on ? ["warn", "anomaly"] : learning > 0 ? ["busy", "learning"] : ["ok", msg("as usual")];
+  const [kind, word] = on ? ["warn", msg("anomaly")] : learning > 0 ? ["busy", msg("learning")] : ["ok", msg("as usual")];
   return html`<li ?data-on=${on}>
     <a href=${path}>${label}, ${name}</a>
     <t-status kind=${kind} word=${word}></t-status>

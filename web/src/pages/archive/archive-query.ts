@@ -96,7 +96,7 @@ export function qualityRows(frame: FrameShape): [string, string][] {
     [msg("Stars"), frame.stars === null ? null : String(frame.stars)],
     [msg("Sky"), frame.background === null ? null : msg(str`${frame.background.toFixed(0)} counts`)],
     [msg("Zero point"), frame.zero_point === null ? null : msg(str`${fixedText(frame.zero_point, 2)} mag`)],
-    [msg("Plate"), frame.solved ? "solved" : frame.note === "" ? null : msg(str`not solved: ${frame.note}`)],
+    [msg("Plate"), frame.solved ? msg("solved") : frame.note === "" ? null : msg(str`not solved: ${frame.note}`)],
   ];
   return rows.filter((row): row is [string, string] => row[1] !== null);
 }

@@ -141,7 +141,7 @@ export class FrameDetailSheet extends LitElement {
       [msg("Night of"), frame.night],
       [msg("Exposure"), frame.exposure_s === null ? "–" : `${roundText(frame.exposure_s, 4)} s`],
       [msg("Frame"), frame.kind],
-      [msg("Filter"), frame.filter || "–"],
+      [msg("Filter", { id: "filter.optical" }), frame.filter || "–"],
       [msg("Place (J2000)"), frame.ra_deg === null || frame.dec_deg === null ? "–" : skyPlace(frame.ra_deg, frame.dec_deg)],
       [msg("Size"), `${String(frame.width)} × ${String(frame.height)} px`],
       [msg("Camera"), frame.device],

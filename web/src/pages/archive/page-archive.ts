@@ -139,11 +139,11 @@ export class PageArchive extends LitElement {
     return html`<form class="sheet filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
       <t-field label=${msg("Night")}>
         <select name="night">
-          ${renderOptions([["", "all"], ...nights.map(({ night, frames }) => [night, `${night} (${String(frames)})`] as const)], filter.night)}
+          ${renderOptions([["", msg("all", { id: "all.nights" })], ...nights.map(({ night, frames }) => [night, `${night} (${String(frames)})`] as const)], filter.night)}
         </select>
       </t-field>
       <t-field label=${msg("Target")}><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
-      <t-field label=${msg("Filter")}><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
+      <t-field label=${msg("Filter", { id: "filter.optical" })}><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
       <t-field label=${msg("Camera")}><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
       <t-field label="RA (J2000)" hint=${msg("05:34:32 or 83.63°")} error=${errorOf("ra")}>
         <input name="ra" autocomplete="off" .value=${shownRa(filter)} />
@@ -198,7 +198,7 @@ export class PageArchive extends LitElement {
         ${frame.stars === null
           ? nothing
           : html`<span class="muted small">
-              ${[msg(str`${String(frame.stars)} stars`), frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.solved ? msg("solved") : ""].filter(Boolean).join(" · ")}
+              ${[plural(frame.stars, msg("1 star"), msg(str`${String(frame.stars)} stars`)), frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.solved ? msg("solved") : ""].filter(Boolean).join(" · ")}
             </span>`}
         <span class="small"><t-time short .us=${frame.time_us} .zone=${this.zone()}></t-time></span>
         ${frame.ra_deg === null || frame.dec_deg === null

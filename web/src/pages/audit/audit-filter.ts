@@ -47,14 +47,14 @@ export class AuditFilterForm extends LitElement {
       <t-field label=${msg("Person")}><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
       <t-field label=${msg("Site")}>
         <select name="site">
-          ${renderOptions([["", "all"], ...this.sites.map(({ site, name }) => [site, name] as const)], filter.site)}
+          ${renderOptions([["", msg("all", { id: "all.sites" })], ...this.sites.map(({ site, name }) => [site, name] as const)], filter.site)}
         </select>
       </t-field>
       <t-field label=${msg("Device")}><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
       <t-field label=${msg("Kind")} hint=""><input name="kind" autocomplete="off" maxlength="200" .value=${filter.kind} /></t-field>
       <t-field label=${msg("Outcome")}>
         <select name="good">
-          ${renderOptions([["", msg("both")], ["true", msg("done")], ["false", msg("refused")]], filter.good)}
+          ${renderOptions([["", msg("both")], ["true", msg("done", { id: "done.outcome" })], ["false", msg("refused", { id: "refused.outcome" })]], filter.good)}
         </select>
       </t-field>
       <t-field class="time" label=${msg(str`From (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}>

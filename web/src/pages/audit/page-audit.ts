@@ -4,6 +4,7 @@ import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
+import { eventWords } from "../../format/event-kinds.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -128,9 +129,9 @@ export class PageAudit extends LitElement {
   private readonly columns: readonly TableColumn<AuditRow>[] = [
     { title: msg("Time"), name: "when", cell: ({ time_us, site }) => html`<t-time .us=${time_us} .zone=${this.sites.store?.zoneOf(site) ?? "UTC"}></t-time>` },
     { title: msg("Who"), name: "who", cell: renderPerson },
-    { title: msg("What"), name: "what", cell: ({ kind, message }) => html`<strong>${kind}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
+    { title: msg("What"), name: "what", cell: ({ kind, message }) => html`<strong>${eventWords(kind)}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
     { title: msg("Where"), name: "where", cell: ({ site, device, source }) => [site, device, source === "gateway" ? msg("said by the gateway") : ""].filter(Boolean).join(" · ") || html`<span class="muted">${msg("hub")}</span>` },
-    { title: msg("Outcome"), cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? msg("done") : msg("refused")}></t-status>` },
+    { title: msg("Outcome"), cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? msg("done", { id: "done.outcome" }) : msg("refused", { id: "refused.outcome" })}></t-status>` },
   ];
 
   private filter(): AuditFilter {

@@ -18,6 +18,7 @@ import { renderRows } from "../../elements/layout/rows.js";
 import type { WitnessedHubShape } from "../../generated/api.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AdminApi } from "../../wire/admin-api.js";
+import { plural } from "../../words/plural.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { witnessState } from "./witness-state.js";
 import "../../elements/feedback/problem.js";
@@ -63,7 +64,7 @@ export class WitnessedHubs extends LitElement {
         heading: msg(str`Remove ${name}?`),
         action: msg("Remove it"),
         keep: msg("Keep it"),
-        text: msg(str`Its ${String(heads)} heads are deleted, and nothing here shows any more what its log was. Save them first.`),
+        text: plural(heads, msg("Its head is deleted, and nothing here shows any more what its log was. Save it first."), msg(str`Its ${String(heads)} heads are deleted, and nothing here shows any more what its log was. Save them first.`)),
       }))}`;
   }
 
@@ -87,7 +88,7 @@ export class WitnessedHubs extends LitElement {
   }
 
   private renderList(rows: readonly WitnessedHubShape[]): unknown {
-    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("There are none.")}</p>`;
+    if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">${msg("There are none.", { id: "there-are-none.hubs" })}</p>`;
     return renderRows(rows, (row) => this.renderRow(row));
   }
 

@@ -25,7 +25,7 @@ import "../../elements/forms/button.js";
 import "../../elements/values/time.js";
 
 const SHARES: Readonly<Record<BoardRow["share"], string>> = {
-  own: msg("only you"), role: msg("the role"), view: msg("who may view the site"), public: msg("everybody"),
+  own: msg("only you"), role: msg("one role"), view: msg("who may view the site"), public: msg("everybody"),
 };
 
 /** Read as a text before it is sent: nothing larger is a board. */
@@ -133,7 +133,7 @@ export class PageBoards extends LitElement {
               <span class="facts">
                 <span>${plural(row.tiles, msg("1 tile"), msg(str`${String(row.tiles)} tiles`))}</span>
                 <span>${row.site === "" ? msg("any site") : (this.sites.store?.siteRow(row.site)?.name ?? row.site)}</span>
-                ${row.described ? html`<span>${msg("in the site's description")}</span>` : html`<span>${msg(str`of ${row.owner}, seen by ${SHARES[row.share]}${row.share === "role" ? ` ${row.role}` : ""}`)}</span><span>${msg(html`version ${row.number}, <t-time short .us=${row.changed_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time>`)}</span>`}
+                ${row.described ? html`<span>${msg("in the site's description")}</span>` : html`<span>${row.share === "role" ? msg(str`of ${row.owner}, seen by the role ${row.role}`) : msg(str`of ${row.owner}, seen by ${SHARES[row.share]}`)}</span><span>${msg(html`version ${row.number}, <t-time short .us=${row.changed_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time>`)}</span>`}
               </span>
             </a>
           </li>`,
@@ -160,7 +160,7 @@ export class PageBoards extends LitElement {
       <a href=${boardPath(key)}>
         <span class="name">${board.name}</span>
         <span>${board.note}</span>
-        <span class="facts"><span>${msg(str`${board.tiles.length} tiles`)}</span><span>${detail.name}</span></span>
+        <span class="facts"><span>${plural(board.tiles.length, msg("1 tile"), msg(str`${String(board.tiles.length)} tiles`))}</span><span>${detail.name}</span></span>
       </a>
     </li>`;
   }

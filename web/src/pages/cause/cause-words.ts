@@ -26,8 +26,8 @@ export function sortEvents(events: readonly EventShape[]): { readonly commands: 
 /** What people said of the last episode like this one, in words. */
 export function verdictText({ verdict, comment, who }: SimilarShape): string {
   if (verdict === "") return msg("Nobody said what it was.");
-  const said = { confirmed: msg("that it was real"), forgiven: msg("that it was none"), known: msg("that it is known") }[verdict] ?? verdict;
-  return msg(str`${who} said ${said}${comment === "" ? "" : `: ${comment}`}.`);
+  const said = { confirmed: msg(str`${who} said that it was real`), forgiven: msg(str`${who} said that it was none`), known: msg(str`${who} said that it is known`) }[verdict] ?? `${who}: ${verdict}`;
+  return comment === "" ? `${said}.` : `${said}: ${comment}.`;
 }
 
 /** What can be said again at one press: of known ones it holds already. */

@@ -5,6 +5,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
+import { eventWords } from "../../format/event-kinds.js";
 import { shownLine } from "../../boards/kept-log.js";
 import { ActionController } from "../../controllers/action.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -252,7 +253,7 @@ export class PageCause extends LitElement {
                 html`<li>
                   <div>
                     <div class="facts"><span>${formatClock(event.time_us, this.zone)}</span>${event.who === "" ? nothing : html`<span>${event.who}</span>`}</div>
-                    <div>${event.good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}${event.kind.replaceAll("_", " ")}</div>
+                    <div>${event.good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}${eventWords(event.kind)}</div>
                     ${event.message === "" ? nothing : html`<div class="quiet">${event.message}</div>`}
                   </div>
                 </li>`,

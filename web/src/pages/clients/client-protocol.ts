@@ -11,6 +11,7 @@ import { base } from "../../elements/base/base-style.js";
 import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText, submittedForm } from "../../format/form-values.js";
+import { hubText } from "../../words/hub-text.js";
 import { plural } from "../../words/plural.js";
 import { apiContext } from "../../state/contexts.js";
 import type { BrokerShape, ClientProtocolShape } from "../../generated/api.js";
@@ -41,8 +42,8 @@ export class ClientProtocol extends LitElement {
     if (row === null) return nothing;
     return html`<div class="head">
         <div>
-          <h2>${row.title}</h2>
-          <span class="muted">${row.tools}</span>
+          <h2>${hubText(row.title)}</h2>
+          <span class="muted">${hubText(row.tools)}</span>
         </div>
         <t-status kind=${row.open ? "online" : "offline"} word=${row.open ? openWords(row) : msg("shut")}></t-status>
       </div>
@@ -71,10 +72,10 @@ export class ClientProtocol extends LitElement {
       void this.save(row, !row.open, row.origins);
     };
     return html`<div class="actions">
-      <t-button kind=${row.open ? "plain" : "primary"} label=${row.open ? msg(str`Shut it: ${row.title}`) : msg(str`Open it: ${row.title}`)} ?busy=${this.action.busy} @click=${toggle}
+      <t-button kind=${row.open ? "plain" : "primary"} label=${row.open ? msg(str`Shut it: ${hubText(row.title)}`) : msg(str`Open it: ${hubText(row.title)}`)} ?busy=${this.action.busy} @click=${toggle}
         >${row.open ? msg("Shut it") : msg("Open it")}</t-button
       >
-      ${row.path === "" ? nothing : html`<t-button label=${msg(str`Web pages… that may use ${row.title}`)} @click=${this.form.opener("origins")}>${msg("Web pages…")}</t-button>`}
+      ${row.path === "" ? nothing : html`<t-button label=${msg(str`Web pages… that may use ${hubText(row.title)}`)} @click=${this.form.opener("origins")}>${msg("Web pages…")}</t-button>`}
     </div>`;
   }
 
@@ -132,7 +133,7 @@ function ownZone(): string {
 
 function openWords({ path, connected }: ClientProtocolShape): string {
   // Where the hub connects, its broker says below how that stands.
-  if (path === "") return msg("open");
+  if (path === "") return msg("open", { id: "open.clients" });
   if (connected === 0) return msg("open, nobody is connected");
   return plural(connected, msg("open, 1 client is connected"), msg(str`open, ${String(connected)} clients are connected`));
 }

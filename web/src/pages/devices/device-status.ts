@@ -16,10 +16,10 @@ export function deviceStatus(row: DeviceSummary, away = false): DeviceStatus {
 }
 
 export const STANDING_WORDS: Readonly<Record<DeviceStatus, (row: DeviceSummary) => string>> = {
-  online: () => "online",
+  online: () => msg("online"),
   stale: (row) => msg(str`${String(row.stale)} of ${String(row.signals)} stale`),
   unreached: () => msg("not reached"),
-  offline: () => "offline",
+  offline: () => msg("offline"),
 };
 
 /** @param words all of them have to be found in the device's names, its kind, or its rights */

@@ -19,6 +19,8 @@ import { devicePath } from "../../state/router.js";
 import type { DeviceSummary, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
+import { deviceKindWords } from "../../format/device-kinds.js";
+import { togetherText } from "../../words/lists.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -31,7 +33,7 @@ import "../../tiles/observatory/device-summary.js";
 const AGAIN_S = 5;
 
 const STANDINGS: readonly ChoiceOption[] = [
-  { id: "", label: msg("All") },
+  { id: "", label: msg("All", { id: "all.devices" }) },
   { id: "online", label: msg("Online") },
   { id: "stale", label: msg("Stale") },
   { id: "unreached", label: msg("Not reached") },
@@ -128,7 +130,7 @@ export class PageDevices extends LitElement {
         rows === undefined ? nothing : devicesSummary(rows),
         html`<div class="tools" role="search">
           <t-choice label=${msg("Status")} .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
-          <input type="search" aria-label=${msg("Filter devices")} placeholder=${msg("Filter")} .value=${this.words} @input=${this.onInput} />
+          <input type="search" aria-label=${msg("Filter devices")} placeholder=${msg("Filter", { id: "filter.verb" })} .value=${this.words} @input=${this.onInput} />
         </div>`,
       )}
       ${renderLoaded(this.rows, msg("the list of devices"), (loaded) => this.renderContent(loaded))}`;
@@ -143,7 +145,7 @@ export class PageDevices extends LitElement {
     const shown = rows.filter((row) => matchesSearch(row, this.words, this.chosen, this.isUnreachable(row)));
     if (shown.length === 0) {
       return html`<t-empty heading=${msg("No device matches")} icon="devices">
-        <p>${msg(str`${String(rows.length)} devices are open to you, and none of them is like this.`)}</p>
+        <p>${plural(rows.length, msg("One device is open to you, and it is not like this."), msg(str`${String(rows.length)} devices are open to you, and none of them is like this.`))}</p>
         <t-button @click=${this.clearSearch}>${msg("Show all")}</t-button>
       </t-empty>`;
     }
@@ -169,11 +171,11 @@ export class PageDevices extends LitElement {
     const names = detail?.devices.filter((device) => device.unguarded).map((device) => device.name) ?? [];
     if (names.length === 0) return nothing;
     const many = names.length > 1;
-    const who = many ? msg(str`${names.slice(0, -1).join(", ")} and ${names.at(-1) ?? ""} do`) : msg(str`${names[0] ?? ""} does`);
+    const who = togetherText(names);
     return html`<p class="unguarded" role="note">
       <t-icon name="info"></t-icon>
       <span>
-        ${many ? msg(html`${who} not close or park by themselves. In rain, in wind or without weather data only a person closes or parks them (docs: <em>Make a robot safe by itself</em>).`) : msg(html`${who} not close or park by itself. In rain, in wind or without weather data only a person closes or parks it (docs: <em>Make a robot safe by itself</em>).`)}
+        ${many ? msg(html`${who} do not close or park by themselves. In rain, in wind or without weather data only a person closes or parks them (docs: <em>Make a robot safe by itself</em>).`) : msg(html`${who} does not close or park by itself. In rain, in wind or without weather data only a person closes or parks it (docs: <em>Make a robot safe by itself</em>).`)}
       </span>
     </p>`;
   }
@@ -191,7 +193,7 @@ export class PageDevices extends LitElement {
       </div>
       ${this.renderSummary(row)}
       <div class="facts">
-        <span>${row.kind}</span>
+        <span>${deviceKindWords(row.kind)}</span>
         <span>${plural(row.signals, msg("1 signal"), msg(str`${String(row.signals)} signals`))}</span>
       </div>
       <div class="chips">

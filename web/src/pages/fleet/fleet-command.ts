@@ -126,7 +126,7 @@ export class FleetCommand extends LitElement {
               <span class="name">${name}</span>
               <t-status kind=${kind} .word=${phase === "running" && progress > 0 ? `${word}, ${(progress * 100).toFixed(0)} %` : word}></t-status>
               <span class="text">${message}</span>
-              <a href=${devicePath(site, device)} aria-label=${msg(str`Open ${name}`)}>${msg("Open")}</a>
+              <a href=${devicePath(site, device)} aria-label=${msg(str`Open ${name}`)}>${msg("Open", { id: "open.verb" })}</a>
             </li>`;
           },
         )}

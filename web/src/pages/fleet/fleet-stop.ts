@@ -51,8 +51,11 @@ export class FleetStop extends LitElement {
     const able = this.rows.filter(({ stops }) => stops.length > 0);
     const without = this.rows.filter(({ stops }) => stops.length === 0);
     const pressed = this.line?.rows ?? [];
-    const which = this.partial ? "chosen " : "";
-    const label = able.length === 0 ? msg("None of these has STOP") : plural(able.length, msg(str`The one ${which}robot that has it: ${able[0]?.name ?? ""}`), msg(str`All ${String(able.length)} ${which}robots, at one press`));
+    const [name, many] = [able[0]?.name ?? "", String(able.length)];
+    const whom = this.partial
+      ? plural(able.length, msg(str`The one chosen robot that has it: ${name}`), msg(str`All ${many} chosen robots, at one press`))
+      : plural(able.length, msg(str`The one robot that has it: ${name}`), msg(str`All ${many} robots, at one press`));
+    const label = able.length === 0 ? msg("None of these has STOP") : whom;
     return html`
       <t-stop-button .label=${label} @t-stop=${this.pressStop}></t-stop-button>
       ${without.length === 0 ? nothing : html`<p class="note">${msg(str`Not stopped by it, since nothing of them is driven from here, or you may not view it: ${nameList(without.map(({ name }) => name))}.`)}</p>`}
@@ -87,7 +90,7 @@ export class FleetStop extends LitElement {
       <span class="name">${name}${several ? `: ${row.device}` : ""}</span>
       <t-status kind=${kind} .word=${word}></t-status>
       <span class="text">${text}${row.who === "" ? "" : msg(str` Pressed by ${row.who}.`)}</span>
-      <a href=${sitePath(row.site, "drive")} aria-label=${msg(str`Open ${name}`)}>${msg("Open")}</a>
+      <a href=${sitePath(row.site, "drive")} aria-label=${msg(str`Open ${name}`)}>${msg("Open", { id: "open.verb" })}</a>
     </li>`;
   }
 

@@ -27,7 +27,7 @@ export function stopWords(row: Pick<GroupStopRow, "phase" | "online" | "waitingM
     case "sent":
       return row.waitingMs > LATE_MS
         ? { kind: "bad", word: msg("no answer"), text: msg("No answer from its gateway yet: sent again and again.") }
-        : { kind: "busy", word: msg("sent"), text: msg("Sent, not answered yet.") };
+        : { kind: "busy", word: msg("sent", { id: "sent.stop" }), text: msg("Sent, not answered yet.") };
   }
 }
 

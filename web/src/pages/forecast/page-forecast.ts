@@ -169,7 +169,7 @@ export class PageForecast extends LitElement {
     return html`${facts === null
         ? nothing
         : html`<p>
-            ${facts.darkMs === 0 ? msg(str`No full darkness; the Moon is ${(facts.moonLit * 100).toFixed(0)} % lit.`) : msg(str`Dark for ${formatDuration(facts.darkMs / 1000)}, ${facts.moonlessMs === 0 ? msg("none") : formatDuration(facts.moonlessMs / 1000)} of it without the Moon, which is ${(facts.moonLit * 100).toFixed(0)} % lit.`)}
+            ${facts.darkMs === 0 ? msg(str`No full darkness; the Moon is ${(facts.moonLit * 100).toFixed(0)} % lit.`) : msg(str`Dark for ${formatDuration(facts.darkMs / 1000)}, ${facts.moonlessMs === 0 ? msg("none", { id: "none.time" }) : formatDuration(facts.moonlessMs / 1000)} of it without the Moon, which is ${(facts.moonLit * 100).toFixed(0)} % lit.`)}
           </p>`}
       ${blocks.length === 0 ? html`<p class="muted">${msg("Nothing is planned in it.")}</p>` : nothing}
       <t-plan-timeline .span=${span} .sky=${sky} .blocks=${blocks} .marks=${marks} .ms=${Date.now()} .zone=${this.zone}></t-plan-timeline>`;

@@ -87,7 +87,7 @@ export class GatewaySection extends LitElement {
       ${renderAdvice(problem)} ${revoked ? nothing : this.renderActions(row, done)}
       ${renderQuestion(this.revoking, ({ name }) => ({
         heading: msg(str`Revoke the key of ${name === "" ? this.siteName : name}?`),
-        action: msg("Revoke it"),
+        action: msg("Revoke it", { id: "revoke-it.gateway" }),
         keep: msg("Keep it"),
         text: msg(str`Its link is closed at once: nothing more is seen of ${this.siteName}, and nothing there can be driven or stopped from here. A vehicle that is being driven comes to rest by itself. To come back, it has to be enrolled anew.`),
       }))}`;

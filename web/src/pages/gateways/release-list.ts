@@ -159,7 +159,7 @@ export class ReleaseListView extends LitElement {
           <div>
             <span class="name">${release.version === "" ? release.name : release.version}</span>
             <div class="facts">
-              <span>${release.site === "" ? msg("for all gateways") : msg(str`for ${this.siteNames(release.site)}`)}</span>
+              <span>${release.site === "" ? msg("for all gateways") : msg(str`for ${this.siteNames(release.site)}`, { id: "for.sites" })}</span>
               <span>${formatBytes(release.size)}</span>
               <span><t-time .us=${release.changed_us} .zone=${this.zone}></t-time></span>
             </div>
@@ -181,7 +181,7 @@ export class ReleaseListView extends LitElement {
         </select>
       </t-field>
       <fieldset>
-        <legend>${msg("To")}</legend>
+        <legend>${msg("To", { id: "to.gateways" })}</legend>
         ${sites.length === 0 ? html`<p class="muted">${msg("All gateways run it.")}</p>` : nothing}
         ${map(sites, (site) => html`<label><input type="checkbox" name="site" .value=${site} checked /> ${this.siteNames(site)}</label>`)}
       </fieldset>

@@ -13,7 +13,7 @@ import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 
 const EXTENTS: readonly ChoiceOption[] = [
-  { id: "window", label: msg("Window") },
+  { id: "window", label: msg("Window", { id: "window.shown" }) },
   { id: "drawn", label: msg("As drawn") },
   { id: "all", label: msg("Everything") },
 ];

@@ -20,6 +20,7 @@ export const historyStyle = css`
   .menus {
     position: relative;
     display: flex;
+    flex-wrap: wrap;
     align-self: center;
     margin-inline-start: auto;
     font-weight: var(--t-weight-strong);

@@ -155,7 +155,7 @@ export class HistoryTools extends LitElement {
       <details class="when" ?open=${this.wide.matches}>
         <summary>${this.spanText(clock)}</summary>
         <div class="dates" @change=${this.onInput}>
-          ${this.renderDateField(msg("From"), clock.toInput(this.span.fromUs))} ${this.renderDateField(msg("To"), clock.toInput(this.span.toUs))}
+          ${this.renderDateField(msg("From", { id: "from.time" }), clock.toInput(this.span.fromUs))} ${this.renderDateField(msg("To", { id: "to.time" }), clock.toInput(this.span.toUs))}
           <span class="zone" title=${clock.zone}>${zoneName(this.span.toUs, clock.zone)}</span>
         </div>
       </details>

@@ -103,7 +103,7 @@ export class SignalPicker extends LitElement {
     const devices = [...new Set(described.map(({ device }) => device))];
     return html`
       <div class="head">
-        <input type="search" placeholder=${msg("Filter")} aria-label=${msg("Filter signals")} @input=${this.onInput} />
+        <input type="search" placeholder=${msg("Filter", { id: "filter.verb" })} aria-label=${msg("Filter signals")} @input=${this.onInput} />
         <t-button kind="quiet" ?disabled=${this.chosen.length === 0} @click=${this.clearChoice}>${msg("Clear")}</t-button>
       </div>
       ${repeat(
@@ -132,7 +132,7 @@ export class SignalPicker extends LitElement {
       (row) => html`<label title=${row.address}
         ><input type="checkbox" .value=${row.address} .checked=${this.chosen.includes(row.address)} /><span class="name"
           >${row.name}${row.former ? html` <span class="unit">${row.device.name}</span>` : nothing}</span
-        ><span class="unit">${row.type === "number" ? row.unit : row.type}</span></label
+        ><span class="unit">${row.type === "number" ? row.unit : row.type === "state" ? msg("state", { id: "state.type" }) : msg("text", { id: "text.type" })}</span></label
       >`,
     );
   }

@@ -158,7 +158,7 @@ export class PageLive extends LitElement {
       <input
         type="search"
         aria-label=${msg("Filter signals")}
-        placeholder=${msg("Filter")}
+        placeholder=${msg("Filter", { id: "filter.verb" })}
         .value=${this.filter}
         @input=${this.onFilterInput}
       />

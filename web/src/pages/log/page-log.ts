@@ -136,12 +136,12 @@ export class PageLog extends LitElement {
       <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
         <t-field label=${msg("Search")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
         <t-field label=${msg("From level")}>
-          <select name="level">${renderOptions([["", msg("All")], ...LOG_LEVELS.map(([level, word]) => [String(level), word] as const)], filter.level)}</select>
+          <select name="level">${renderOptions([["", msg("All", { id: "all.levels" })], ...LOG_LEVELS.map(([level, word]) => [String(level), word] as const)], filter.level)}</select>
         </t-field>
         <t-field label=${msg("Node")}>
-          <select name="node">${renderOptions([["", msg("All")], ...nodes.map((node) => [node, node] as const)], filter.node)}</select>
+          <select name="node">${renderOptions([["", msg("All", { id: "all.nodes" })], ...nodes.map((node) => [node, node] as const)], filter.node)}</select>
         </t-field>
-        ${time("from", msg("From"), filter.fromUs)} ${time("to", msg("To"), filter.toUs)}
+        ${time("from", msg("From", { id: "from.time" }), filter.fromUs)} ${time("to", msg("To", { id: "to.time" }), filter.toUs)}
         <t-button kind="quiet" ?disabled=${writeLogFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
       </form>
     </section>`;

@@ -4,6 +4,7 @@ import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { eventWords } from "../../format/event-kinds.js";
 import { boardAtPath } from "../../boards/board-query.js";
 import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
@@ -149,7 +150,7 @@ export class PageLogbook extends LitElement {
           <t-field label=${msg("Who")}><input name="who" maxlength="200" autocomplete="off" .value=${settled(filter.who)} /></t-field>
           <t-field label=${msg("Device")}>
             <select name="device">
-              ${renderOptions([["", msg("All")], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
+              ${renderOptions([["", msg("All", { id: "all.devices" })], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
             </select>
           </t-field>
           <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> ${msg("Only what went wrong")}</label>
@@ -198,7 +199,7 @@ export class PageLogbook extends LitElement {
           ${row.who === "" ? nothing : html`<span>${row.who}</span>`}
           ${row.device === "" ? nothing : html`<span>${device?.name ?? row.device}</span>`}
         </div>
-        <div class="name">${row.good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}${row.kind.replaceAll("_", " ")}</div>
+        <div class="name">${row.good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}${eventWords(row.kind)}</div>
         ${row.message === "" ? nothing : html`<div class="message">${row.message}</div>`}
         ${seen?.picture === true
           ? html`<img class="seen" src=${sightingPicturePath(this.site, seen.id)} alt=${msg(str`${seen.label} on the picture of ${seen.camera}`)} loading="lazy" decoding="async" />`
@@ -213,7 +214,7 @@ export class PageLogbook extends LitElement {
         ${row.kind.startsWith("anomaly") || row.kind.startsWith("alarm") ? html`<a href=${`${sitePath(this.site, "cause")}?${causeQuery(row.time_us)}`}>${msg("Cause")}</a>` : nothing}
         ${row.kind.startsWith("alarm") ? html`<a href="/alarms">${msg("Alarms")}</a>` : nothing}
         ${device?.rights.includes("use") === true || (row.device === "" && this.mayWrite)
-          ? html`<t-button kind="quiet" label=${msg(str`Note on ${row.kind.replaceAll("_", " ")}`)} @click=${this.writer.draft.opener(draftAt(row.time_us, undefined, row.device))}>${msg("Note")}</t-button>`
+          ? html`<t-button kind="quiet" label=${msg(str`Note on ${eventWords(row.kind)}`)} @click=${this.writer.draft.opener(draftAt(row.time_us, undefined, row.device))}>${msg("Note")}</t-button>`
           : nothing}
       </div>
     </li>`;

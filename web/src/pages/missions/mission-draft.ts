@@ -4,7 +4,7 @@ import { msg, str } from "@lit/localize";
 import { checkArgument, initialText, type ArgumentValue } from "../../elements/command/argument-check.js";
 import type { CommandShape, MissionScheduleShape, MissionShape, MissionStepShape, SiteShape, StepKind } from "../../generated/api.js";
 
-export const DAYS = [["mon", msg("Mon")], ["tue", msg("Tue")], ["wed", msg("Wed")], ["thu", msg("Thu")], ["fri", msg("Fri")], ["sat", msg("Sat")], ["sun", msg("Sun")]] as const;
+export const DAYS = [["mon", msg("Mon")], ["tue", msg("Tue")], ["wed", msg("Wed")], ["thu", msg("Thu")], ["fri", msg("Fri")], ["sat", msg("Sat")], ["sun", msg("Sun", { id: "sun.day" })]] as const;
 export const KINDS = [["command", msg("Command")], ["until", msg("Wait until")], ["pause", msg("Wait for a time")]] as const;
 /** never: it begins when somebody presses start. */
 export type ScheduleKind = "never" | "weekly" | "once";

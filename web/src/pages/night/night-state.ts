@@ -110,8 +110,12 @@ export class NightStatePanel extends LitElement {
 
   private renderArmed(night: NightStateShape): unknown {
     if (night.phase === "disarmed") return this.mayArm ? nothing : html`<p class="muted">${msg("Your role may not arm it.")}</p>`;
-    const until = night.armed_until_us === 0 ? msg("until somebody disarms it") : msg(html`until <t-time .us=${night.armed_until_us} .zone=${this.zone}></t-time>`);
-    return html`<p class="muted">${msg(html`Armed ${night.armed_by === "" ? nothing : msg(html`by <strong>${night.armed_by}</strong>`)}, ${until}.`)}</p>`;
+    const who = html`<strong>${night.armed_by}</strong>`;
+    const until = html`<t-time .us=${night.armed_until_us} .zone=${this.zone}></t-time>`;
+    if (night.armed_until_us === 0) {
+      return html`<p class="muted">${night.armed_by === "" ? msg("Armed until somebody disarms it.") : msg(html`Armed by ${who}, until somebody disarms it.`)}</p>`;
+    }
+    return html`<p class="muted">${night.armed_by === "" ? msg(html`Armed until ${until}.`) : msg(html`Armed by ${who}, until ${until}.`)}</p>`;
   }
 
   private renderBlock({ step, request, frames_done: done, frames }: NightStateShape): TemplateResult {

@@ -6,6 +6,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
+import { eventWords } from "../../format/event-kinds.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
@@ -369,7 +370,7 @@ export class PageNight extends LitElement {
               ({ time_us: time, kind, who, message, good }) => html`<li>
                 <div>
                   <div class="facts"><t-time .us=${time} .zone=${this.zone}></t-time>${who === "" ? nothing : html`<span>${who}</span>`}</div>
-                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
+                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${eventWords(kind)}</strong> ${message}</div>
                 </div>
               </li>`,
             ),

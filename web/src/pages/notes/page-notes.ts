@@ -115,9 +115,9 @@ export class PageNotes extends LitElement {
         <t-field label=${msg("Words")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(search.text)} /></t-field>
         <t-field label=${msg("Author")}><input name="who" maxlength="200" autocomplete="off" .value=${settled(search.who)} /></t-field>
         <t-field label=${msg("Device")}>
-          <select name="device">${renderOptions([["", msg("All")], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], search.device)}</select>
+          <select name="device">${renderOptions([["", msg("All", { id: "all.devices" })], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], search.device)}</select>
         </t-field>
-        ${time("from", msg("From"), search.fromUs)}${time("to", msg("To"), search.toUs)}
+        ${time("from", msg("From", { id: "from.time" }), search.fromUs)}${time("to", msg("To", { id: "to.time" }), search.toUs)}
         <t-button kind="quiet" ?disabled=${writeNoteSearch(search) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>
       </form>
     </section>`;

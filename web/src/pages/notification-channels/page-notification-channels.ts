@@ -38,7 +38,7 @@ type ChannelKind = WayAsk["kind"];
 const KINDS: readonly { readonly kind: ChannelKind; readonly name: string }[] = [
   { kind: "mail", name: msg("E-mail (SMTP)") },
   { kind: "webhook", name: msg("Webhook") },
-  { kind: "chat", name: "ntfy, Matrix or Telegram" },
+  { kind: "chat", name: msg("ntfy, Matrix or Telegram") },
   { kind: "push", name: msg("Push to browsers") },
   { kind: "extension", name: msg("An installed extension") },
 ];
@@ -242,7 +242,7 @@ export class PageNotificationChannels extends LitElement {
 
 /** What a key may be and what it means, for whoever writes it. */
 function keyHint(key: ExtensionKeyShape): string {
-  const must = key.required ? "required" : key.default === "" ? msg("may be left out") : msg(str`${key.default} if left out`);
+  const must = key.required ? msg("required") : key.default === "" ? msg("may be left out") : msg(str`${key.default} if left out`);
   return `${key.about === "" ? "" : `${key.about} `}(${key.type}, ${must})`;
 }
 

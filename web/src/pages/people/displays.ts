@@ -57,7 +57,7 @@ export class DisplaySection extends LitElement {
   private readonly action = new ActionController(this);
   private readonly form = new OpenSubject<"new">(this);
   private readonly revoking = new QuestionController<DisplayShape>(this, (row, action) =>
-    action.run(msg("revoke it"), () => new AdminApi(this.api).revokeDisplay(row.id)).finally(this.rows.invalidate),
+    action.run(msg("revoke it", { id: "revoke-it.asked-display" }), () => new AdminApi(this.api).revokeDisplay(row.id)).finally(this.rows.invalidate),
   );
 
   override willUpdate(): void {
@@ -77,7 +77,7 @@ export class DisplaySection extends LitElement {
       ${renderLoaded(this.rows, msg("the list of displays"), (rows) => this.renderList(rows))}
       ${renderQuestion(this.revoking, ({ name }) => ({
         heading: msg(str`Revoke ${name}?`),
-        action: msg("Revoke it"),
+        action: msg("Revoke it", { id: "revoke-it.display" }),
         keep: msg("Keep it"),
         text: msg("Its screen goes dark at once. It cannot be taken back."),
       }))}`;

@@ -110,7 +110,7 @@ export class PersonSection extends LitElement {
             word=${row.sessions > 0 ? row.sessions > 1 ? msg(str`signed in ${String(row.sessions)} times`) : msg("signed in") : msg("not signed in")}
           ></t-status>
           <span>${row.factor ? msg("second factor on") : msg("second factor off")}</span>
-          <span>${msg(html`last here <t-time short .us=${row.used_us} .zone=${this.zone}></t-time>`)}</span>
+          <span>${row.used_us === 0 ? msg("never here") : msg(html`last here <t-time short .us=${row.used_us} .zone=${this.zone}></t-time>`)}</span>
         </div>
         <t-button
           class="edit"

@@ -4,6 +4,7 @@ import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { URGENCY_WORDS } from "../../format/observing-words.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
@@ -96,7 +97,7 @@ export class PageProposals extends LitElement {
 
   private renderProposal(proposal: ProposalShape, manages: boolean): TemplateResult {
     const { id, title, share, hours_allocated: hours, used_s: used, promised_s: promised, active, needs_approval: approval, is_open: open } = proposal;
-    const facts = [approval ? msg("needs approval") : "", open ? msg("open to whoever may view the site") : "", ...proposal.urgencies.map((urgency) => urgency.toLowerCase().replace("_", " "))];
+    const facts = [approval ? msg("needs approval") : "", open ? msg("open to whoever may view the site") : "", ...proposal.urgencies.map((urgency) => URGENCY_WORDS[urgency])];
     return html`<li>
       <div>
         <a class="name" href=${`${sitePath(this.site, "requests")}?proposal=${encodeURIComponent(id)}`}>${title === "" ? id : `${id}: ${title}`}</a>

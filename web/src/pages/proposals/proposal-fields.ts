@@ -1,6 +1,8 @@
 /** A proposal as it is typed. Pure. */
 
+import { msg, str } from "@lit/localize";
 import { formText } from "../../format/form-values.js";
+import { roundText } from "../../format/number.js";
 import type { ProposalAsk, Urgency } from "../../generated/api.js";
 
 export type ProposalField = "id" | "share" | "hours" | "person" | "priority";
@@ -11,11 +13,11 @@ export function readProposal(said: FormData): { readonly asked: ProposalAsk | nu
   const number = (field: ProposalField, low: number, high: number): number => {
     const text = formText(said, field).replace(",", ".");
     const value = text === "" ? Number.NaN : Number(text);
-    if (!(value >= low && value <= high)) problems.set(field, `Expected ${String(low)} to ${String(high)}.`);
+    if (!(value >= low && value <= high)) problems.set(field, msg(str`Expected ${roundText(low, 9)} to ${roundText(high, 9)}.`));
     return value;
   };
   const id = formText(said, "id");
-  if (!/^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$/.test(id)) problems.set("id", "Expected letters, digits, points and hyphens, without blanks.");
+  if (!/^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$/.test(id)) problems.set("id", msg("Expected letters, digits, points and hyphens, without blanks."));
   const urgencies: readonly Urgency[] = [...(said.has("critical") ? (["TIME_CRITICAL"] as const) : []), ...(said.has("rapid") ? (["RAPID_RESPONSE"] as const) : [])];
   const asked: ProposalAsk = {
     id,

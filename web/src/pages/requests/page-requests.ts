@@ -148,8 +148,8 @@ export class PageRequests extends LitElement {
     return html`<section class="sheet" aria-label=${msg("Filter")}>
         <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
           <t-field label=${msg("Search")}><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
-          <t-field label=${msg("Proposal")}><select name="proposal">${renderOptions([["", msg("All")], ...proposals.map(({ id, title }) => [id, title === "" ? id : title] as const)], filter.proposal)}</select></t-field>
-          <t-field label=${msg("State")}><select name="state">${renderOptions([["", msg("All")], ...STATES.map((state) => [state, REQUEST_WORDS[state].word] as const)], filter.state)}</select></t-field>
+          <t-field label=${msg("Proposal")}><select name="proposal">${renderOptions([["", msg("All", { id: "all.proposals" })], ...proposals.map(({ id, title }) => [id, title === "" ? id : title] as const)], filter.proposal)}</select></t-field>
+          <t-field label=${msg("State")}><select name="state">${renderOptions([["", msg("All", { id: "all.states" })], ...STATES.map((state) => [state, REQUEST_WORDS[state].word] as const)], filter.state)}</select></t-field>
           <label class="tick"><input name="mine" type="checkbox" .checked=${filter.mine} /> ${msg("Mine")}</label>
           <label class="tick"><input name="waiting" type="checkbox" .checked=${filter.waiting} /> ${msg("To be approved")}</label>
           <t-button kind="quiet" ?disabled=${writeRequestsFilter(filter) === ""} @click=${this.form.clearFilter}>${msg("Clear")}</t-button>

@@ -22,7 +22,9 @@ import { targetText } from "../../sky/target-place.js";
 import { apiContext } from "../../state/contexts.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { ObservingApi, type GroupStep } from "../../wire/observing-api.js";
+import { plural } from "../../words/plural.js";
 import { constraintsText, motionText } from "./constraint-text.js";
+import { GUIDING_WORDS, IMAGE_WORDS } from "./form/draft.js";
 import { angleText } from "./form/framing-draft.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -30,14 +32,19 @@ import "../../elements/values/time.js";
 import "./request-pictures.js";
 import "./visibility-chart.js";
 
-const STEPS: Readonly<Record<GroupStep, { readonly button: string; readonly heading: string; readonly action: string; readonly text: string; readonly kind: "primary" | "danger" }>> = {
-  submit: { button: msg("Submit…"), heading: msg("Submit this request?"), action: msg("Submit"), text: msg("It is charged to its proposal as long as it waits, and observed as soon as the planner finds its place."), kind: "primary" },
-  approve: { button: msg("Approve…"), heading: msg("Approve this request?"), action: msg("Approve"), text: msg("From then on it may be observed."), kind: "primary" },
-  withdraw: { button: msg("Take back…"), heading: msg("Take this request back?"), action: msg("Take back"), text: msg("It becomes a draft, which may be changed and submitted anew. Frames that were taken are kept."), kind: "primary" },
-  retry: { button: msg("Try again…"), heading: msg("Let it be tried again?"), action: msg("Try again"), text: msg("It failed too often and was put aside. Look first at why."), kind: "primary" },
-  cancel: { button: msg("Cancel the request…"), heading: msg("Cancel this request?"), action: msg("Cancel the request"), text: msg("What of it is not yet observed never will be. It cannot be taken back."), kind: "danger" },
+const STEPS: Readonly<Record<GroupStep, { readonly button: string; readonly heading: string; readonly action: string; readonly asked: string; readonly text: string; readonly kind: "primary" | "danger" }>> = {
+  submit: { button: msg("Submit…"), heading: msg("Submit this request?"), action: msg("Submit"), asked: msg("submit the request"), text: msg("It is charged to its proposal as long as it waits, and observed as soon as the planner finds its place."), kind: "primary" },
+  approve: { button: msg("Approve…"), heading: msg("Approve this request?"), action: msg("Approve"), asked: msg("approve the request"), text: msg("From then on it may be observed."), kind: "primary" },
+  withdraw: { button: msg("Take back…"), heading: msg("Take this request back?"), action: msg("Take back"), asked: msg("take the request back"), text: msg("It becomes a draft, which may be changed and submitted anew. Frames that were taken are kept."), kind: "primary" },
+  retry: { button: msg("Try again…"), heading: msg("Let it be tried again?"), action: msg("Try again"), asked: msg("let the request be tried again"), text: msg("It failed too often and was put aside. Look first at why."), kind: "primary" },
+  cancel: { button: msg("Cancel the request…"), heading: msg("Cancel this request?"), action: msg("Cancel the request"), asked: msg("cancel the request"), text: msg("What of it is not yet observed never will be. It cannot be taken back."), kind: "danger" },
 };
 const ORDER: readonly GroupStep[] = ["submit", "approve", "withdraw", "retry", "cancel"];
+
+function framesText(done: readonly number[]): string {
+  const many = done.reduce((sum, frames) => sum + frames, 0);
+  return plural(many, msg("1 frame done"), msg(str`${String(many)} frames done`));
+}
 
 /**
  * @fires t-changed something of it has changed
@@ -129,7 +136,7 @@ export class RequestDetailView extends LitElement {
                 <div>
                   <div class="facts"><t-time .us=${attempt.began_us} .zone=${this.zone}></t-time><t-status kind=${words.kind} word=${words.word}></t-status></div>
                   <div>${attempt.why}</div>
-                  <div class="facts"><span>${msg(str`charged ${formatDuration(attempt.charge_s)}`)}</span><span>${msg(str`${attempt.frames_done.reduce((sum, many) => sum + many, 0)} frames done`)}</span></div>
+                  <div class="facts"><span>${msg(str`charged ${formatDuration(attempt.charge_s)}`)}</span><span>${framesText(attempt.frames_done)}</span></div>
                 </div>
               </li>`;
             })}
@@ -178,7 +185,7 @@ export class RequestDetailView extends LitElement {
       <dd>${msg(str`${URGENCY_WORDS[group.urgency]}, priority ${group.priority}`)}</dd>
       ${target?.type === "ICRS" ? html`<dt>J2000</dt><dd>${formatRa(target.ra / 15)} ${formatDec(target.dec)}${motionText(target)}</dd>` : nothing}
       ${target?.type === "ICRS" && target.position_angle != null ? html`<dt>${msg("Position angle")}</dt><dd>${msg(str`${angleText(target.position_angle)}°, of the top from north through east`)}</dd>` : nothing}
-      <dt>${windows.length === 1 ? msg("Window") : "Windows"}</dt>
+      <dt>${windows.length === 1 ? msg("Window") : msg("Windows")}</dt>
       <dd>${map(windows, ({ start_us: start, end_us: end }) => html`<div>${msg(html`<t-time .us=${start} .zone=${this.zone}></t-time> to <t-time .us=${end} .zone=${this.zone}></t-time>`)}</div>`)}</dd>
       <dt>${msg("Must hold")}</dt>
       <dd>${constraintsText(constraints)}</dd>
@@ -193,13 +200,13 @@ export class RequestDetailView extends LitElement {
         rows,
         key: ({ id }) => id,
         columns: [
-          { title: msg("Kind"), heads: true, cell: ({ type = "LIGHT" }) => type.toLowerCase().replace("_", " ") },
-          { title: msg("Filter"), titled: true, cell: ({ filter = "" }) => (filter === "" ? msg("any") : filter) },
+          { title: msg("Kind"), heads: true, cell: ({ type = "LIGHT" }) => IMAGE_WORDS[type] },
+          { title: msg("Filter", { id: "filter.optical" }), titled: true, cell: ({ filter = "" }) => (filter === "" ? msg("any") : filter) },
           { title: msg("Exposure"), titled: true, cell: ({ exposure }) => `${String(exposure)} s` },
           { title: msg("Binning"), titled: true, cell: ({ binning = 1 }) => `${String(binning)} × ${String(binning)}` },
           { title: msg("Gain"), titled: true, cell: ({ gain }) => (gain == null ? msg("as it is") : String(gain)) },
-          { title: msg("Guiding"), titled: true, cell: ({ guiding = "OFF" }) => guiding.toLowerCase() },
-          { title: msg("Done"), titled: true, cell: ({ done: many, count = 1 }) => msg(str`${String(many)} of ${String(count)}`) },
+          { title: msg("Guiding"), titled: true, cell: ({ guiding = "OFF" }) => GUIDING_WORDS[guiding] },
+          { title: msg("Done", { id: "done.frames" }), titled: true, cell: ({ done: many, count = 1 }) => msg(str`${String(many)} of ${String(count)}`) },
         ],
       })}
     </div>`;
@@ -208,7 +215,7 @@ export class RequestDetailView extends LitElement {
   private performStep(step: GroupStep): Promise<boolean> {
     const group = this.loaded.value?.group.id ?? "";
     return this.question.action
-      .run(STEPS[step].action.toLowerCase(), () => new ObservingApi(this.api, this.site).changeGroup(group, step))
+      .run(STEPS[step].asked, () => new ObservingApi(this.api, this.site).changeGroup(group, step))
       .then((done) => {
         this.loaded.invalidate();
         this.dispatchEvent(new CustomEvent("t-changed"));

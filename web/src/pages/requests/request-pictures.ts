@@ -12,6 +12,7 @@ import { fixedText } from "../../format/number.js";
 import type { FrameList, FrameShape } from "../../generated/api.js";
 import { apiContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
+import { plural } from "../../words/plural.js";
 import { ArchiveApi, previewPath } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/values/time.js";
@@ -79,7 +80,7 @@ export class RequestPictures extends LitElement {
   }
 
   private renderPicture(frame: FrameShape): TemplateResult {
-    const quality = [frame.filter, frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.stars === null ? "" : msg(str`${String(frame.stars)} stars`)];
+    const quality = [frame.filter, frame.fwhm === null ? "" : `${fixedText(frame.fwhm, 1)}″`, frame.stars === null ? "" : plural(frame.stars, msg("1 star"), msg(str`${String(frame.stars)} stars`))];
     return html`<li>
       <a href=${`${sitePath(this.site, "archive")}?frame=${frame.id}`}>
         <img alt="" loading="lazy" decoding="async" src=${previewPath(this.site, frame.id, "asinh", SMALL_PX)} />

@@ -118,7 +118,7 @@ export class PageReview extends LitElement {
 
   override render(): TemplateResult {
     return html`${renderPageHead(
-        msg("Review"),
+        msg("Review", { id: "review.page" }),
         msg(str`What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} saw, day by day.`),
         html`<div class="actions">
           <a href=${sitePath(this.site, "sightings")}>${msg("Sightings")}</a>
@@ -130,7 +130,7 @@ export class PageReview extends LitElement {
 
   private renderFilter(filter: ReviewFilter): TemplateResult {
     const labels = [...new Set((this.labels.value ?? []).map(({ label }) => label))].sort((a, b) => a.localeCompare(b));
-    const any: [string, string] = ["", "all"];
+    const any: [string, string] = ["", msg("all", { id: "all.cameras" })];
     const plain = (words: readonly string[]): [string, string][] => words.map((word): [string, string] => [word, word]);
     return html`<section class="sheet" aria-label=${msg("Filter")}>
       <form class="filter" @change=${this.onFilter} @submit=${stopSubmit}>

@@ -122,7 +122,7 @@ export class AlarmBar extends LitElement {
             >`
           : nothing}
         <t-button kind="quiet" @click=${this.toggleSound}>${sound?.isOn === true ? msg("Mute") : msg("Turn sound on")}</t-button>
-        <a class="all" href="/alarms" aria-label=${msg("All alarms")}>${msg("All")}</a>
+        <a class="all" href="/alarms" aria-label=${msg("All alarms")}>${msg("All", { id: "all.alarms" })}</a>
       </span>
     </div>`;
   }

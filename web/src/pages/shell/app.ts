@@ -38,6 +38,7 @@ import { socketUrl } from "../../wire/media-socket.js";
 import { registerWorker } from "../../worker/shell-worker.js";
 import { onOpened } from "../../wire/web-push.js";
 import { firstPage, isOpen } from "../routes.js";
+import { allWords } from "../../words/language.js";
 import type { ConfirmPerson } from "./confirm-person.js";
 import "./confirm-person.js";
 import "./shell.js";
@@ -199,7 +200,7 @@ export class App extends LitElement {
       this.sites.clear();
       this.live.clear();
     }
-    if (this.mayConnect()) this.connection.start();
+    if (this.mayConnect()) this.connect();
     else this.connection.stop();
     this.redirectIfNeeded();
   };
@@ -222,6 +223,14 @@ export class App extends LitElement {
     this.router.replace(`/login?${query.toString()}`);
   };
 
+  /** Once the words of all pages are there: what hub and gateways say is translated as it arrives. */
+  private connect(): void {
+    if (!this.mayConnect()) return;
+    void allWords().then(() => {
+      if (this.mayConnect()) this.connection.start();
+    });
+  }
+
   /** Who has to set up a second factor first is let in to nothing else. */
   private mayConnect(): boolean {
     return this.session.state === "known" && this.session.person?.factor_missing === false;
@@ -237,7 +246,7 @@ export class App extends LitElement {
     this.resumedAt = now;
     this.retryTimer = setTimeout(
       () => {
-        if (this.mayConnect()) this.connection.start();
+        this.connect();
       },
       soon ? 0 : 1000,
     );

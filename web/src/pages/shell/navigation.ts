@@ -19,19 +19,21 @@ interface NavigationPlace {
   readonly page: "home" | "boards" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "night" | "people";
   readonly icon: IconName;
   readonly title?: string;
+  /** In the bar of a phone, where a seventh of the width is its own. */
+  readonly brief?: string;
 }
 
 const PLACES: readonly NavigationPlace[] = [
   { page: "home", icon: "home" },
   { page: "public", icon: "open" },
   { page: "boards", icon: "boards" },
-  { page: "devices", icon: "devices" },
-  { page: "live", icon: "live" },
+  { page: "devices", icon: "devices", brief: msg("Devices", { id: "devices.brief" }) },
+  { page: "live", icon: "live", brief: msg("Real-time", { id: "real-time.brief" }) },
   { page: "history", icon: "history" },
   { page: "alarms", icon: "bell" },
   { page: "drive", icon: "drive" },
   { page: "night", icon: "moon" },
-  { page: "archive", icon: "camera" },
+  { page: "archive", icon: "camera", brief: msg("Archive", { id: "archive.brief" }) },
   { page: "people", icon: "shield", title: msg("Admin") },
 ];
 
@@ -204,6 +206,13 @@ export class Navigation extends LitElement {
           min-inline-size: 0;
           padding-inline: 0;
         }
+        /* A longer word of another language ends with dots before it runs into the next. */
+        a > span {
+          max-inline-size: 100%;
+          overflow: hidden;
+          text-overflow: ellipsis;
+          white-space: nowrap;
+        }
         /* An admin's work is done at a desk; on a phone the menu of one's name leads there. */
         .people {
           display: none;
@@ -277,7 +286,7 @@ export class Navigation extends LitElement {
           href=${this.pathOf(place.page) ?? nothing}
           aria-current=${this.isCurrent(place.page) ? "page" : nothing}
           aria-disabled=${this.pathOf(place.page) === null ? "true" : nothing}
-          ><t-icon name=${place.icon}></t-icon>${place.title ?? PAGES[place.page].title}</a
+          ><t-icon name=${place.icon}></t-icon><span>${(this.below ? place.brief : undefined) ?? place.title ?? PAGES[place.page].title}</span></a
         >`,
       );
   }

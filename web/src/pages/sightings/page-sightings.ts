@@ -118,7 +118,7 @@ export class PageSightings extends LitElement {
         msg("Sightings"),
         msg(str`What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.`),
         html`<div class="actions">
-          <a href=${sitePath(this.site, "review")}>${msg("Review")}</a>
+          <a href=${sitePath(this.site, "review")}>${msg("Review", { id: "review.page" })}</a>
           <a href=${sitePath(this.site, "cameras")}>${msg("Cameras")}</a>
           <a href=${sitePath(this.site, "logbook")}>${msg("Logbook")}</a>
         </div>`,
@@ -143,7 +143,7 @@ export class PageSightings extends LitElement {
         <datalist id="labels">${map(this.knownLabels(), (label) => html`<option value=${label}></option>`)}</datalist>
         <t-field label=${msg("Camera")}>
           <select name="camera">
-            ${renderOptions([["", "all"], ...this.cameras()], filter.camera)}
+            ${renderOptions([["", msg("all", { id: "all.cameras" })], ...this.cameras()], filter.camera)}
           </select>
         </t-field>
         <t-field class="time" label=${msg(str`From (${clock.zone})`)} .error=${momentProblem(this.wrongTimes["from"] ?? "", Number.NaN)}><input name="from" type="text" autocomplete="off" placeholder="2026-03-29 14:05:09" maxlength="30" .value=${settled(this.wrongTimes["from"] ?? shown(filter.fromUs))} /></t-field>

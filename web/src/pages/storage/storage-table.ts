@@ -36,7 +36,7 @@ export class StorageTable extends LitElement {
     const shown = this.all ? fits : fits.slice(0, MANY);
     const columns = this.columns();
     return html`<div class="tools">
-        <input type="search" placeholder=${msg("Filter")} aria-label=${msg("Filter signals")} @input=${this.onInput} />
+        <input type="search" placeholder=${msg("Filter", { id: "filter.verb" })} aria-label=${msg("Filter signals")} @input=${this.onInput} />
         <label class="sort"
           >${msg("Sort by")}
           <select @change=${this.onChange}>

@@ -13,7 +13,8 @@ const LONG_DAYS = 730;
 /** `12 days`, `3.1 years`. */
 export function durationText(days: number): string {
   if (days >= LONG_DAYS) return msg(str`${fixedText(days / YEAR_DAYS, 1)} years`);
-  if (days < 2) return msg(str`${String(Math.max(1, Math.round(days * 24)))} hours`);
+  const hours = Math.max(1, Math.round(days * 24));
+  if (days < 2) return plural(hours, msg("1 hour"), msg(str`${String(hours)} hours`));
   return msg(str`${String(Math.round(days))} days`);
 }
 

@@ -180,7 +180,7 @@ export class PageTopics extends LitElement {
         <span class="facts">
           <span>${one.type}</span>
           ${rate === "" ? nothing : html`<span>${rate}</span>`}
-          ${one.latched ? html`<span>${msg("latched")}</span>` : nothing}
+          ${one.latched ? html`<span>${msg("latched", { id: "latched.topic" })}</span>` : nothing}
           <span>${whoMaySee(one, this.detail.value)}</span>
           ${one.problem === "" ? nothing : html`<span>${one.problem}</span>`}
         </span>

@@ -185,7 +185,7 @@ export class TopicDetail extends LitElement {
       ${update === null || update.type === "" ? nothing : html`<code>${update.type}</code>`}
       ${rate === "" ? nothing : html`<span>${rate}</span>`}
       ${message === null ? nothing : html`<span>${formatBytes(message.size)}</span>`}
-      ${update?.latched === true ? html`<span title=${msg("Who comes later gets its last messages, too")}>${msg("latched")}</span>` : nothing}
+      ${update?.latched === true ? html`<span title=${msg("Who comes later gets its last messages, too")}>${msg("latched", { id: "latched.topic" })}</span>` : nothing}
       ${update === null || update.max_rate === 0 ? nothing : html`<span>${msg(str`at most ${String(update.max_rate)} Hz by the description`)}</span>`}
     </p>`;
   }

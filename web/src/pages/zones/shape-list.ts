@@ -64,7 +64,6 @@ export class ShapeList extends LitElement {
 
   private renderRow(shape: DrawnShape, index: number): TemplateResult {
     const mark = this.marks.find(({ kind, id }) => kind === shape.kind && id === shape.id);
-    const kind = shape.kind === "zone" ? msg("Zone") : msg("Line");
     const change = (changed: DrawnShape | null, along = false): void => {
       const detail: ShapeChange = { index, shape: changed, along };
       this.dispatchEvent(new CustomEvent("t-shape-change", { detail }));
@@ -85,7 +84,7 @@ export class ShapeList extends LitElement {
       change(null);
     };
     return html`<li class=${index === this.chosen ? "chosen" : ""} data-shape=${index} @focusin=${choose}>
-      <t-field label=${msg(str`${kind}, name`)} .error=${shape.name.trim() === "" ? msg("It needs a name.") : ""}>
+      <t-field label=${shape.kind === "zone" ? msg("Zone, name") : msg("Line, name")} .error=${shape.name.trim() === "" ? msg("It needs a name.") : ""}>
         <input type="text" maxlength="60" autocomplete="off" .value=${settled(shape.name)} @input=${rename} />
       </t-field>
       ${mark !== undefined && mark.counts.length > 0

@@ -1,6 +1,6 @@
 /** Zones and lines of a camera as a person draws them, and as the site's description has them. Pure. */
 
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import type { PicturePoint } from "../../elements/camera/mark-shapes.js";
 import { changedAt, freeName, isObject, valueAt, type Json, type JsonObject } from "../description/json-schema.js";
 
@@ -43,11 +43,11 @@ export function newShape(kind: ShapeKind, counts: string, others: readonly Drawn
     kind === "zone"
       ? [placedPoint(0.35, at), placedPoint(0.65, at), placedPoint(0.7, at + 0.3), placedPoint(0.3, at + 0.3)]
       : [placedPoint(0.3, at + 0.15), placedPoint(0.7, at + 0.15)];
-  const word = kind === "zone" ? msg("Zone") : msg("Line");
+  const named = (number: number): string => (kind === "zone" ? msg(str`Zone ${String(number)}`) : msg(str`Line ${String(number)}`));
   const names = new Set(others.map(({ name }) => name));
   let number = many + 1;
-  while (names.has(`${word} ${String(number)}`)) number += 1;
-  return { kind, id: "", name: `${word} ${String(number)}`, points, counts };
+  while (names.has(named(number))) number += 1;
+  return { kind, id: "", name: named(number), points, counts };
 }
 
 export function movedPoint(shape: DrawnShape, index: number, to: PicturePoint): DrawnShape {

@@ -6,7 +6,7 @@
  * arguments. Pure.
  */
 
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import type { CommandShape, DeviceShape, SignalShape } from "../../generated/api.js";
 import type { CommandButton } from "../observatory/roles.js";
 
@@ -60,8 +60,8 @@ export function jogButtons(jog: CommandShape, share: number): readonly CommandBu
   const rest = Object.fromEntries(jog.arguments.map(({ id }) => [id, 0]));
   return jog.arguments.flatMap(({ id, minimum, maximum }) => {
     const [, part = "", axis = ""] = AXIS.exec(id) ?? [];
-    const verb = part === "linear" ? msg("Move") : msg("Turn");
-    const button = (sign: string, most: number): CommandButton => ({ command: jog, args: { ...rest, [id]: most * share }, label: `${verb} ${sign}${axis}`, kind: "plain" });
+    const words = (way: string): string => (part === "linear" ? msg(str`Move ${way}`) : msg(str`Turn ${way}`));
+    const button = (sign: string, most: number): CommandButton => ({ command: jog, args: { ...rest, [id]: most * share }, label: words(`${sign}${axis}`), kind: "plain" });
     return [button("+", maximum ?? 0), button("−", minimum ?? 0)];
   });
 }

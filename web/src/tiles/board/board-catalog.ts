@@ -99,9 +99,9 @@ export const BOARD_TILES: readonly BoardTileEntry[] = [
     type: "gauge", title: msg("Gauge or level"), about: msg("A number between its least and its greatest."), icon: "live", desktop: [3, 4], phone: [2, 4], least: [1, 2],
     settings: [
       { key: "signal", label: msg("Signal"), kind: "signal", types: ["number"], needed: true },
-      { key: "look", label: msg("Look"), kind: "choice", standard: "gauge", options: [["gauge", msg("Gauge")], ["level", msg("Level")]] },
-      { key: "least", label: msg("From"), kind: "number", hint: msg("The signal's own limits where it is empty") },
-      { key: "most", label: msg("To"), kind: "number" },
+      { key: "look", label: msg("Look", { id: "look.appearance" }), kind: "choice", standard: "gauge", options: [["gauge", msg("Gauge")], ["level", msg("Level")]] },
+      { key: "least", label: msg("From", { id: "from.value" }), kind: "number", hint: msg("The signal's own limits where it is empty") },
+      { key: "most", label: msg("To", { id: "to.value" }), kind: "number" },
       { key: "warn_below", label: msg("Warn below"), kind: "number" },
       { key: "warn_above", label: msg("Warn above"), kind: "number" },
     ],

@@ -5,6 +5,8 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
+import { severityWords } from "../../format/severity.js";
+import { eventWords } from "../../format/event-kinds.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";
@@ -96,7 +98,7 @@ export class AlarmsBoardTile extends LitElement {
           const [kind, word] = alarmStatus(alarm, this.alarms.store?.isShelved(alarm) ?? false);
           return html`<li>
             <a href=${alarmPath(alarm)}>${alarm.name}</a>
-            <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" ? nothing : html`<span>${alarm.severity}</span><t-time short .us=${alarm.raised_us} .zone=${this.context?.zone ?? "UTC"}></t-time>`}</div>
+            <div class="facts"><t-status kind=${kind} word=${word}></t-status>${alarm.phase === "normal" ? nothing : html`<span>${severityWords(alarm.severity)}</span><t-time short .us=${alarm.raised_us} .zone=${this.context?.zone ?? "UTC"}></t-time>`}</div>
             ${alarm.why === "" ? nothing : html`<div>${alarm.why}</div>`}
           </li>`;
         },
@@ -163,7 +165,7 @@ export class LogbookBoardTile extends LitElement {
                 ({ id }) => id,
                 ({ time_us: time, kind, who, message, good }) => html`<li>
                   <div class="facts"><t-time short .us=${time} .zone=${zone}></t-time>${who === "" ? nothing : html`<span>${who}</span>`}</div>
-                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${kind.replaceAll("_", " ")}</strong> ${message}</div>
+                  <div>${good ? nothing : html`<t-status kind="bad" word=${msg("look")}></t-status> `}<strong>${eventWords(kind)}</strong> ${message}</div>
                 </li>`,
               )}
             </ul>

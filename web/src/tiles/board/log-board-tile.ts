@@ -20,6 +20,7 @@ import { apiContext } from "../../state/contexts.js";
 import { ALL_MESSAGES } from "../../topics/shared-topics.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { findLogLines } from "../../boards/robot-log-api.js";
+import { plural } from "../../words/plural.js";
 import "../../elements/base/icon.js";
 import "../../elements/forms/button.js";
 import { pastTurn, type BoardTileContext } from "./board-tile-entry.js";
@@ -174,8 +175,9 @@ export class LogBoardTile extends LitElement {
     const { size } = this.log;
     if (this.newest.result.state === "failed") return msg(str`The kept lines cannot be loaded now; ${String(shown)} came live.`);
     if (this.kept.size > 0) {
-      const until = this.context?.past == null ? "" : msg(" up to this moment");
-      return this.kept.next === null ? msg(str`${String(shown)} lines${until}, of which ${String(this.kept.size)} are kept.`) : msg(str`${String(shown)} lines${until}, of which ${String(this.kept.size)} are kept; older ones below.`);
+      const lines = plural(shown, msg("1 line"), msg(str`${String(shown)} lines`));
+      const until = this.context?.past == null ? lines : msg(str`${lines} up to this moment`);
+      return this.kept.next === null ? msg(str`${until}, of which ${String(this.kept.size)} are kept.`) : msg(str`${until}, of which ${String(this.kept.size)} are kept; older ones below.`);
     }
     if (this.context?.past != null) return msg(str`${String(shown)} of ${String(size)} lines up to this moment, as far as the recording holds them.`);
     if (this.log.size === 0) return msg("No line since the tile was opened; the next appears by itself.");

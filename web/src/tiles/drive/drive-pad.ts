@@ -31,8 +31,8 @@ const HAND_KEY = "talaia.hand";
 type DrivingHand = "both" | "left" | "right";
 
 const PAD_WAYS = [
-  { id: "turn", label: msg("Turn") },
-  { id: "move", label: msg("Move") },
+  { id: "turn", label: msg("Turn", { id: "turn.verb" }) },
+  { id: "move", label: msg("Move", { id: "move.verb" }) },
 ] as const;
 
 function sidePadStick(right: number, down: number, radius: number): Stick {

@@ -20,7 +20,7 @@ import "../command/command-buttons.js";
 import "../signal-value.js";
 
 const SAID: Readonly<Record<RoofState, { kind: StatusKind; word: string }>> = {
-  open: { kind: "warn", word: msg("Open") },
+  open: { kind: "warn", word: msg("Open", { id: "open.state" }) },
   closed: { kind: "ok", word: msg("Closed") },
   opening: { kind: "busy", word: msg("Opening") },
   closing: { kind: "busy", word: msg("Closing") },

@@ -192,7 +192,7 @@ export class GotoForm extends LitElement {
         <t-field label=${msg("Declination")} hint=${msg("\u221205:23:28 or \u22125.39 (°)")} .error=${this.problemOf("dec")}>
           <input name="dec" autocomplete="off" spellcheck="false" maxlength="40" />
         </t-field>
-        <t-button type="submit">${msg("Look")}</t-button>
+        <t-button type="submit">${msg("Look", { id: "look.verb" })}</t-button>
       </div>
       <t-choice label=${msg("Equinox")} .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.onEquinoxChange}></t-choice>`;
   }

@@ -168,7 +168,7 @@ export class PowerPart extends DevicePart {
 
   private renderRow(outlet: Outlet): TemplateResult {
     const on = this.isOn(outlet.signal);
-    const word = on === null ? msg("unknown") : on ? msg("on") : msg("off");
+    const word = on === null ? msg("unknown") : on ? msg("on", { id: "on.outlet" }) : msg("off", { id: "off.outlet" });
     return html`<li class=${on === null ? "unknown" : ""}>
       <div>
         <div class="name">${outlet.signal.name}</div>

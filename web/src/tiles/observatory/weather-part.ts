@@ -39,7 +39,7 @@ const SHAPES: Readonly<Record<VerdictWord, SVGTemplateResult>> = {
 const COLUMNS: readonly TableColumn<LimitLine>[] = [
   { title: msg("Value"), heads: true, cell: ({ name }) => html`<strong>${name}</strong>` },
   { title: msg("Now"), cell: ({ now }) => now },
-  { title: msg("Unsafe"), cell: ({ limit }) => limit },
+  { title: msg("Unsafe", { id: "unsafe.limit" }), cell: ({ limit }) => limit },
   { title: msg("It is"), cell: ({ stands }) => html`<t-status kind=${STANDS[stands].kind} .word=${STANDS[stands].word}></t-status>` },
   { title: msg("Rule"), name: "muted", cell: ({ rule }) => rule },
 ];

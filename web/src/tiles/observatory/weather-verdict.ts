@@ -7,12 +7,13 @@ import { msg, str } from "@lit/localize";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import { differenceToShown, formatWithUnit, shownDifferenceText, shownText, shownUnit, toShown } from "../../format/unit.js";
 import type { LimitShape, RuleShape, SignalShape } from "../../generated/api.js";
+import { eitherText } from "../../words/lists.js";
 
 export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";
 
 export const VERDICT_WORDS: Readonly<Record<VerdictWord, string>> = {
   safe: msg("Safe"),
-  warn: msg("Warning"),
+  warn: msg("Warning", { id: "warning.weather" }),
   wait: msg("Wait"),
   unsafe: msg("Unsafe"),
   overridden: msg("Overridden"),
@@ -108,7 +109,7 @@ export function limitLines(
               name: less === undefined ? signal.name : msg(str`${signal.name} minus ${less}`),
               signal: signal.address,
               stands: doubted ? "unknown" : standsOf(limit, now),
-              now: now.fresh ? (signal.type === "state" ? now.word : (less === undefined ? shownText : shownDifferenceText)(signal, now.value)) : "unknown",
+              now: now.fresh ? (signal.type === "state" ? now.word : (less === undefined ? shownText : shownDifferenceText)(signal, now.value)) : msg("unknown"),
               limit: limitText(limit, signal, lasting, less !== undefined),
               part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
             },
@@ -159,10 +160,11 @@ function limitText(limit: LimitShape, signal: SignalShape, lasting: number, apar
   const parts = [
     limit.above === null ? "" : limit.until_below === null ? msg(str`above ${numberText(limit.above)}`) : msg(str`above ${numberText(limit.above)} until below ${numberText(limit.until_below)}`),
     limit.below === null ? "" : limit.until_above === null ? msg(str`below ${numberText(limit.below)}`) : msg(str`below ${numberText(limit.below)} until above ${numberText(limit.until_above)}`),
-    limit.states.length === 0 ? "" : msg(str`when ${limit.states.join(" or ")}`),
-    limit.safe_states.length === 0 ? "" : msg(str`unless ${limit.safe_states.join(" or ")}`),
+    limit.states.length === 0 ? "" : msg(str`when ${eitherText(limit.states)}`),
+    limit.safe_states.length === 0 ? "" : msg(str`unless ${eitherText(limit.safe_states)}`),
   ].filter((part) => part !== "");
-  return (parts.length === 0 ? msg("when unknown") : parts.join(", ")) + (lasting > 0 ? msg(str` for ${String(lasting)} s`) : "");
+  const beyond = parts.length === 0 ? msg("when unknown") : parts.join(", ");
+  return lasting > 0 ? msg(str`${beyond} for ${String(lasting)} s`) : beyond;
 }
 
 /** What decides, of these rules' news, and the lines by which. */

@@ -1,6 +1,7 @@
 /** What happened, as marks on the time axis. */
 
 import { msg } from "@lit/localize";
+import { eventWords } from "../../../format/event-kinds.js";
 import type { EventShape } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 
@@ -54,7 +55,7 @@ export function kindOf(title: string): MarkKind {
 export function eventMarks(events: readonly EventShape[], names: ReadonlyMap<string, string>): EventMark[] {
   return events
     .map(({ time_us, kind, device, who, message, good }) => ({
-      timeUs: time_us, kind: kindOf(kind), title: kind.replaceAll("_", " "), device: names.get(device) ?? device, who, message, good,
+      timeUs: time_us, kind: kindOf(kind), title: eventWords(kind), device: names.get(device) ?? device, who, message, good,
     }))
     .sort((a, b) => a.timeUs - b.timeUs);
 }

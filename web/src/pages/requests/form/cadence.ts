@@ -25,10 +25,10 @@ export interface ReadCadence {
 export function readCadence(draft: CadenceDraft, momentOf: (text: string) => number, others: number): ReadCadence {
   const fields = new FieldReader<CadenceField>();
   const first = momentOf(draft.first);
-  if (!(first > 0)) fields.problems.set("first", "Write a date and a time.");
+  if (!(first > 0)) fields.problems.set("first", msg("Write a date and a time."));
   const every = fields.number("every", draft.every, [0.05, 8760], msg("Hours between visits"));
   const within = fields.number("within", draft.within, [0.01, 4380], msg("Hours earlier or later"));
-  if (within > every / 2) fields.problems.set("within", "More than half of what is between visits: their windows would overlap.");
+  if (within > every / 2) fields.problems.set("within", msg("More than half of what is between visits: their windows would overlap."));
   const visits = fields.whole("visits", draft.visits, [2, MOST_REQUESTS - others], msg("Visits"));
   if (fields.problems.size > 0) return { windows: [], problems: fields.problems };
   const windows = Array.from({ length: visits }, (_, i) => {

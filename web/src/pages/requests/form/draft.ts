@@ -4,6 +4,7 @@ import { msg } from "@lit/localize";
 import type { GroupOperator, Guiding, ImageType, SolarSystemBody, Urgency } from "../../../generated/api.js";
 
 export const IMAGE_WORDS: Readonly<Record<ImageType, string>> = { LIGHT: msg("light"), SKY_FLAT: msg("twilight flat"), DARK: msg("dark"), BIAS: msg("bias") };
+export const GUIDING_WORDS: Readonly<Record<Guiding, string>> = { OFF: msg("off", { id: "off.guiding" }), OPTIONAL: msg("optional"), ON: msg("on", { id: "on.guiding" }) };
 export const IMAGE_TYPES = ["LIGHT", "SKY_FLAT", "DARK", "BIAS"] as const satisfies readonly ImageType[];
 export const GUIDINGS = ["OFF", "OPTIONAL", "ON"] as const satisfies readonly Guiding[];
 export const URGENCIES = ["NORMAL", "TIME_CRITICAL", "RAPID_RESPONSE"] as const satisfies readonly Urgency[];

@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { settled } from "../../../elements/base/stable-field.js";
 import { renderOptions, type SelectOption } from "../../../elements/forms/form-parts.js";
 import type { AbilitiesShape, SettingRangeShape } from "../../../generated/api.js";
-import { GUIDINGS, IMAGE_TYPES, IMAGE_WORDS, rowField, type FramesDraft } from "./draft.js";
+import { GUIDING_WORDS, GUIDINGS, IMAGE_TYPES, IMAGE_WORDS, rowField, type FramesDraft } from "./draft.js";
 import { numberInput, renderRequestField, type FormView } from "./form-view.js";
 import "../../../elements/forms/button.js";
 
@@ -46,7 +46,7 @@ function renderRow(view: FormView, row: FramesDraft, i: number): TemplateResult 
   const binning = abilities !== null && abilities.binning === null && row.binning === "1" ? nothing : number("binning", msg("Binning"), rangeText(abilities?.binning ?? null, msg("of both axes")));
   const gain = abilities !== null && abilities.gain === null && row.gain === "" ? nothing : number("gain", msg("Gain"), rangeText(abilities?.gain ?? null, msg("empty: as it is")));
   return html`${renderRequestField(view, rowField("type", i), msg("Kind"), html`<select name=${`type-${String(i)}`}>${renderOptions(types.map((type) => [type, IMAGE_WORDS[type]] as const), row.type)}</select>`)}
-    ${isSky || row.filter !== "" ? renderRequestField(view, rowField("filter", i), msg("Filter"), filterControl(row, i, abilities), abilities?.filters == null ? msg("empty: any") : "") : nothing}
+    ${isSky || row.filter !== "" ? renderRequestField(view, rowField("filter", i), msg("Filter", { id: "filter.optical" }), filterControl(row, i, abilities), abilities?.filters == null ? msg("empty: any") : "") : nothing}
     ${number("exposure", msg("Exposure (s)"), exposureHint(row))} ${number("count", msg("Frames"), "")} ${binning} ${gain}
     ${row.type === "LIGHT" || row.dither !== "0" ? number("dither", msg("Dither (″)"), msg("at most, between frames")) : nothing}
     ${row.type === "LIGHT" || row.guiding === "ON" ? renderGuiding(view, row, i) : nothing}`;
@@ -62,7 +62,7 @@ function filterControl({ filter }: FramesDraft, i: number, abilities: AbilitiesS
 
 function renderGuiding(view: FormView, row: FramesDraft, i: number): TemplateResult {
   const some = GUIDINGS.filter((guiding) => guiding !== "ON" || row.guiding === "ON" || view.abilities === null || view.abilities.guides);
-  return renderRequestField(view, rowField("guiding", i), msg("Guiding"), html`<select name=${`guiding-${String(i)}`}>${renderOptions(some.map((guiding) => [guiding, guiding.toLowerCase()] as const), row.guiding)}</select>`);
+  return renderRequestField(view, rowField("guiding", i), msg("Guiding"), html`<select name=${`guiding-${String(i)}`}>${renderOptions(some.map((guiding) => [guiding, GUIDING_WORDS[guiding]] as const), row.guiding)}</select>`);
 }
 
 function exposureHint({ type }: FramesDraft): string {

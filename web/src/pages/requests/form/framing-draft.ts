@@ -73,7 +73,7 @@ export function panelRequests(request: RequestDraft, { panels }: Mosaic, rotates
   const name = request.target.trim().slice(0, 80);
   return panels.map(({ centre, angle, row, column }) => ({
     ...request,
-    target: msg(str`${name}${name === "" ? "" : " "}panel ${String(row)}-${String(column)}`),
+    target: name === "" ? msg(str`panel ${String(row)}-${String(column)}`) : msg(str`${name} panel ${String(row)}-${String(column)}`),
     ...placeTexts(centre),
     angle: rotates ? angleText(angle) : "",
   }));

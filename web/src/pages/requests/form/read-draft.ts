@@ -47,9 +47,9 @@ export interface ReadGroup {
 
 export function readGroup(draft: GroupDraft, reading: DraftReading): ReadGroup {
   const fields = new FieldReader<GroupField>();
-  if (draft.proposal === "") fields.problems.set("proposal", "Choose the proposal that pays for it.");
+  if (draft.proposal === "") fields.problems.set("proposal", msg("Choose the proposal that pays for it."));
   const priority = fields.number("priority", draft.priority, [0.001, 1000], msg("Priority"));
-  if (draft.requests.length === 0) fields.problems.set("requests", "A group has at least one request.");
+  if (draft.requests.length === 0) fields.problems.set("requests", msg("A group has at least one request."));
   const requests = draft.requests.map((request) => readRequest(request, reading));
   const isWhole = fields.problems.size === 0 && requests.every(({ problems }) => problems.size === 0);
   const asked: GroupAsk = {
@@ -94,8 +94,8 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
     }
     case "stars": {
       const [ra, dec] = [parseRa(draft.ra), parseDec(draft.dec)];
-      if (Number.isNaN(ra)) fields.problems.set("ra", "Find the target by its name, or write 05:34:32 or 83.63° (J2000).");
-      if (Number.isNaN(dec)) fields.problems.set("dec", "Write −05:23:28 or −5.39 (°, J2000).");
+      if (Number.isNaN(ra)) fields.problems.set("ra", msg("Find the target by its name, or write 05:34:32 or 83.63° (J2000)."));
+      if (Number.isNaN(dec)) fields.problems.set("dec", msg("Write −05:23:28 or −5.39 (°, J2000)."));
       const motion = {
         proper_motion_ra: fields.optional("motionRa", draft.motionRa, [-20_000, 20_000], msg("Proper motion in mas/year"), 0),
         proper_motion_dec: fields.optional("motionDec", draft.motionDec, [-20_000, 20_000], msg("Proper motion in mas/year"), 0),
@@ -112,8 +112,8 @@ function readTarget(draft: RequestDraft, fields: FieldReader<RequestField>): Req
 
 function readConstraints(draft: RequestDraft, fields: FieldReader<RequestField>, abilities: AbilitiesShape | null): ReadConstraints {
   const lit = fields.optional("moonLit", draft.moonLit, [0, 100], msg("Moon lit in %"), null);
-  if (abilities?.measures_seeing === false && draft.seeing.trim() !== "") fields.problems.set("seeing", "This site does not measure the seeing: leave it empty.");
-  if (abilities?.measures_clouds === false && draft.clouds.trim() !== "") fields.problems.set("clouds", "This site does not measure clouds: leave it empty.");
+  if (abilities?.measures_seeing === false && draft.seeing.trim() !== "") fields.problems.set("seeing", msg("This site does not measure the seeing: leave it empty."));
+  if (abilities?.measures_clouds === false && draft.clouds.trim() !== "") fields.problems.set("clouds", msg("This site does not measure clouds: leave it empty."));
   return {
     min_altitude: fields.number("minAltitude", draft.minAltitude, [0, 90], msg("Lowest altitude in °")),
     max_airmass: fields.optional("maxAirmass", draft.maxAirmass, [1, 40], msg("Airmass"), 10),
@@ -132,7 +132,7 @@ function readPhase(draft: RequestDraft, fields: FieldReader<RequestField>): Read
   if ([phasePeriod, phaseEpoch, phaseStart, phaseEnd].every((text) => text.trim() === "")) return null;
   const period = fields.number("phasePeriod", phasePeriod, [0.000_01, LONGEST_PERIOD_S / DAY_S], msg("Period in days")) * DAY_S;
   const epoch = parseMoment(phaseEpoch);
-  if (Number.isNaN(epoch)) fields.problems.set("phaseEpoch", "Write JD 2460000.5 or 2026-12-04 21:30 (UTC).");
+  if (Number.isNaN(epoch)) fields.problems.set("phaseEpoch", msg("Write JD 2460000.5 or 2026-12-04 21:30 (UTC)."));
   const start = fields.number("phaseStart", phaseStart, [0, 1], msg("Phase"));
   const end = fields.number("phaseEnd", phaseEnd, [0, 1], msg("Phase"));
   return { epoch_us: sinceEpoch(epoch, period * 1e6), period_s: period, start, end };
@@ -148,11 +148,11 @@ function readWindow({ start, end, startUs, endUs }: WindowDraft, momentOf: Draft
 }
 
 function checkWindows(windows: readonly WindowShape[], { problems }: FieldReader<RequestField>, nowUs: number): void {
-  if (windows.length === 0) problems.set("windows", "Add at least one window.");
+  if (windows.length === 0) problems.set("windows", msg("Add at least one window."));
   windows.forEach(({ start_us: start, end_us: end }, i) => {
-    if (!(start > 0)) problems.set(rowField("start", i), "Write a date and a time.");
-    if (!(end > 0)) problems.set(rowField("end", i), "Write a date and a time.");
-    else if (end <= start) problems.set(rowField("end", i), "The window ends before it begins.");
+    if (!(start > 0)) problems.set(rowField("start", i), msg("Write a date and a time."));
+    if (!(end > 0)) problems.set(rowField("end", i), msg("Write a date and a time."));
+    else if (end <= start) problems.set(rowField("end", i), msg("The window ends before it begins."));
   });
   const last = windows.reduce((latest, { end_us: end }) => Math.max(latest, end), 0);
   // Of several some may be over.

@@ -33,7 +33,7 @@ export function renderWindows(view: FormView, { addWindow, removeWindow }: Windo
         removeWindow(i);
       };
       return html`<div class="window" role="group" aria-label=${msg(str`Window ${String(i + 1)}`)}>
-        ${field("start", msg("From"), read?.start_us)} ${field("end", msg("To"), read?.end_us)}
+        ${field("start", msg("From", { id: "from.time" }), read?.start_us)} ${field("end", msg("To", { id: "to.time" }), read?.end_us)}
         <t-button kind="quiet" label=${msg(str`Remove window ${String(i + 1)}`)} ?disabled=${windows.length === 1} @click=${remove}>${msg("Remove")}</t-button>
       </div>`;
     })}
