@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,18 @@ import pytest
 from talaia.cli.main import COMMANDS, main
 from talaia.objects import availability
 
+# Each takes from a third of a second to two of a slow core.
+HEAVY = (
+    "sqlalchemy",
+    "fastapi",
+    "rclpy",
+    "mujoco",
+    "av",
+    "rosbags",
+    "bcrypt",
+    "cryptography",
+    "pint",
+)
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 
 
@@ -31,6 +45,20 @@ def test_every_command_has_a_main_and_its_own_help(
         main([name, "--help"])
     assert ended.value.code == 0
     assert f"talaia {name}" in capsys.readouterr().out
+
+
+def test_no_command_imports_a_database_or_ros_to_show_its_help() -> None:
+    words = f"""
+import contextlib, io, sys
+from talaia.cli.main import COMMANDS, main
+for name in COMMANDS:
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
+        main([name, "--help"])
+    for heavy in {HEAVY}:
+        assert heavy not in sys.modules, (name, heavy)
+"""
+    # A process of its own: this one has imported all of them.
+    subprocess.run([sys.executable, "-c", words], check=True, timeout=120)
 
 
 def test_an_unknown_command_is_named_with_the_known_ones(

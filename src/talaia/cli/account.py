@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.hub import accounts
 from talaia.hub.settings import Settings
 
 if TYPE_CHECKING:
@@ -39,6 +38,9 @@ def main(argv: Sequence[str]) -> int:
     )
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
+    # Half a second of a core, which --help and wrong words do not wait for.
+    from talaia.hub import accounts
+
     settings = Settings(data=options.data, database_url=Settings.url_from())
     if options.remove_factor:
         removed = asyncio.run(accounts.remove_factor(settings, options.name))

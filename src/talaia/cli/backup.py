@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.hub.settings import Settings
-from talaia.hub.store.backup import write_backup
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +26,9 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("folder", type=Path, help="folder of the backup; must not exist yet")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
+    # Half a second of a core, which --help and wrong words do not wait for.
+    from talaia.hub.store.backup import write_backup
+
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
     print(f"backup: {write_backup(settings.url, options.data, options.folder, SystemClock())}")
     return 0

@@ -10,11 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
-from talaia.cli.keys import is_good, make_key
-from talaia.gateway.key_file import KeyFile
-from talaia.gateway.settings import HubAddress
-from talaia.hub import accounts
-from talaia.hub.certificate import certificate_of, key_hash, own_certificate
 from talaia.hub.settings import Settings
 
 if TYPE_CHECKING:
@@ -47,6 +42,9 @@ def main(argv: Sequence[str]) -> int:
     settings = Settings(data=options.data, database_url=Settings.url_from())
     # The key alone on standard output, for a script that stores it.
     if options.to is None:
+        # The hub's database: half a second of a core, which --help and wrong words do not wait for.
+        from talaia.hub import accounts
+
         print(asyncio.run(accounts.create_gateway(settings, options.site)))
         return 0
     if not options.hub:
@@ -55,6 +53,8 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _find_certificate(settings: Settings, now: dt.datetime) -> Path:
+    from talaia.hub.certificate import certificate_of, own_certificate
+
     # The hub's own, as it is: here nobody knows all names by which it is reached, and one made
     # anew without them would be in its place.
     found = certificate_of(settings).cert
@@ -62,6 +62,12 @@ def _find_certificate(settings: Settings, now: dt.datetime) -> Path:
 
 
 def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
+    # As above.
+    from talaia.cli.keys import is_good, make_key
+    from talaia.gateway.key_file import KeyFile
+    from talaia.gateway.settings import HubAddress
+    from talaia.hub.certificate import key_hash
+
     now = dt.datetime.now(dt.UTC)
     address = HubAddress.from_text(options.hub, allow_plain=options.allow_plain)
     # Safe to run at each start of a container: a key that works is not replaced.

@@ -33,10 +33,12 @@ class Subcommand(NamedTuple):
 
 COMMANDS = {
     "demo": Subcommand(
-        "talaia.cli.demo.ros2", "simulated robots with hub, gateway and dashboard", "hub,sim"
+        "talaia.cli.demo.command_line",
+        "simulated robots with hub, gateway and dashboard",
+        "hub,sim",
     ),
     "demo-indi": Subcommand(
-        "talaia.cli.demo.indi",
+        "talaia.cli.demo.indi_command_line",
         "INDI's simulators with hub, gateway and dashboard",
         "hub,observatory",
     ),
@@ -63,7 +65,7 @@ COMMANDS = {
     "enrol": Subcommand("talaia.cli.enrol", "create a gateway's key", "hub"),
     "audit": Subcommand("talaia.cli.auditing.main", "verify a hub's audit log", "hub"),
     "import": Subcommand(
-        "talaia.cli.importing.main",
+        "talaia.cli.importing.command_line",
         "import recordings and tables into the history",
         "hub,recording",
     ),
@@ -181,8 +183,9 @@ def _mistakes_of(arguments: Sequence[str], error: TalaiaError) -> str:
 def _needs_ros(arguments: Sequence[str]) -> bool:
     """Tell whether a command will import ROS 2; where this says no, it is found out later."""
     if arguments[0] != "gateway":
-        # What these start inherits it.
-        return arguments[0] in {"demo", "sim", "twin", "up"}
+        # What these start inherits it. Who asks for help waits for no ROS.
+        asks = {"-h", "--help"} & set(arguments[1:])
+        return arguments[0] in {"demo", "sim", "twin", "up"} and not asks
     for word in arguments[1:]:
         # Of a gateway's words only its description is a file of YAML.
         if word.endswith((".yaml", ".yml")) and Path(word).is_file():

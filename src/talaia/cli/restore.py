@@ -8,10 +8,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.hub.accounts import make_data_folder
 from talaia.hub.settings import Settings
-from talaia.hub.store.backup import restore_folder, restore_server
-from talaia.hub.store.database import Database
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,6 +28,10 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("folder", type=Path, help="a folder that `talaia backup` has written")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
+    # The hub's database: half a second of a core, which --help and wrong words do not wait for.
+    from talaia.hub.accounts import make_data_folder
+    from talaia.hub.store.backup import restore_folder, restore_server
+
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
     make_data_folder(settings)
     if not settings.url.startswith("sqlite"):
@@ -44,6 +45,8 @@ def main(argv: Sequence[str]) -> int:
 
 
 async def _migrate_database(settings: Settings) -> None:
+    from talaia.hub.store.database import Database
+
     database = Database(settings.url)
     try:
         await database.migrate()

@@ -11,15 +11,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.cli.child_processes import ChildProcess, run_together, start_talaia
 from talaia.cli.errors import CliError
-from talaia.cli.keys import is_good, make_key
 from talaia.cli.local_machine import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
-from talaia.gateway.key_file import KeyFile
 from talaia.hub.settings import Settings, is_loopback
-from talaia.model.checks.site_checks import raise_first
-from talaia.model.interlocks.unguarded import unguarded_notice
-from talaia.model.yaml_text.load import read_site
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,6 +44,10 @@ def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; what was stored stays for the next time."""
     options = _parse_options(argv)
     began = time.monotonic()
+    # The whole model and the hub's database: a second of a core, which --help does not wait for.
+    from talaia.model.checks.site_checks import raise_first
+    from talaia.model.yaml_text.load import read_site
+
     site = raise_first(read_site(options.site))
     data = options.data or data_folder(site.site)
     try:
@@ -151,6 +150,9 @@ async def _start_parts(
 
 async def _key_file(settings: Settings, site: str, path: Path) -> Path:
     """See that the gateway has a key, the same one at every start: it stays the same gateway."""
+    from talaia.cli.keys import is_good, make_key
+    from talaia.gateway.key_file import KeyFile
+
     try:
         good = await is_good(settings, path, site)
     except SettingsError:
@@ -170,6 +172,8 @@ def _find_line(pattern: re.Pattern[str], line: str) -> str:
 
 
 def _print_greeting(up: _Up, site: Site, data: Path, took: float) -> None:
+    from talaia.model.interlocks.unguarded import unguarded_notice
+
     print(f"\n  {site.name} is up ({took:.1f} s):  {up.address}\n")
     if up.setup:
         print(f"  Nobody has an account yet. Make the first admin's here:\n    {up.setup}\n")

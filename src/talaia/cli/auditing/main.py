@@ -8,10 +8,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.hub.accounts import verify_audit
-from talaia.hub.auth.audit_heads import head_key
 from talaia.hub.errors import CannotStart
-from talaia.hub.notify.audit_heads import HEADS_FILE, read_heads
 from talaia.hub.settings import Settings
 
 if TYPE_CHECKING:
@@ -23,6 +20,11 @@ __all__ = ["main"]
 def main(argv: Sequence[str]) -> int:
     """Say whether the log is as it was; 0: it is, 1: it is not."""
     options = _read_options(argv)
+    # The hub's database: half a second of a core, which --help and wrong words do not wait for.
+    from talaia.hub.accounts import verify_audit
+    from talaia.hub.auth.audit_heads import head_key
+    from talaia.hub.notify.audit_heads import HEADS_FILE, read_heads
+
     public = options.key or head_key(options.data).public
     files = options.heads or [options.data / HEADS_FILE]
     heads: dict[int, str] = {}

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import contextlib
 import random
 import shutil
 import socket
 import time
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
@@ -25,11 +23,12 @@ from talaia.sim.observatory.models.weather import Weather
 from talaia.sim.observatory.night import at_night
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import argparse
+    from pathlib import Path
 
     from talaia.model.site import Site
 
-__all__ = ["main"]
+__all__ = ["run_indi_demo"]
 
 EXAMPLE = "indi"
 DRIVERS = (
@@ -44,9 +43,13 @@ DRIVERS = (
 STATION_EVERY_S, STATION_SEED = 2.0, 1
 
 
-def main(argv: Sequence[str]) -> int:
-    """Run until Ctrl-C; everything it started is ended and removed again."""
-    options = _parse_options(argv)
+def run_indi_demo(options: argparse.Namespace) -> int:
+    """Run until Ctrl-C; everything it started is ended and removed again.
+
+    Args:
+        options: as `talaia.cli.demo.indi_command_line` reads them.
+
+    """
     missing = [program for program in ("indiserver", *DRIVERS) if not shutil.which(program)]
     if missing:
         raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
@@ -82,18 +85,6 @@ async def _write_measurements(station: Path) -> None:
             # Renamed into place: the driver must never read half a file.
             next_file.replace(station)
         await asyncio.sleep(STATION_EVERY_S)
-
-
-def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "talaia demo-indi",
-        description="Start INDI's own simulators of an observatory, a gateway, the hub and the "
-        "dashboard.",
-    )
-    parser.add_argument("--port", type=int, default=0, help="of the dashboard (default: a free)")
-    parser.add_argument("--data", type=Path, help="keep accounts, history and pictures here")
-    parser.add_argument("--no-browser", action="store_true", help="only print the address")
-    return parser.parse_args(argv)
 
 
 async def _start_parts(

@@ -6,13 +6,10 @@ Long, because each robot of the demo is described, started and waited for here.
 
 from __future__ import annotations
 
-import argparse
 import asyncio
-import importlib.util
 import re
 import time
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
@@ -26,10 +23,9 @@ from talaia.cli.demo.session import (
     print_greeting,
     write_description,
 )
-from talaia.cli.demo.time_lapse import main as time_lapse
 from talaia.cli.demo.time_lapse.lapse_site import TIME_LAPSE, lapse_site
-from talaia.cli.errors import CliError, PartMissing
-from talaia.cli.local_machine import DEFAULT_PORT, free_port, has_screen, open_page
+from talaia.cli.errors import CliError
+from talaia.cli.local_machine import free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.detection import DetectionSource
@@ -41,9 +37,10 @@ from talaia.sim import ros_domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import argparse
+    from pathlib import Path
 
-__all__ = ["main"]
+__all__ = ["run_demo"]
 
 VEHICLE, OBSERVATORY, TWIN = "agv", "observatory", "twin"
 # What is added to the vehicle's example where the libraries for it are there.
@@ -55,52 +52,17 @@ recording: {before: 10, triggers: [stop]}
 READY_S = 120.0
 
 
-def main(argv: Sequence[str]) -> int:
-    """Run until Ctrl-C; everything it started is ended and removed again."""
-    # It has options of its own, and is started by the demo.
-    if argv and argv[0] == "time-lapse":
-        return time_lapse.main(argv[1:])
-    options = _parse_options(argv)
-    for module in ("rclpy", "mujoco"):
-        if importlib.util.find_spec(module) is None:
-            raise PartMissing("talaia demo", module, "hub,sim")
+def run_demo(options: argparse.Namespace) -> int:
+    """Run until Ctrl-C; everything it started is ended and removed again.
+
+    Args:
+        options: as `talaia.cli.demo.command_line` reads them.
+
+    """
     began = time.monotonic()
     with data_folder(options.data, "talaia-demo-") as data:
         asyncio.run(run_together(lambda parts: _start_robots(options, data, parts, began)))
     return 0
-
-
-def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "talaia demo",
-        description="Start a simulated vehicle and a simulated observatory, their gateways, the "
-        "hub and the dashboard.",
-    )
-    parser.add_argument(
-        "--port", type=int, default=0, help=f"of the dashboard (default: {DEFAULT_PORT} or next)"
-    )
-    parser.add_argument("--seed", type=int, default=1, help="of the simulated world (default: 1)")
-    parser.add_argument("--data", type=Path, help="keep accounts and history in this folder")
-    parser.add_argument("--no-browser", action="store_true", help="only print the address")
-    parser.add_argument(
-        "--vehicles",
-        type=int,
-        choices=range(1, 5),
-        default=1,
-        help="how many vehicles, each in a house of its own (default: 1)",
-    )
-    parser.add_argument("--no-camera", action="store_true", help="simulate without pictures")
-    parser.add_argument(
-        "--twin", action="store_true", help="a digital twin beside the (first) vehicle"
-    )
-    parser.add_argument("--no-observatory", action="store_true", help="only the vehicle")
-    parser.add_argument(
-        "--no-time-lapse", action="store_true", help="without the nights at high speed"
-    )
-    parser.add_argument(
-        "--mqtt", type=Path, metavar="FILE", help="of `talaia hub`: publish to an MQTT broker"
-    )
-    return parser.parse_args(argv)
 
 
 async def _start_robots(

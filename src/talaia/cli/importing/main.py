@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import datetime as dt
 import hashlib
@@ -25,6 +24,7 @@ from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
 
 if TYPE_CHECKING:
+    import argparse
     from collections.abc import Iterator, Sequence
 
     from talaia.cli.importing.source import Findings, ImportSource
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.files.import_inbox import ImportResult
     from talaia.model.site import Site
 
-__all__ = ["main"]
+__all__ = ["import_files"]
 
 _DAY_US = 86_400_000_000  # Of `keep`, which counts days.
 _TELL_S = 5.0  # Seconds between two words of progress.
@@ -46,9 +46,13 @@ class _Read(NamedTuple):
     findings: Findings
 
 
-def main(argv: Sequence[str]) -> int:
-    """Import each file, or none of them."""
-    options = _parse_options(argv)
+def import_files(options: argparse.Namespace) -> int:
+    """Import each file, or none of them; give the exit code.
+
+    Args:
+        options: as `talaia.cli.importing.command_line` reads them.
+
+    """
     settings = Settings(data=options.data, database_url=Settings.url_from())
     site = _load_site(options.site, settings)
     named = _named_columns(options.column)
@@ -86,45 +90,6 @@ def main(argv: Sequence[str]) -> int:
     for read, how in zip(reads, deliver_parcels(settings, ready, _print_progress), strict=True):
         print(f"{read.path}: {_result_text(how)}")
     return 0
-
-
-def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "talaia import",
-        description="Bring recordings (rosbag 1, rosbag 2, MCAP) and tables (CSV) into a site's"
-        " history, and files that an installed extension reads. The hub may run. What is in"
-        " the history already changes nothing. A server's"
-        " database is named by TALAIA_DATABASE_URL, as for the hub.",
-    )
-    parser.add_argument("file", type=Path, nargs="+", help="a file, or a rosbag 2 folder")
-    parser.add_argument(
-        "--site", required=True, help="a site description (YAML), or the short name of a known site"
-    )
-    parser.add_argument(
-        "--data", type=Path, default=Path("talaia-data"), help="the hub's data folder (talaia-data)"
-    )
-    parser.add_argument(
-        "--dry-run", action="store_true", help="show what would be imported, and write nothing"
-    )
-    parser.add_argument(
-        "--column",
-        action="append",
-        default=[],
-        metavar="HEADING=ADDRESS",
-        help="CSV and extensions: this column is that channel, as base/speed or base/pose.x;"
-        " may repeat",
-    )
-    parser.add_argument("--time", default="", metavar="HEADING", help="CSV: the column of times")
-    parser.add_argument(
-        "--time-unit",
-        default="auto",
-        choices=[unit.value for unit in TimeUnit],
-        help="CSV: format of the times (auto: detected from the first)",
-    )
-    parser.add_argument(
-        "--zone", default="", help="CSV: the time zone of times without one, such as Europe/Madrid"
-    )
-    return parser.parse_args(argv)
 
 
 def _check_data(data: Path) -> None:
