@@ -1,4 +1,7 @@
-"""``talaia generate``: a folder that runs a site for good, in containers or by systemd."""
+"""``talaia generate``: a folder that runs a site for good, in containers or by systemd.
+
+Long, because each option stands here with what it asks of the others.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,8 @@
 A file is put together on this machine's disk, written to the bucket when it is whole, and read
 back: only what is there with the same hash counts as kept. What still lies in the data folder from
 before there was a bucket is found there as ever.
+
+Long, because writing, reading back, removing and bringing the list together keep one promise.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@ ten thousand signals the garbage collector then goes through half a million obje
 
 A description needs no more of YAML than values, lists, mappings and aliases: what else there is
 (merge keys, tags of its own, keys that are no plain words) is refused.
+
+Long, because reading on after a mistake goes through the same events as reading.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 The parser's sentences name its own parts (tokens, nodes, block mappings), and its place is where it
 gave up, often a line or twenty behind the mistake. Here the lines themselves are looked at.
+
+Long, because each kind of mistake has a rule of its own.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""A group of signals as the hub runs it: rows out of samples, anomalies, and who made them so."""
+"""A group of signals as the hub runs it: rows out of samples, anomalies, and who made them so.
+
+Long, because rows, the group's own distance and each signal's residual share one state that is
+kept over restarts.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The description of a site: its versions, what differs, and changes that the gateway judges."""
+"""The description of a site: its versions, what differs, and changes that the gateway judges.
+
+Long, because reading, comparing and changing a description ask for the same versions.
+"""
 
 from __future__ import annotations
 

@@ -7,6 +7,8 @@ A recording is the file ``recordings/<site>/<id>.mcap`` (a camera's film: ``<id>
 ``<id>.json`` beside it, and a row. The files come first: a row that was lost is made anew from
 them at the next start, and nothing is deleted because a list does not name it. What has not come
 whole is in the data folder; whole ones are where the hub keeps its files.
+
+Long, because taking in, keeping within a size and handing out are steps of one file.
 """
 
 from __future__ import annotations
