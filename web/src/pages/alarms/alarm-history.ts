@@ -5,7 +5,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { alarmWords } from "../../format/event-kinds.js";
+import { alarmWords } from "../../format/kinds/event-kinds.js";
 import { boardAtPath } from "../../boards/board-query.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";

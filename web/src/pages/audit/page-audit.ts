@@ -4,7 +4,7 @@ import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
-import { eventWords } from "../../format/event-kinds.js";
+import { eventWords } from "../../format/kinds/event-kinds.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";

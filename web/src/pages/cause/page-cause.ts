@@ -5,7 +5,7 @@ import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { eventWords } from "../../format/event-kinds.js";
+import { eventWords } from "../../format/kinds/event-kinds.js";
 import { shownLine } from "../../boards/kept-log.js";
 import { ActionController } from "../../controllers/action.js";
 import { ContextStoreController } from "../../controllers/context-store.js";

@@ -19,7 +19,7 @@ import { devicePath } from "../../state/router.js";
 import type { DeviceSummary, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
-import { deviceKindWords } from "../../format/device-kinds.js";
+import { deviceKindWords } from "../../format/kinds/device-kinds.js";
 import { togetherText } from "../../words/lists.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";

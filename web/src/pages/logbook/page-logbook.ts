@@ -4,7 +4,7 @@ import { consume } from "@lit/context";
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { eventWords } from "../../format/event-kinds.js";
+import { eventWords } from "../../format/kinds/event-kinds.js";
 import { boardAtPath } from "../../boards/board-query.js";
 import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";

@@ -6,7 +6,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { eventWords } from "../../format/event-kinds.js";
+import { eventWords } from "../../format/kinds/event-kinds.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { LoadController } from "../../controllers/load.js";

@@ -33,7 +33,7 @@ describe("what the forecast says", () => {
     expect(warningOf({ ...USE, warn: "limit" }, "UTC")).toMatchObject({ kind: "info" });
     expect(warningOf({ ...USE, warn: "full", free_bytes: 4e8 }, "UTC")?.text).toContain("Only 400\u202fMB are free");
     expect(warningOf({ ...USE, files_trouble: "the store of files cannot be reached" }, "UTC")).toMatchObject({
-      kind: "bad", text: expect.stringContaining("the store of files cannot be reached. Gateways keep theirs"),
+      kind: "bad", text: expect.stringContaining("the store of files cannot be reached. Gateways keep theirs") as string,
     });
     expect(warningOf({ ...USE, trouble: "database or disk is full" }, "UTC")).toMatchObject({ kind: "bad" });
   });

@@ -1,7 +1,7 @@
 /** What happened, as marks on the time axis. */
 
 import { msg } from "@lit/localize";
-import { eventWords } from "../../../format/event-kinds.js";
+import { eventWords } from "../../../format/kinds/event-kinds.js";
 import type { EventShape } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 
