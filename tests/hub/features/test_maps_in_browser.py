@@ -89,7 +89,7 @@ async def test_a_fleet_stands_on_a_map_whose_ground_a_person_chooses(
     ground = page.get_by_label("Map under the robots")
     await expect(ground).to_have_value("file yard")
     await expect(page.get_by_text("Test makers")).to_be_visible()
-    await expect(page.get_by_role("img", name="and 1 zones")).to_be_visible()
+    await expect(page.get_by_role("img", name="and 1 zone")).to_be_visible()
     await until_tiles(page, drawn=True)
     # Without the file there is the coarse world; the choice stays.
     await ground.select_option("world")
