@@ -202,7 +202,14 @@ async def test_published_velocity_is_refused_until_an_admin_permits_it(shared_wo
         person = (await hub.people.find_by_name("driver")).id
         asked = {"person": str(person), "site": "agv", "device": "base", "allowed": True}
         assert (await admin.put("/api/client-drivers", json=asked)).status_code == 204
-        await client.say("publish", "/v", "geometry_msgs/Twist", TWIST)
+
+        async def keep_driving() -> None:
+            while True:
+                await client.say("publish", "/v", "geometry_msgs/Twist", TWIST)
+                await asyncio.sleep(0.05)
+
+        # Again and again, as such programs do: the first may come while the link is just lost.
+        driving = asyncio.create_task(keep_driving())
         lease = await gateway.hear(frames.LeaseRequest)
         assert (lease.op, lease.who) == (LeaseOp.TAKE, "driver")
         await gateway.say(
@@ -211,13 +218,6 @@ async def test_published_velocity_is_refused_until_an_admin_permits_it(shared_wo
             )
         )
         await gateway.say(frames.ControlTick(tick=42))
-
-        async def keep_driving() -> None:
-            while True:
-                await client.say("publish", "/v", "geometry_msgs/Twist", TWIST)
-                await asyncio.sleep(0.05)
-
-        driving = asyncio.create_task(keep_driving())
         moved = await gateway.hear(frames.DriveFrame, lambda frame: frame.linear > 0)
         driving.cancel()
         # Half of the description's 1 m/s.
