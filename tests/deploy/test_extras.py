@@ -39,6 +39,7 @@ BROUGHT = {
     "postgresql": set(),
     "recording": set(),
     "ros2": set(),
+    "s3": set(),
     "sim": {"mujoco"},
 }
 
@@ -61,7 +62,7 @@ def test_an_extra_brings_none_of_the_large_packages_but_its_own(extra: str) -> N
 
 
 @pytest.mark.parametrize(
-    "extra", ["hub", "arrow", "chats", "fast", "gateway", "objects", "mariadb", "postgresql"]
+    "extra", ["hub", "arrow", "chats", "fast", "gateway", "objects", "mariadb", "postgresql", "s3"]
 )
 def test_images_have_whatever_an_extra_asks_for(extra: str) -> None:
     locked = {canonicalize_name(each.name) for each in read_image_lock() if extra in each.groups}

@@ -42,7 +42,9 @@ def main(argv: Sequence[str]) -> int:
         try:
             left += _upgrade_file(path, write=options.write)
         except DescriptionError as error:
-            print(f"{path}: {error}", file=sys.stderr)
+            said = str(error)
+            # Of a file that is not there it says the path itself.
+            print(said if said.startswith(str(path)) else f"{path}: {said}", file=sys.stderr)
             left += 1
     return 1 if left else 0
 
