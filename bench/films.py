@@ -14,6 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,7 +25,11 @@ from talaia.model.connection import RosSource
 from talaia.model.site import Stream
 from talaia.wire.frames import PictureForm, PictureFrame
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
 WIDTH, HEIGHT, STEP_US = 640, 480, 33_333
+START_US = 1_700_000_000_000_000
 SECONDS = 600
 RUNS = 5
 
@@ -107,6 +112,25 @@ def once(sink: Sink, count: int) -> float:
     return (time.thread_time() - begin) / count * 1e3
 
 
+def write_pictures(
+    part: Path, film: Sequence[PictureFrame], times_us: Iterable[int], *, stream: str
+) -> FilmFile:
+    """Write a film of these pictures, again and again, with one at each time."""
+    file: FilmFile | None = None
+    for at, time_us in enumerate(times_us):
+        one = film[at % len(film)]
+        told = PictureFrame(
+            stream=stream, seq=at, time_us=time_us, mono_us=at, width=WIDTH, height=HEIGHT,
+            format="h264", key=one.key, data=one.data,
+        )  # fmt: skip
+        if file is None:
+            file = FilmFile(part, told)
+        else:
+            file.add_picture(told)
+    assert file is not None
+    return file
+
+
 def main() -> None:
     """Print all of it."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 300
@@ -126,18 +150,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         part, whole = Path(folder) / "f.mp4.part", Path(folder) / "f.mp4"
         begin = time.thread_time()
-        file: FilmFile | None = None
-        for at in range(SECONDS * 30):
-            one = film[at % len(film)]
-            told = PictureFrame(
-                stream="c/f", seq=at, time_us=1_700_000_000_000_000 + at * STEP_US, mono_us=at,
-                width=WIDTH, height=HEIGHT, format="h264", key=one.key, data=one.data,
-            )  # fmt: skip
-            if file is None:
-                file = FilmFile(part, told)
-            else:
-                file.add_picture(told)
-        assert file is not None
+        times_us = range(START_US, START_US + SECONDS * 30 * STEP_US, STEP_US)
+        file = write_pictures(part, film, times_us, stream="c/f")
         wrote, ended = time.thread_time() - begin, time.perf_counter()
         file.finish_file(part, whole)
         took = time.perf_counter() - ended

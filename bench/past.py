@@ -21,7 +21,6 @@ import pages
 from rosbags.typesys import Stores, get_typestore
 
 from talaia.clock import SystemClock
-from talaia.gateway.recording.film_file import FilmFile
 from talaia.gateway.recording.mcap_file import McapFileWriter
 from talaia.gateway.recording.message_ring import RawMessage
 from talaia.gateway.video.camera import PictureStream
@@ -174,23 +173,12 @@ def _fill_films(folder: Path, start_us: int) -> None:
     pictures = _encoded(30 * PICTURES_HZ)
     for begin in range(0, HOUR_S, FILM_S):
         part, whole = folder / "film.part", folder / f"film{begin}.mp4"
-        file: FilmFile | None = None
-        for at in range(FILM_S * PICTURES_HZ):
-            one = pictures[at % len(pictures)]
-            time_us = start_us + begin * SECOND_US + at * (SECOND_US // PICTURES_HZ)
-            told = PictureFrame(
-                stream="base/front", seq=at, time_us=time_us, mono_us=at, width=films.WIDTH,
-                height=films.HEIGHT, format="h264", key=one.key, data=one.data,
-            )  # fmt: skip
-            if file is None:
-                file = FilmFile(part, told)
-            else:
-                file.add_picture(told)
-        assert file is not None
+        first_us, step_us = start_us + begin * SECOND_US, SECOND_US // PICTURES_HZ
+        times_us = range(first_us, first_us + FILM_S * PICTURES_HZ * step_us, step_us)
+        file = films.write_pictures(part, pictures, times_us, stream="base/front")
         file.finish_file(part, whole)
         part.unlink()
-        span = start_us + begin * SECOND_US, file.end_us
-        _describe(whole, span, messages=file.pictures, stream="base/front")
+        _describe(whole, (first_us, file.end_us), messages=file.pictures, stream="base/front")
 
 
 def _encoded(count: int) -> list[PictureFrame]:

@@ -30,8 +30,7 @@ from talaia.deploy.project import (
 from talaia.deploy.ros_image import ROS_DISTROS
 from talaia.deploy.several_hubs import FEWEST_HUBS, MOST_HUBS
 from talaia.hub.files.bucket_address import read_bucket_address
-from talaia.hub.files_options import add_files_options
-from talaia.hub.settings import Settings
+from talaia.hub.files_options import add_files_options, read_files_settings
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
 
@@ -116,14 +115,7 @@ def _choose_files(options: argparse.Namespace) -> FilesChoice | None:
         raise CliError("--files: a bucket is written for several hubs; add --hubs 3")
     if options.files_key_file is None:
         raise CliError("--files needs --files-key-file: the key's id and its secret, a line each")
-    settings = Settings(
-        data=Path(),
-        files=options.files,
-        files_endpoint=options.files_endpoint,
-        files_region=options.files_region,
-        files_key_file=options.files_key_file,
-        files_ca=options.files_ca,
-    )
+    settings = read_files_settings(options, Path())
     # What a hub would refuse is refused now. The variables of this machine are not the hub's.
     address = read_bucket_address(settings, {})
     if address is None or address.key is None:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from talaia.hub.settings import Settings
+
 if TYPE_CHECKING:
     import argparse
 
-__all__ = ["add_files_options"]
+__all__ = ["add_files_options", "read_files_settings"]
 
 
 def add_files_options(parser: argparse.ArgumentParser, *, required: bool = False) -> None:
@@ -39,3 +41,15 @@ def add_files_options(parser: argparse.ArgumentParser, *, required: bool = False
     )
     said = "certificate authorities of that store (PEM), besides the system's"
     parser.add_argument("--files-ca", type=Path, metavar="FILE", help=said)
+
+
+def read_files_settings(options: argparse.Namespace, data: Path) -> Settings:
+    """Give settings in which nothing is said but a data folder and where its files are kept."""
+    return Settings(
+        data=data,
+        files=options.files,
+        files_endpoint=options.files_endpoint,
+        files_region=options.files_region,
+        files_key_file=options.files_key_file,
+        files_ca=options.files_ca,
+    )

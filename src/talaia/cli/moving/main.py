@@ -16,9 +16,8 @@ from talaia.hub.files.bucket_check import check_bucket
 from talaia.hub.files.bucket_client import BucketClient
 from talaia.hub.files.moving import FileMover
 from talaia.hub.files.store_mark import read_mark
-from talaia.hub.files_options import add_files_options
+from talaia.hub.files_options import add_files_options, read_files_settings
 from talaia.hub.lock import HubRuns, hub_lock
-from talaia.hub.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,14 +33,7 @@ def main(argv: Sequence[str]) -> int:
     data: Path = options.data
     if not data.is_dir():
         raise CliError(f"--data: {data} is no folder; name the hub's data folder")
-    settings = Settings(
-        data=data,
-        files=options.files,
-        files_endpoint=options.files_endpoint,
-        files_region=options.files_region,
-        files_key_file=options.files_key_file,
-        files_ca=options.files_ca,
-    )
+    settings = read_files_settings(options, data)
     address = read_bucket_address(settings)
     if address is None:
         raise CliError("--files: expected the address of a bucket, like s3://bucket/folder")

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
-    TYPE_IDS,
     PartDefinition,
     TypeDefinition,
 )
@@ -51,17 +50,7 @@ class DrivingDefinitions:
         if type_name not in _TEXTS:
             return []
         parts: dict[str, PartDefinition] = {}
-        wanted = [type_name]
-        while wanted:
-            name = wanted.pop()
-            if name in parts:
-                continue
-            read = parts_in(_TEXTS[name], name)
-            parts |= read
-            wanted += [
-                field.type.base
-                for part in read.values()
-                for field in part.fields
-                if field.type.base not in TYPE_IDS
-            ]
+        for name, text in _TEXTS.items():
+            parts |= parts_in(text, name)
+        # Which takes of them what the type is made of.
         return [TypeDefinition(type_name, parts, _SOURCE).checked()]
