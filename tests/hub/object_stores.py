@@ -8,12 +8,14 @@ import importlib.util
 import os
 import sys
 import threading
+import time
 from contextlib import asynccontextmanager
 from http.client import HTTPConnection, HTTPException
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import httpx
 import pytest
+from certificates import Certificates, speak_tls
 from patience import until_answered
 from ports import free_port
 
@@ -22,14 +24,14 @@ KEY_ID, SECRET = "AKIATALAIATESTS00000", "a-secret-that-no-log-may-show"
 
 
 # It looks who asks, and not whether the signature holds.
-_SIGNED = (
+SIGNED = (
     f"AWS4-HMAC-SHA256 Credential={KEY_ID}/20260101/us-east-1/s3/aws4_request,"
     " SignedHeaders=host, Signature=0"
 )
 
 
 def _client() -> httpx.AsyncClient:
-    return httpx.AsyncClient(trust_env=False, headers={"Authorization": _SIGNED})
+    return httpx.AsyncClient(trust_env=False, headers={"Authorization": SIGNED})
 
 
 def require_store() -> None:
@@ -117,6 +119,7 @@ class FaultyLine:
 
     Attributes:
         away: connections are closed at once.
+        slow_s: each answer takes so much longer.
         refusal: status and code with which writing is refused.
         cut: of what is read so many bytes are missing, while all else is as it should be.
         etag: what is read has another version than it had.
@@ -126,13 +129,15 @@ class FaultyLine:
 
     """
 
-    def __init__(self, store: ObjectStore) -> None:
+    def __init__(self, target: int, certificates: Certificates | None = None) -> None:
+        # Under a certificate where one is given.
         self.away = False
+        self.slow_s = 0.0
         self.refusal: tuple[int, str] | None = None
         self.cut = 0
         self.etag = self.lose = self.spoil = False
         self.asked: list[tuple[str, str]] = []
-        line, target = self, store.port
+        line = self
 
         class Handler(BaseHTTPRequestHandler):
             protocol_version = "HTTP/1.1"
@@ -146,7 +151,10 @@ class FaultyLine:
             do_GET = do_PUT = do_POST = do_HEAD = do_DELETE = handle_any  # noqa: N815 - its names
 
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-        self.url = f"http://127.0.0.1:{self._server.server_port}"
+        if certificates is not None:
+            speak_tls(self._server, certificates)
+        scheme = "https" if certificates is not None else "http"
+        self.url = f"{scheme}://127.0.0.1:{self._server.server_port}"
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
 
     def __enter__(self) -> FaultyLine:
@@ -162,6 +170,7 @@ class FaultyLine:
         """Ask the store, and answer with what it says, or with something else."""
         body = request.rfile.read(int(request.headers.get("Content-Length", 0)))
         self.asked.append((request.command, request.path))
+        time.sleep(self.slow_s)
         if self.away:
             request.close_connection = True
             return
@@ -216,5 +225,5 @@ class FaultyLine:
 async def faulty_store():
     """Start a store, and a line to it."""
     async with ObjectStore() as store:
-        with FaultyLine(store) as line:
+        with FaultyLine(store.port) as line:
             yield store, line

@@ -43,7 +43,7 @@ async def store():
 
 @pytest.fixture
 def line(store):
-    with FaultyLine(store) as made:
+    with FaultyLine(store.port) as made:
         yield made
 
 
@@ -223,7 +223,7 @@ async def test_a_store_that_dies_midway_loses_nothing_and_is_told_of_in_words(
 ) -> None:
     caplog.set_level(logging.INFO)
     async with ObjectStore() as own:
-        with FaultyLine(own) as line:
+        with FaultyLine(own.port) as line:
             async with linked_hub(settings_of(tmp_path, line)) as hub:
                 admin = await hub.client("admin")
                 bringing = await files(hub)

@@ -30,7 +30,7 @@ async def store():
 async def line(store):
     for key in await store.keys():
         await store.remove(key)
-    with FaultyLine(store) as made:
+    with FaultyLine(store.port) as made:
         yield made
 
 

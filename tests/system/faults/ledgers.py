@@ -144,6 +144,11 @@ def stop_ms(told: Sequence[Told], fault: int) -> float:
     return float("inf") if zero is None else (zero - fault) / MS
 
 
+def left_moving(told: Sequence[Told]) -> list[float]:
+    """I5: for how long the robot heard nothing after each motion (ms): no next one, and no zero."""
+    return [(after.at - before.at) / MS for before, after in pairwise(told) if before.moves]
+
+
 def spread(values: Iterable[float]) -> tuple[float, float, float] | None:
     """Give least, median and most; none of nothing."""
     ordered = sorted(values)

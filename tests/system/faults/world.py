@@ -145,6 +145,10 @@ class World(Stack):
     async def linked_again(self, links: int) -> None:
         await self.gateway.says("linked to", within=ledgers.BACK_S, times=links + 1)
 
+    def next_door(self, *, is_open: bool) -> float:
+        """Give a place of the door, told apart from all before, in this row and in others."""
+        return round(10 * is_open + (time.time_ns() // MS % 10**7) / 1e7, 7)
+
     async def cookie(self) -> str:
         """Sign somebody in, once."""
         self._cookie = self._cookie or await sign_in(self, "second")
@@ -278,8 +282,7 @@ class Run:
         ``heard`` tells whether a gateway is there that hears it.
         """
         self._door_turn += 1
-        # Told apart from all that was said before, in this row and in others.
-        self._door = round(10 * (self._door_turn % 2) + (time.time_ns() // MS % 10**7) / 1e7, 7)
+        self._door = self.world.next_door(is_open=self._door_turn % 2 == 1)
         self._door_heard = heard
         word = f"door is {self._door}"
         self.world.robot.tell(f"door {self._door}")

@@ -1,0 +1,457 @@
+"""One site with three hubs: behind HAProxy, on PostgreSQL, NATS in threes and a bucket.
+
+What `faults.World` says of the site holds here, and the crowd's ledgers beside it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import re
+import signal
+import time
+from collections import Counter
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import psutil
+import sqlalchemy as sa
+import websockets
+from aiosmtpd.controller import Controller
+from certificates import Certificates
+from hub.databases import database_with_tables
+from hub.object_stores import BUCKET, KEY_ID, SECRET, FaultyLine, require_store
+from patience import PATIENCE_S, until_answered
+from ports import free_port
+from shared_trust import usual_trust
+
+from talaia.clock import SystemClock
+from talaia.hub import accounts
+from talaia.hub.auth.key_file import read_or_make_key
+from talaia.hub.settings import Settings
+from talaia.hub.store.database import Database
+from talaia.hub.store.sites.site_registry import add_key
+
+from ..faults import ledgers
+from ..faults.ledgers import Findings
+from ..faults.world import Run, World, under_load
+from ..mail_server import Mailbox
+from ..faults.doing import sees_values
+from ..people import Page, page, sign_in
+from ..stack import PASSWORD, PEOPLE, SITE, SOURCE, Process, finish
+from .crowd import ADDRESS
+from .servers import BALANCER, Balancer, Line, NatsNodes, Store, find_program
+
+TESTS = Path(__file__).parents[2]
+CRASHING = TESTS / "system" / "faults" / "crashing.py"
+NAMES = ("east", "west", "south")
+PEOPLE_HERE = {**PEOPLE, "admin": "admin"}
+# The lock may be taken as soon as the one before has been silent for 3 s.
+TAKE_OVER_S = 30.0
+
+
+class Member:
+    """One of the hubs: its process, and its ways to NATS and to the database."""
+
+    def __init__(self, world: ClusterWorld, name: str) -> None:
+        """Prepare it; nothing is started yet."""
+        self._world, self.name = world, name
+        self.port = free_port()
+        self.folder = world.folder / name
+        self.folder.mkdir(mode=0o700)
+        read_or_make_key(self.folder / "seal.key", world.seal)
+        self.bus = Line(world.folder, [node.port for node in world.nats.nodes])
+        self.database = Line(world.folder, [world.server_port])
+        self.offset_s = 0.0
+        self.process: Process | None = None
+
+    @property
+    def address(self) -> str:
+        return f"http://localhost:{self.port}"
+
+    @property
+    def runs(self) -> bool:
+        return self.process is not None and self.process.popen.poll() is None
+
+    @property
+    def times_led(self) -> int:
+        """How often this run of it began to lead."""
+        return 0 if self.process is None else self.process.said().count("talaia hub leads")
+
+    def start(self) -> Process:
+        nats = ",".join(f"nats://127.0.0.1:{port}" for port in self.bus.ports)
+        words = ["-m", "talaia", "hub", "--data", str(self.folder), "--plain"]
+        words += ["--host", "127.0.0.1", "--port", str(self.port)]
+        words += ["--cluster", nats, "--cluster-name", self.name, *self._world.file_words]
+        words += ["--proxy-protocol", BALANCER, "--notify-network", "127.0.0.0/8"]
+        environment = {"TALAIA_DATABASE_URL": self._world.url_by(self.database)}
+        if self.offset_s:
+            words = [str(CRASHING), *words[2:]]
+            environment["TALAIA_CLOCK_OFFSET_S"] = str(self.offset_s)
+        self.process = Process(words, self._world.folder / f"{self.name}.log", environment)
+        return self.process
+
+    async def is_ready(self) -> bool:
+        try:
+            async with httpx.AsyncClient(timeout=5.0, verify=usual_trust()) as client:
+                return (await client.get(f"{self.address}/api/ready")).status_code == 200
+        except httpx.HTTPError:
+            return False
+
+    def signal(self, number: int) -> int:
+        """Send a signal; gives the moment just before (monotonic, ns)."""
+        assert self.process is not None
+        at = time.monotonic_ns()
+        self.process.popen.send_signal(number)
+        return at
+
+    def kill(self) -> int:
+        """Kill -9; gives the moment just before (monotonic, ns)."""
+        assert self.process is not None
+        return self.process.kill()
+
+    async def leave(self) -> int:
+        """Ask it to end, and wait until it has; give its exit code."""
+        assert self.process is not None
+        self.process.popen.terminate()
+        code = await asyncio.to_thread(self.process.popen.wait, PATIENCE_S)
+        self.process.end()
+        return code
+
+    def close(self) -> None:
+        if self.process is not None:
+            self.process.end()
+        self.bus.close()
+        self.database.close()
+
+
+class ClusterWorld(World):
+    """A `World` whose hub is three."""
+
+    def __init__(self, folder: Path, gateways: int, pages: int) -> None:
+        """Start all of it, with a crowd of so many.
+
+        Raises:
+            PermissionError: one of the servers is not on this machine.
+
+        """
+        for program in ("haproxy", "nats-server"):
+            find_program(program)
+        require_store()
+        self.folder = folder
+        self.crowd_size = gateways, pages
+        self.crowd: Process | None = None
+        self._stack = contextlib.ExitStack()
+        self._door_places = 0
+        self._admin = ""
+        self.mailbox = Mailbox()
+        try:
+            self._start_servers()
+            super().__init__(folder)
+        except BaseException:
+            self._stack.close()
+            raise
+
+    def _start_servers(self) -> None:
+        folder, keep = self.folder, self._stack.callback
+        url = self._stack.enter_context(database_with_tables("postgresql", folder))
+        self._url = url
+        self.server_port = sa.make_url(url).port or 5432
+        self.seal = os.urandom(32)
+        self.nats = NatsNodes()
+        keep(self.nats.close)
+        self.store = Store()
+        keep(self.store.close)
+        certificates = Certificates(folder)
+        self.store_line = self._stack.enter_context(FaultyLine(self.store.port, certificates))
+        key = folder / "bucket-key"
+        key.write_text(f"{KEY_ID}\n{SECRET}\n")
+        self.file_words = [
+            "--files", f"s3://{BUCKET}/talaia", "--files-endpoint", self.store_line.url,
+            "--files-key-file", str(key), "--files-ca", str(certificates.ca),
+        ]  # fmt: skip
+        mail = Controller(self.mailbox, hostname="127.0.0.1", port=free_port())
+        mail.start()
+        keep(mail.stop)
+        self.mail_port = mail.port
+        self.members = {name: Member(self, name) for name in NAMES}
+        for member in self.members.values():
+            keep(member.close)
+
+    def url_by(self, line: Line) -> str:
+        """Give the database's URL by a hub's own line."""
+        return sa.make_url(self._url).set(port=line.ports[0]).render_as_string(hide_password=False)
+
+    async def _accounts(self) -> None:
+        settings = Settings(
+            data=self.folder, host="127.0.0.1", port=self.port, plain=True, password_cost=4,
+            database_url=self._url,
+        )  # fmt: skip
+        for name, role in PEOPLE_HERE.items():
+            await accounts.create_user(settings, name, PASSWORD, role)
+        database = Database(settings.url)
+        now_us = SystemClock().wall_ns() // 1000
+        async with database.write() as connection:
+            _, key, _ = await add_key(connection, SITE, "", now_us)
+            (self.folder / "key").write_text(key)
+            lines = []
+            for number in range(self.crowd_size[0]):
+                site = f"crowd{number}"
+                lines.append(f"{site} {(await add_key(connection, site, '', now_us))[1]}\n")
+        (self.folder / "crowd-keys").write_text("".join(lines))
+        await database.close()
+
+    def start_hub(self) -> Process:
+        """Start all three, and HAProxy before them."""
+        first, *others = self.members.values()
+        self.hub = first.start()
+        finish(self.hub.says("talaia hub leads"))
+        for member in others:
+            member.start()
+        ports = {name: member.port for name, member in self.members.items()}
+        balancer = Balancer(self.folder, self.port, ports)
+        self._stack.callback(balancer.close)
+        return self.hub
+
+    async def fresh(self) -> None:
+        """Start what a row before has ended, and wait until all are ready and linked."""
+        for member in self.members.values():
+            if not member.runs:
+                member.start()
+        for member in self.members.values():
+            await until_answered(member.is_ready)
+        if self.gateway.popen.poll() is not None or self.links > 1:
+            self.gateway.end()
+            self.start_gateway()
+        await self.robot.says("ready")
+        await self.gateway.says("linked to")
+        if self.crowd is None:
+            await self._gather_crowd()
+
+    def next_door(self, *, is_open: bool) -> float:
+        """Give a place of the door that messages, with their four digits, tell apart."""
+        self._door_places += 1
+        return round(10 * is_open + self._door_places / 100, 2)
+
+    async def _gather_crowd(self) -> None:
+        """Let the crowd come, and somebody be told of alarms by mail."""
+        cookie = await self.cookie()
+        (self.folder / "crowd-cookie").write_text(cookie)
+        way = {
+            "name": "Mail", "kind": "mail", "host": "127.0.0.1", "port": self.mail_port,
+            "security": "none", "sender": "talaia@example.org",
+        }  # fmt: skip
+        made = await self.post("/api/ways", way, await sign_in(self, "admin"))
+        rule = {"site": SITE, "way": made["id"], "target": "on-call@example.org", "group_s": 0}
+        await self.post("/api/me/rules", rule, cookie)
+        words = ["-m", "system.cluster.crowd", str(self.port), str(self.folder / "crowd-keys")]
+        words += [str(self.folder / "crowd-cookie"), str(self.crowd_size[1])]
+        paths = os.pathsep.join((str(SOURCE), str(TESTS)))
+        self.crowd = Process(words, self.folder / "crowd.log", {"PYTHONPATH": paths})
+
+    async def post(self, path: str, asked: dict[str, Any], cookie: str) -> dict[str, Any]:
+        """Ask for something as somebody, through HAProxy."""
+        headers = {"Cookie": cookie, "Origin": self.address}
+        async with self.client() as client:
+            answer = await client.post(path, json=asked, headers=headers)
+        assert answer.is_success, answer.text
+        return dict(answer.json())
+
+    def client(self) -> httpx.AsyncClient:
+        return httpx.AsyncClient(
+            base_url=self.address, timeout=ledgers.BACK_S, verify=usual_trust()
+        )
+
+    async def hubs(self) -> list[dict[str, Any]]:
+        """Ask how the hubs stand; while none leads, again."""
+        found: list[dict[str, Any]] = []
+        self._admin = self._admin or await sign_in(self, "admin")
+
+        async def has_answered() -> bool:
+            with contextlib.suppress(httpx.HTTPError):
+                async with self.client() as client:
+                    answer = await client.get("/api/hubs", headers={"Cookie": self._admin})
+                if answer.status_code == httpx.codes.OK:
+                    found[:] = answer.json()["hubs"]
+            return bool(found)
+
+        await until_answered(has_answered)
+        return found
+
+    async def lead(self) -> Member:
+        """Give the hub that leads."""
+        told = await self.hubs()
+        return self.members[next(hub["name"] for hub in told if hub["role"] == "leads")]
+
+    async def others(self) -> list[Member]:
+        """Give the hubs that wait, the one first to which most gateways came."""
+        told = sorted(await self.hubs(), key=lambda hub: -hub["gateways"])
+        return [self.members[hub["name"]] for hub in told if hub["role"] == "waits"]
+
+    async def ready_at(self, member: Member) -> None:
+        """Wait until HAProxy would send somebody to a hub."""
+        await until_answered(member.is_ready)
+
+    async def another_leads(self, before: Member) -> None:
+        """Wait until another hub than the one of before has begun to lead."""
+        counts = {name: member.times_led for name, member in self.members.items()}
+        began = time.monotonic()
+        while not any(
+            member is not before and member.times_led > counts[name]
+            for name, member in self.members.items()
+        ):
+            assert time.monotonic() - began < TAKE_OVER_S, "no other hub leads"
+            await asyncio.sleep(0.02)
+
+    def memory(self) -> dict[str, float]:
+        """Give the resident memory of all hubs together, and of the gateway (MiB)."""
+        hubs = [member.process for member in self.members.values() if member.process]
+        found = {"hubs": hubs, "gateway": [self.gateway]}
+        return {
+            name: sum(psutil.Process(part.popen.pid).memory_info().rss for part in parts) / 2**20
+            for name, parts in found.items()
+            if all(part.popen.poll() is None for part in parts)
+        }
+
+    def close(self) -> None:
+        if self.crowd is not None:
+            self.crowd.end()
+        super().close()
+        self._stack.close()
+
+
+@contextlib.asynccontextmanager
+async def arrive(world: ClusterWorld) -> AsyncIterator[Page]:
+    """Open a page as somebody does who tries again until a hub lets them in."""
+    ends = time.monotonic() + ledgers.BACK_S
+    async with contextlib.AsyncExitStack() as stack:
+        while True:
+            try:
+                opened = await stack.enter_async_context(page(world, "driver"))
+                break
+            except (OSError, httpx.HTTPError, websockets.WebSocketException):
+                assert time.monotonic() < ends, "no hub lets anybody in"
+                await asyncio.sleep(0.1)
+        yield opened
+
+
+class Load:
+    """One row under load: who drives, whom the crowd's ledgers accuse, which messages came."""
+
+    def __init__(self, world: ClusterWorld, run: Run, findings: Findings) -> None:
+        """See `cluster_load`."""
+        self.world, self.run, self.findings = world, run, findings
+        self._began = time.monotonic_ns()
+        self._raised = 0.0
+        self._told_before = len(self._count_told())
+
+    def begin_fault(self) -> None:
+        """Let the crowd measure how long it is away from now on."""
+        assert self.world.crowd is not None
+        self.world.crowd.tell("fault")
+
+    async def raise_alarm(self) -> None:
+        """Let the robot open its door, whoever hears it."""
+        await self.run.turn_door()
+        self._raised = self.run._door or 0.0
+
+    async def drive_again(self) -> None:
+        """Drive as somebody does who comes anew, and stop: after the fault as before it."""
+        await self.run.let_go()
+        async with arrive(self.world) as driver:
+            await sees_values(driver)
+            await self.run.press(driver)
+            at = time.monotonic_ns()
+            await self.run.let_go()
+            await self.run.stopped(at)
+
+    async def judge(self) -> None:
+        """Hold the crowd's ledgers, the messages and the audit log against what is promised."""
+        world, findings = self.world, self.findings
+        assert world.crowd is not None
+        asked = world.crowd.said().count("report ")
+        world.crowd.tell("report")
+        await world.crowd.says("report ", times=asked + 1)
+        said = json.loads(world.crowd.said().splitlines()[-1].removeprefix("report "))
+        for site in said["unsettled"]:
+            findings.breach("I7", f"samples of {site} are not acknowledged after a minute")
+        if said["blind"]:
+            findings.breach("I6", f"{said['blind']} pages never saw a value")
+        findings.figures["gateways back, s"] += said["gateways_s"]
+        findings.figures["pages back, s"] += said["pages_s"]
+        findings.counted["of the crowd"] += sum(said["ledger"].values())
+        for site, acked in said["ledger"].items():
+            await self._judge_site(site, acked)
+        for ms in ledgers.left_moving(world.told(self._began)):
+            if ms > ledgers.STOP_MS + ledgers.STALL_MS:
+                findings.breach("I5", f"the robot was left moving for {ms:.0f} ms")
+        await self._judge_messages()
+        async with world.client() as client:
+            cookie = await world.hubs() and world._admin
+            answer = await client.get("/api/audit/verify", headers={"Cookie": cookie})
+        if not answer.json().get("ok"):
+            findings.breach("audit", f"the log is not whole: {answer.text[:300]}")
+
+    async def _judge_site(self, site: str, acked: int) -> None:
+        query = {"channel": ADDRESS, "from_us": 0, "to_us": 2**53, "width": 10_000}
+        async with self.world.client() as client:
+            answer = await client.get(
+                f"/api/sites/{site}/history", params=query,
+                headers={"Cookie": await self.world.cookie()},
+            )  # fmt: skip
+        (series,) = answer.json()["series"]
+        stored = [int(number) for number in series["v"]]
+        if missing := {*range(acked)} - {*stored}:
+            edge = f"{min(missing)} to {max(missing)}"
+            self.findings.breach("I1", f"{site}: {len(missing)} acknowledged are lost ({edge})")
+        for number in ledgers.doubled(stored):
+            self.findings.breach("I2", f"{site}: {number} is stored twice")
+
+    async def _judge_messages(self) -> None:
+        """Each alarm is told once: the one of the fault for certain, none twice."""
+        told = f"Door is {self._raised:.4g}, above"
+
+        async def has_come() -> bool:
+            return bool(self._count_told()[told])
+
+        try:
+            async with asyncio.timeout(ledgers.BACK_S):
+                await until_answered(has_come)
+        except TimeoutError:
+            self.findings.breach("alarm", f"nobody was told: {told}")
+        for line, times in self._count_told().items():
+            if times > 1:
+                self.findings.breach("alarm", f"told {times} times: {line}")
+        self.findings.counted["alarms told"] += len(self._count_told()) - self._told_before
+
+    def _count_told(self) -> Counter[str]:
+        """Count the doors that messages tell of."""
+        texts = "\n".join(mail.text for mail in self.world.mailbox.mails)
+        return Counter(re.findall(r"Door is \S+ above", texts))
+
+
+@contextlib.asynccontextmanager
+async def cluster_load(world: ClusterWorld, findings: Findings) -> AsyncIterator[Load]:
+    """Let robot and crowd send and somebody drive; judge all of it when the row is through."""
+    async with under_load(world, findings) as run:
+        # It was opened by the way; shut before the fault, and open again in the midst of it.
+        await run.turn_door()
+        load = Load(world, run, findings)
+        yield load
+        await run.let_go()
+        await run.turn_door()
+        await load.judge()
+
+
+def freeze(member: Member) -> int:
+    """Let a hub stand still; gives the moment just before (monotonic, ns)."""
+    return member.signal(signal.SIGSTOP)
+
+
+def wake(member: Member) -> None:
+    """Let it go on."""
+    member.signal(signal.SIGCONT)

@@ -1,0 +1,262 @@
+"""The faults of several hubs, one row each: what is done to them, and what must hold.
+
+Each row drives the robot when it begins, and again when the fault is over; an alarm comes up in the
+midst of it; the crowd sends and looks on all the while.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import os
+import random
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable
+from typing import NamedTuple
+from zlib import crc32
+
+import websockets
+from patience import lasts_for
+
+from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FileOffer, FilePiece
+
+from ..faults.doing import back, pause
+from ..faults.ledgers import Findings
+from ..people import Page, page
+from .cluster_world import ClusterWorld, Load, Member, cluster_load, freeze, wake
+
+# A hub that leads and has asked the database nothing for so long is replaced (s).
+SILENT_S = 3.0
+
+
+@contextlib.asynccontextmanager
+async def driven(
+    world: ClusterWorld, chance: random.Random, findings: Findings
+) -> AsyncIterator[tuple[Load, Page]]:
+    """Drive, do what is inside, and drive again when all is well."""
+    async with cluster_load(world, findings) as load:
+        async with page(world, "driver") as driver:
+            await load.run.press(driver)
+            await load.run.mark(driver)
+            await pause(chance)
+            load.begin_fault()
+            yield load, driver
+            await load.run.let_go()
+        async with back(findings):
+            await load.drive_again()
+
+
+async def k1(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` the hub that leads: another one does, and everybody comes to it."""
+    async with driven(world, chance, findings) as (load, _):
+        lead = await world.lead()
+        at = lead.kill()
+        await load.raise_alarm()
+        await load.run.stopped(at)
+        load.run.nothing_moves_after(at)
+        await load.run.let_go()
+        await _another_leads(world, lead, at, findings)
+        lead.start()
+
+
+async def k2(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` a hub that waits, with all that came in by it."""
+    async with driven(world, chance, findings) as (load, _):
+        busiest, *_ = await world.others()
+        busiest.kill()
+        await load.raise_alarm()
+        await lasts_for(1.0)
+        busiest.start()
+
+
+async def k3(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """The hub that leads stands still until another one leads, and wakes up."""
+    async with driven(world, chance, findings) as (load, _):
+        lead = await world.lead()
+        at = freeze(lead)
+        try:
+            await load.raise_alarm()
+            await load.run.stopped(at)
+            load.run.nothing_moves_after(at)
+            await load.run.let_go()
+            await _another_leads(world, lead, at, findings)
+        finally:
+            wake(lead)
+
+
+async def k4(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """The hub that leads is cut from NATS: it leads on, and who came to others comes to it."""
+    async with driven(world, chance, findings) as (load, _):
+        lead = await world.lead()
+        led = lead.times_led
+        with lead.bus.dark():
+            await load.raise_alarm()
+            await lasts_for(chance.uniform(3.0, 5.0))
+        if lead.times_led != led or not lead.runs:
+            findings.breach("lead", "a hub that has the database does not lead on")
+
+
+async def k5(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """A hub that waits is cut from NATS: who came to it comes to the others."""
+    async with driven(world, chance, findings) as (load, _):
+        busiest, *_ = await world.others()
+        with busiest.bus.dark():
+            await load.raise_alarm()
+            await lasts_for(chance.uniform(3.0, 5.0))
+
+
+async def k6(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """The hub that leads is cut from the database: another one leads."""
+    async with driven(world, chance, findings) as (load, _):
+        lead = await world.lead()
+        at = time.monotonic_ns()
+        with lead.database.dark():
+            await load.raise_alarm()
+            await _another_leads(world, lead, at, findings)
+
+
+async def k7(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """`kill -9` one server of NATS of three: the hubs go on by the two others."""
+    async with driven(world, chance, findings) as (load, _):
+        node = chance.choice(world.nats.nodes)
+        node.kill()
+        await load.raise_alarm()
+        await lasts_for(1.0)
+        node.start()
+
+
+async def k8(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """A split: two hubs believe that they lead, then it heals."""
+    async with driven(world, chance, findings) as (load, _):
+        lead = await world.lead()
+        at = time.monotonic_ns()
+        with lead.bus.dark(), lead.database.dark():
+            await load.raise_alarm()
+            await _another_leads(world, lead, at, findings)
+            if not await lead.is_ready():
+                findings.breach("row", "the one that was cut off did not believe that it leads")
+
+
+async def k9(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """The clock of one hub is an hour off, and it takes the lead over."""
+    hours = (1, -1)[findings.turn % 2]
+    findings.counted[f"{hours:+d} h"] += 1
+    async with driven(world, chance, findings) as (load, _):
+        lead = await world.lead()
+        wrong, other = await world.others()
+        try:
+            for member in (wrong, other):
+                await member.leave()
+            wrong.offset_s = 3600.0 * hours
+            wrong.start()
+            await world.ready_at(wrong)
+            at = lead.kill()
+            await load.raise_alarm()
+            await load.run.let_go()
+            await _another_leads(world, lead, at, findings)
+            for member in (lead, other):
+                member.start()
+            for member in (lead, other):
+                await world.ready_at(member)
+        finally:
+            wrong.offset_s = 0.0
+        # It gives the lead back to one whose clock is right.
+        await wrong.leave()
+        await _another_leads(world, wrong, time.monotonic_ns(), Findings())
+        wrong.start()
+
+
+async def k10(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """All three hubs are replaced, one after the other, as for a new version."""
+    async with driven(world, chance, findings) as (load, _):
+        await load.raise_alarm()
+        for name, member in world.members.items():
+            code = await member.leave()
+            if code != 0:
+                findings.breach("row", f"{name} ended with {code}")
+            member.start()
+            await world.ready_at(member)
+
+
+async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
+    """The object store is slow, full or away while a recording is brought and the lead dies."""
+    trouble = ("away", "full", "slow")[findings.turn % 3]
+    findings.counted[trouble] += 1
+    line = world.store_line
+    async with driven(world, chance, findings) as (load, _):
+        name = f"20260101T120000Z-{os.urandom(3).hex()}"
+        body = os.urandom(PIECE + 5)
+        if trouble == "away":
+            line.away = True
+        elif trouble == "full":
+            line.refusal = (507, "XMinioStorageFull")
+        else:
+            line.slow_s = 1.5
+        bringing = asyncio.create_task(_bring_recording(world, name, body))
+        try:
+            await lasts_for(1.0)
+            lead = await world.lead()
+            at = lead.kill()
+            await load.raise_alarm()
+            await load.run.let_go()
+            await _another_leads(world, lead, at, findings)
+            lead.start()
+            if trouble != "slow" and bringing.done():
+                findings.breach("I1", f"a file is acknowledged that the store, {trouble}, lacks")
+        finally:
+            line.away, line.refusal, line.slow_s = False, None, 0.0
+        async with asyncio.timeout(60):
+            await bringing
+        path = f"/api/sites/crowd0/recordings/{name}/file"
+        async with world.client() as client:
+            answer = await client.get(path, headers={"Cookie": await world.cookie()})
+        if answer.content != body:
+            findings.breach("I1", f"an acknowledged file is not there ({answer.status_code})")
+
+
+async def _another_leads(world: ClusterWorld, before: Member, at: int, findings: Findings) -> None:
+    await world.another_leads(before)
+    findings.figures["another led after, s"].append((time.monotonic_ns() - at) / 1e9)
+
+
+async def _bring_recording(world: ClusterWorld, name: str, body: bytes) -> None:
+    """Hand a file over as a gateway does, again after each loss, until it is acknowledged."""
+    key = dict(line.split() for line in (world.folder / "crowd-keys").read_text().splitlines())
+    headers = {"Authorization": f"Bearer {key['crowd0']}"}
+    address = f"ws://localhost:{world.port}/gateway/files"
+    digest = hashlib.sha256(body).hexdigest()
+    while True:
+        with contextlib.suppress(OSError, TimeoutError, websockets.WebSocketException):
+            async with websockets.connect(
+                address, additional_headers=headers, proxy=None, ping_interval=None
+            ) as socket:
+
+                async def ask(message: FileOffer | FilePiece, socket=socket):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN202
+                    await socket.send(FILES_FROM_GATEWAY.encode(message))
+                    return FILES_FROM_HUB.decode(await socket.recv())
+
+                offer = FileOffer(id=name, size=len(body), digest=digest, begin_us=1, end_us=2)
+                has = await ask(offer)
+                while not has.done:
+                    data = body[has.have : has.have + PIECE]
+                    piece = FilePiece(id=name, at=has.have, check=crc32(data), data=data)
+                    has = await ask(piece)
+                return
+        await asyncio.sleep(0.3)
+
+
+class Row(NamedTuple):
+    """One line of the table."""
+
+    name: str
+    what: str
+    run: Callable[[ClusterWorld, random.Random, Findings], Awaitable[None]]
+
+
+ROWS = [
+    Row(run.__name__.upper(), (run.__doc__ or "").rstrip(".").replace("\n", " "), run)
+    for run in (k1, k2, k3, k4, k5, k6, k7, k8, k9, k10, k11)
+]
+
+__all__ = ["ROWS", "Row"]
