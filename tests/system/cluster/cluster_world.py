@@ -231,6 +231,10 @@ class ClusterWorld(World):
         await self.gateway.says("linked to")
         if self.crowd is None:
             await self._gather_crowd()
+        assert self.crowd is not None
+        spread = self.crowd.said().count("spread\n")
+        self.crowd.tell("spread")
+        await self.crowd.says("spread\n", times=spread + 1)
 
     def next_door(self, *, is_open: bool) -> float:
         """Give a place of the door that messages, with their four digits, tell apart."""
@@ -296,9 +300,12 @@ class ClusterWorld(World):
         """Wait until HAProxy would send somebody to a hub."""
         await until_answered(member.is_ready)
 
-    async def another_leads(self, before: Member) -> None:
-        """Wait until another hub than the one of before has begun to lead."""
-        counts = {name: member.times_led for name, member in self.members.items()}
+    def times_led(self) -> dict[str, int]:
+        """How often each hub began to lead, since it was started last."""
+        return {name: member.times_led for name, member in self.members.items()}
+
+    async def another_leads(self, before: Member, counts: dict[str, int]) -> None:
+        """Wait until another hub than the one of before has begun to lead since `times_led`."""
         began = time.monotonic()
         while not any(
             member is not before and member.times_led > counts[name]
@@ -358,6 +365,12 @@ class Load:
         """Let the robot open its door, whoever hears it."""
         await self.run.turn_door()
         self._raised = self.run._door or 0.0
+
+    async def must_stop(self, at: int) -> None:
+        """I5, I4: the fault ended the way to the robot, so it stands soon, and stays so."""
+        await self.run.stopped(at)
+        await self.run.let_go()
+        self.run.nothing_moves_after(at)
 
     async def drive_again(self) -> None:
         """Drive as somebody does who comes anew, and stop: after the fault as before it."""

@@ -4,9 +4,9 @@
 
 KEYS holds a line ``SITE KEY`` for each gateway; the pages have one session, and each looks at the
 site of one gateway. A gateway numbers its samples from 0, keeps what is not acknowledged, and sends
-it again after a loss. Words on stdin: ``fault`` begins to measure how long everybody is away,
-``report`` is answered by one line of JSON once no gateway has anything unacknowledged, and the end
-of stdin ends all.
+it again after a loss. Words on stdin: ``spread`` lets all dial anew, so that each hub has some again,
+and is answered by ``spread``; ``fault`` begins to measure how long everybody is away; ``report`` is
+answered by one line of JSON once no gateway has anything unacknowledged; the end of stdin ends all.
 """
 
 from __future__ import annotations
@@ -85,6 +85,7 @@ class NumberedGateway:
         self._kept: deque[tuple[int, int]] = deque()
         self.next = self.acked = self.links = 0
         self.absence = Absence()
+        self.socket: ClientConnection | None = None
 
     async def run(self) -> None:
         """Stay linked, for ever."""
@@ -119,6 +120,7 @@ class NumberedGateway:
                     message = frames.LINK_FROM_HUB.decode(data)
                     if isinstance(message, frames.Welcome):
                         self.links += 1
+                        self.socket = socket
                         self.absence.come_back()
                         self._forget(message.acked)
                         sending = asyncio.create_task(self._send(socket))
@@ -130,6 +132,7 @@ class NumberedGateway:
                     elif isinstance(message, frames.ResendRequest):
                         await self._send_rows(socket, message.first, message.below)
             finally:
+                self.socket = None
                 if sending is not None:
                     sending.cancel()
 
@@ -184,6 +187,7 @@ class Onlooker:
         self._address, self._cookie, self._site = address, cookie, site
         self.absence = Absence()
         self.newest = -1.0
+        self.socket: ClientConnection | None = None
 
     async def run(self) -> None:
         """Stay, for ever."""
@@ -192,6 +196,7 @@ class Onlooker:
             began = time.monotonic()
             with contextlib.suppress(*_LOSSES):
                 await self._look()
+            self.socket = None
             self.absence.lose()
             await asyncio.sleep(backoff.after(time.monotonic() - began))
 
@@ -223,7 +228,18 @@ class Onlooker:
                     newest = max(unpack_columns(message).value.tolist())
                     if newest > self.newest:
                         self.newest = newest
+                        self.socket = socket
                         self.absence.come_back()
+
+
+async def spread(everybody: list[NumberedGateway | Onlooker]) -> None:
+    """Let all dial anew, and wait until all are there."""
+    for one in everybody:
+        if one.socket is not None:
+            one.socket.transport.abort()
+            one.socket = None
+    while any(one.socket is None for one in everybody):  # noqa: ASYNC110
+        await asyncio.sleep(0.05)
 
 
 async def report(gateways: list[NumberedGateway], pages: list[Onlooker]) -> str:
@@ -257,6 +273,10 @@ async def main(address: str, keys: list[str], cookie: str, count: int) -> None:
         if line == "fault":
             for one in (*gateways, *pages):
                 one.absence.begin_fault()
+        elif line == "spread":
+            await spread([*gateways, *pages])
+            sys.stdout.write("spread\n")
+            sys.stdout.flush()
         else:
             sys.stdout.write(f"report {await report(gateways, pages)}\n")
             sys.stdout.flush()

@@ -23,17 +23,15 @@ from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FileOf
 
 from ..faults.doing import back, pause
 from ..faults.ledgers import Findings
-from ..people import Page, page
+from ..people import page
 from .cluster_world import ClusterWorld, Load, Member, cluster_load, freeze, wake
 
-# A hub that leads and has asked the database nothing for so long is replaced (s).
-SILENT_S = 3.0
 
 
 @contextlib.asynccontextmanager
 async def driven(
     world: ClusterWorld, chance: random.Random, findings: Findings
-) -> AsyncIterator[tuple[Load, Page]]:
+) -> AsyncIterator[Load]:
     """Drive, do what is inside, and drive again when all is well."""
     async with cluster_load(world, findings) as load:
         async with page(world, "driver") as driver:
@@ -41,28 +39,34 @@ async def driven(
             await load.run.mark(driver)
             await pause(chance)
             load.begin_fault()
-            yield load, driver
+            yield load
             await load.run.let_go()
         async with back(findings):
             await load.drive_again()
 
 
+@contextlib.asynccontextmanager
+async def lead_changes(world: ClusterWorld, findings: Findings) -> AsyncIterator[Member]:
+    """Give the hub that leads, and wait until another one does; what is inside is its fault."""
+    lead, counts, at = await world.lead(), world.times_led(), time.monotonic_ns()
+    yield lead
+    await world.another_leads(lead, counts)
+    findings.figures["another led after, s"].append((time.monotonic_ns() - at) / 1e9)
+
+
 async def k1(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """`kill -9` the hub that leads: another one does, and everybody comes to it."""
-    async with driven(world, chance, findings) as (load, _):
-        lead = await world.lead()
-        at = lead.kill()
-        await load.raise_alarm()
-        await load.run.stopped(at)
-        load.run.nothing_moves_after(at)
-        await load.run.let_go()
-        await _another_leads(world, lead, at, findings)
+    async with driven(world, chance, findings) as load:
+        async with lead_changes(world, findings) as lead:
+            at = lead.kill()
+            await load.raise_alarm()
+            await load.must_stop(at)
         lead.start()
 
 
 async def k2(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """`kill -9` a hub that waits, with all that came in by it."""
-    async with driven(world, chance, findings) as (load, _):
+    async with driven(world, chance, findings) as load:
         busiest, *_ = await world.others()
         busiest.kill()
         await load.raise_alarm()
@@ -72,22 +76,17 @@ async def k2(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
 
 async def k3(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """The hub that leads stands still until another one leads, and wakes up."""
-    async with driven(world, chance, findings) as (load, _):
-        lead = await world.lead()
-        at = freeze(lead)
-        try:
+    async with driven(world, chance, findings) as load:
+        async with lead_changes(world, findings) as lead:
+            at = freeze(lead)
             await load.raise_alarm()
-            await load.run.stopped(at)
-            load.run.nothing_moves_after(at)
-            await load.run.let_go()
-            await _another_leads(world, lead, at, findings)
-        finally:
-            wake(lead)
+            await load.must_stop(at)
+        wake(lead)
 
 
 async def k4(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """The hub that leads is cut from NATS: it leads on, and who came to others comes to it."""
-    async with driven(world, chance, findings) as (load, _):
+    async with driven(world, chance, findings) as load:
         lead = await world.lead()
         led = lead.times_led
         with lead.bus.dark():
@@ -99,7 +98,7 @@ async def k4(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
 
 async def k5(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """A hub that waits is cut from NATS: who came to it comes to the others."""
-    async with driven(world, chance, findings) as (load, _):
+    async with driven(world, chance, findings) as load:
         busiest, *_ = await world.others()
         with busiest.bus.dark():
             await load.raise_alarm()
@@ -108,18 +107,16 @@ async def k5(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
 
 async def k6(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """The hub that leads is cut from the database: another one leads."""
-    async with driven(world, chance, findings) as (load, _):
-        lead = await world.lead()
-        at = time.monotonic_ns()
-        with lead.database.dark():
+    async with driven(world, chance, findings) as load, contextlib.AsyncExitStack() as stack:
+        async with lead_changes(world, findings) as lead:
+            stack.enter_context(lead.database.dark())
             await load.raise_alarm()
-            await _another_leads(world, lead, at, findings)
 
 
 async def k7(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
-    """`kill -9` one server of NATS of three: the hubs go on by the two others."""
-    async with driven(world, chance, findings) as (load, _):
-        node = chance.choice(world.nats.nodes)
+    """`kill -9` the server of NATS, of three, by which the lead speaks: they go on by another."""
+    async with driven(world, chance, findings) as load:
+        node = world.nats.node_of((await world.lead()).name)
         node.kill()
         await load.raise_alarm()
         await lasts_for(1.0)
@@ -128,48 +125,43 @@ async def k7(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
 
 async def k8(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """A split: two hubs believe that they lead, then it heals."""
-    async with driven(world, chance, findings) as (load, _):
-        lead = await world.lead()
-        at = time.monotonic_ns()
-        with lead.bus.dark(), lead.database.dark():
+    async with driven(world, chance, findings) as load, contextlib.AsyncExitStack() as stack:
+        async with lead_changes(world, findings) as lead:
+            stack.enter_context(lead.bus.dark())
+            stack.enter_context(lead.database.dark())
             await load.raise_alarm()
-            await _another_leads(world, lead, at, findings)
-            if not await lead.is_ready():
-                findings.breach("row", "the one that was cut off did not believe that it leads")
+        if not await lead.is_ready():
+            findings.breach("row", "the one that was cut off did not believe that it leads")
 
 
 async def k9(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
-    """The clock of one hub is an hour off, and it takes the lead over."""
+    """The clock of one hub is an hour off; it takes the lead over, and gives it back."""
     hours = (1, -1)[findings.turn % 2]
     findings.counted[f"{hours:+d} h"] += 1
-    async with driven(world, chance, findings) as (load, _):
-        lead = await world.lead()
+    async with driven(world, chance, findings) as load:
         wrong, other = await world.others()
-        try:
-            for member in (wrong, other):
-                await member.leave()
-            wrong.offset_s = 3600.0 * hours
-            wrong.start()
-            await world.ready_at(wrong)
+        for member in (wrong, other):
+            await member.leave()
+        wrong.offset_s = 3600.0 * hours
+        wrong.start()
+        wrong.offset_s = 0.0
+        await world.ready_at(wrong)
+        async with lead_changes(world, findings) as lead:
             at = lead.kill()
             await load.raise_alarm()
-            await load.run.let_go()
-            await _another_leads(world, lead, at, findings)
-            for member in (lead, other):
-                member.start()
-            for member in (lead, other):
-                await world.ready_at(member)
-        finally:
-            wrong.offset_s = 0.0
-        # It gives the lead back to one whose clock is right.
-        await wrong.leave()
-        await _another_leads(world, wrong, time.monotonic_ns(), Findings())
+            await load.must_stop(at)
+        for member in (lead, other):
+            member.start()
+        for member in (lead, other):
+            await world.ready_at(member)
+        async with lead_changes(world, findings):
+            await wrong.leave()
         wrong.start()
 
 
 async def k10(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """All three hubs are replaced, one after the other, as for a new version."""
-    async with driven(world, chance, findings) as (load, _):
+    async with driven(world, chance, findings) as load:
         await load.raise_alarm()
         for name, member in world.members.items():
             code = await member.leave()
@@ -180,11 +172,11 @@ async def k10(world: ClusterWorld, chance: random.Random, findings: Findings) ->
 
 
 async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
-    """The object store is slow, full or away while a recording is brought and the lead dies."""
+    """The object store is away, full or slow while a recording is brought and the lead dies."""
     trouble = ("away", "full", "slow")[findings.turn % 3]
     findings.counted[trouble] += 1
     line = world.store_line
-    async with driven(world, chance, findings) as (load, _):
+    async with driven(world, chance, findings) as load:
         name = f"20260101T120000Z-{os.urandom(3).hex()}"
         body = os.urandom(PIECE + 5)
         if trouble == "away":
@@ -195,12 +187,12 @@ async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) ->
             line.slow_s = 1.5
         bringing = asyncio.create_task(_bring_recording(world, name, body))
         try:
+            # By then the hub has all of it, and the store has nothing.
             await lasts_for(1.0)
-            lead = await world.lead()
-            at = lead.kill()
-            await load.raise_alarm()
-            await load.run.let_go()
-            await _another_leads(world, lead, at, findings)
+            async with lead_changes(world, findings) as lead:
+                at = lead.kill()
+                await load.raise_alarm()
+                await load.must_stop(at)
             lead.start()
             if trouble != "slow" and bringing.done():
                 findings.breach("I1", f"a file is acknowledged that the store, {trouble}, lacks")
@@ -213,11 +205,6 @@ async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) ->
             answer = await client.get(path, headers={"Cookie": await world.cookie()})
         if answer.content != body:
             findings.breach("I1", f"an acknowledged file is not there ({answer.status_code})")
-
-
-async def _another_leads(world: ClusterWorld, before: Member, at: int, findings: Findings) -> None:
-    await world.another_leads(before)
-    findings.figures["another led after, s"].append((time.monotonic_ns() - at) / 1e9)
 
 
 async def _bring_recording(world: ClusterWorld, name: str, body: bytes) -> None:

@@ -86,18 +86,27 @@ class NatsNodes:
     def __init__(self) -> None:
         """Start them."""
         program = find_program("nats-server")
-        ports = [(free_port(), free_port()) for _ in range(3)]
-        routes = ",".join(f"nats://127.0.0.1:{route}" for _, route in ports)
+        ports = [(free_port(), free_port(), free_port()) for _ in range(3)]
+        routes = ",".join(f"nats://127.0.0.1:{route}" for _, route, _ in ports)
         self.nodes = [
             # They do not name each other to hubs, which would go past the lines otherwise.
             Program(
                 [program, "-a", "127.0.0.1", "-p", str(port), "--cluster_name", "talaia",
                  "--cluster", f"nats://127.0.0.1:{route}", "--routes", routes,
-                 "--no_advertise=true"],
+                 "--no_advertise=true", "-m", str(state)],
                 port,
             )
-            for port, route in ports
+            for port, route, state in ports
         ]  # fmt: skip
+        self._states = [state for _, _, state in ports]
+
+    def node_of(self, hub: str) -> Program:
+        """Give the server by which a hub sends what is urgent."""
+        for node, state in zip(self.nodes, self._states, strict=True):
+            told = httpx.get(f"http://127.0.0.1:{state}/connz", trust_env=False).json()
+            if any(one.get("name") == f"{hub} urgent" for one in told["connections"]):
+                return node
+        raise AssertionError(f"{hub} is at no server of NATS")
 
     def close(self) -> None:
         """End them."""

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 from .ledgers import Findings, spread
 
 if TYPE_CHECKING:
-    from .rows import Row
+    from typing import Protocol
+
+    class Row(Protocol):
+        """What a row says of itself."""
+
+        @property
+        def name(self) -> str: ...
+
+        @property
+        def what(self) -> str: ...
 
 ENCLOSURE = "The enclosure has a table of its own: [enclosure-table.md](enclosure-table.md)."
 
@@ -16,8 +25,9 @@ ENCLOSURE = "The enclosure has a table of its own: [enclosure-table.md](enclosur
 class Table:
     """Rows and what their runs found."""
 
-    def __init__(self) -> None:
-        """Begin empty."""
+    def __init__(self, about: str = ENCLOSURE) -> None:
+        """Begin empty; ``about`` stands below it."""
+        self._about = about
         self._rows: dict[str, tuple[Row, list[int], list[Findings]]] = {}
 
     def add(self, row: Row, seed: int, findings: Findings) -> None:
@@ -55,7 +65,7 @@ class Table:
                 f" | {'–' if memory is None else f'{memory:.2f}'} | {told} |"
             )
             notes += [f"- {row.name}: {text}" for text in violations]
-        return "\n".join([*lines, "", *notes, "", ENCLOSURE, ""])
+        return "\n".join([*lines, "", *notes, "", self._about]).rstrip() + "\n"
 
 
 def _three(numbers: tuple[float, float, float] | None, digits: int) -> str:

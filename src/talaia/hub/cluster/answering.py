@@ -129,7 +129,11 @@ class Answering:
         except TunnelBroken as error:
             _LOG.debug("an answer is broken off: %s", error)
         except Exception:  # noqa: BLE001 - one request must not take the others with it
-            _LOG.exception("the answer to a request of another hub failed")
             reason = "the answer failed"
+            if tunnel.over:
+                # Whoever asked was gone before it was answered, which not every application expects.
+                _LOG.debug("an answer that nobody waits for failed", exc_info=True)
+            else:
+                _LOG.exception("the answer to a request of another hub failed")
         finally:
             await tunnel.end_tunnel(reason)

@@ -31,11 +31,12 @@ class Bus(Protocol):
         subjects: Mapping[BusLane, tuple[str, ...]],
         receive: Callable[[BusLane, str, bytes], None],
         lost: Callable[[], None],
+        returned: Callable[[], None],
     ) -> None:
         """Listen from now on; it goes on trying while nobody answers.
 
-        ``receive`` takes what comes, and ``lost`` is called when the bus is gone: what was under
-        way then may not have come. Neither waits or raises.
+        ``receive`` takes what comes; ``lost`` is called when the bus is gone, for what was under
+        way then may not have come, and ``returned`` when it is there again. None waits or raises.
         """
         ...
 

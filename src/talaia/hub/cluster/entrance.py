@@ -90,6 +90,12 @@ class Entrance:
             if name.hub != but:
                 tunnel.break_off(reason)
 
+    def break_off_at(self, hub: str, reason: str) -> None:
+        """End every tunnel to one hub."""
+        for name, tunnel in list(self._open.items()):
+            if name.hub == hub:
+                tunnel.break_off(reason)
+
     async def hand_over(self, reason: str, *, pause_s: float = _GROUP_PAUSE_S) -> None:
         """Send all sockets to other hubs, a few at a time; requests are answered to their end."""
         # Those of pages first: whoever drives sees at once that the way changes, and the robot's

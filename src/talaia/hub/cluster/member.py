@@ -70,6 +70,9 @@ class ClusterMember:
         # 0: this hub does not lead.
         self._epoch = 0
         self._leaving = False
+        # How often the bus was lost.
+        self._losses = 0
+        self._saying: asyncio.Task[None] | None = None
         self._cpu_s, self._cpu_ns = time.process_time(), clock.monotonic_ns()
         self.peers = Peers()
         self.entrance = Entrance(find_lead=self._find_lead_hub, post=self._post)
@@ -99,7 +102,7 @@ class ClusterMember:
             BusLane.URGENT: (own[BusLane.URGENT], self._notices),
             BusLane.BULK: (own[BusLane.BULK],),
         }
-        await self._bus.open(subjects, self._receive, self._lose_bus)
+        await self._bus.open(subjects, self._receive, self._lose_bus, self._regain_bus)
 
     async def run(self) -> None:
         """Say that this hub is there, and end what goes by hubs that are not, for ever."""
@@ -154,6 +157,7 @@ class ClusterMember:
             leads=self._epoch > 0,
             epoch=self._epoch,
             leaving=self._leaving,
+            losses=self._losses,
             since_us=self._since_us,
             cpu=round(cpu, 3),
             memory_bytes=_memory_bytes(),
@@ -208,7 +212,10 @@ class ClusterMember:
         # NATS gives back to everybody what they say themselves.
         if notice.hub == self.hub:
             return
-        self.peers.hear_notice(notice, self._clock.monotonic_ns())
+        if self.peers.hear_notice(notice, self._clock.monotonic_ns()):
+            # It has broken off what was under way, and could tell nobody.
+            self.entrance.break_off_at(notice.hub, "the hub that leads had lost the bus")
+            self.answering.break_off("the hub between had lost the bus", hub=notice.hub)
         if notice.leads and notice.epoch > self._epoch > 0:
             self._superseded()
         elif notice.leads and not self._epoch:
@@ -222,7 +229,12 @@ class ClusterMember:
         else:
             self.entrance.receive_frame(name, frame)
 
+    def _regain_bus(self) -> None:
+        # Before anything else goes out: the others end what this hub has broken off.
+        self._saying = asyncio.create_task(self._say_notice(), name="say that the bus is back")
+
     def _lose_bus(self) -> None:
+        self._losses += 1
         # What was under way may be lost: nothing is driven by what comes late.
         self.peers.silence_all()
         self.entrance.break_off("the bus between the hubs is gone")

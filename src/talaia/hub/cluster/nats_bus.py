@@ -57,6 +57,9 @@ class NatsBus:
         self._dialling: list[asyncio.Task[None]] = []
         self._said_lost = False
         self._closing = False
+        # Called when the servers are gone, and when both lanes have one.
+        self._lost: Callable[[], None] = lambda: None
+        self._returned: Callable[[], None] = lambda: None
 
     @property
     def connected(self) -> bool:
@@ -70,10 +73,12 @@ class NatsBus:
         subjects: Mapping[BusLane, tuple[str, ...]],
         receive: Callable[[BusLane, str, bytes], None],
         lost: Callable[[], None],
+        returned: Callable[[], None],
     ) -> None:
         """Dial in the background, for as long as it takes."""
+        self._lost, self._returned = lost, returned
         self._dialling = [
-            asyncio.create_task(self._dial(lane, names, receive, lost), name=f"dial NATS {lane}")
+            asyncio.create_task(self._dial(lane, names, receive), name=f"dial NATS {lane}")
             for lane, names in subjects.items()
         ]
 
@@ -102,18 +107,20 @@ class NatsBus:
         lane: BusLane,
         subjects: tuple[str, ...],
         receive: Callable[[BusLane, str, bytes], None],
-        lost: Callable[[], None],
     ) -> None:
         async def report_loss() -> None:
             if not self._said_lost and not self._closing:
                 _LOG.warning("NATS is lost; hubs do not hear each other")
             self._said_lost = True
-            lost()
+            self._lost()
 
         async def report_return() -> None:
-            if self._said_lost and self.connected:
+            if not self.connected:
+                return
+            if self._said_lost:
                 _LOG.warning("NATS is there again")
                 self._said_lost = False
+            self._returned()
 
         async def report_failure(error: Exception) -> None:
             # The library dials on by itself; said once.

@@ -29,6 +29,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
         leads: it decides, and keeps everything; of two, the one with the higher ``epoch`` does.
         epoch: how often the lead has changed, by the database, when it became the lead.
         leaving: it ends; nothing new is to go there.
+        losses: how often it has lost the bus: what was under way to it before is over.
         since_us: when it started (UTC, by its own clock).
         cpu: share of a core that it takes.
         memory_bytes: of its process.
@@ -44,6 +45,7 @@ class HubNotice(msgspec.Struct, frozen=True, kw_only=True):
     leads: bool = False
     epoch: int = 0
     leaving: bool = False
+    losses: int = 0
     since_us: int = 0
     cpu: float = 0.0
     memory_bytes: int = 0
@@ -70,8 +72,9 @@ class Peers:
         """Go through all that were heard of, by name."""
         return iter(sorted(self._known.values(), key=lambda known: known.notice.name))
 
-    def hear_notice(self, notice: HubNotice, now_ns: int) -> None:
-        """Take what a hub says (monotonic)."""
+    def hear_notice(self, notice: HubNotice, now_ns: int) -> bool:
+        """Take what a hub says (monotonic); tell whether it has lost the bus since it said more."""
+        before = self._known.get(notice.hub)
         for hub, known in list(self._known.items()):
             # The same place, started anew; or one of long ago.
             replaced = known.notice.name == notice.name and hub != notice.hub
@@ -80,6 +83,7 @@ class Peers:
                 del self._known[hub]
         if notice.hub in self._known or len(self._known) < _MOST_KNOWN:
             self._known[notice.hub] = KnownHub(notice, now_ns)
+        return before is not None and before.notice.losses != notice.losses
 
     def silence_all(self) -> None:
         """Take all as gone: the bus is, so nobody can be heard."""

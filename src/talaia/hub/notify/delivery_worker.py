@@ -29,6 +29,8 @@ _AGAIN_S = (10, 60, 300, 900, 3600)
 _AT_ONCE = 4
 # What is due is said by the wall's clock, which may be set during a nap.
 _LONGEST_NAP_S = 30.0
+# A hub that ends waits so long for messages that are under way (s).
+_FAREWELL_S = 5.0
 # Until the database is asked again after it did not answer.
 _RETRY_S = 1.0
 
@@ -83,6 +85,7 @@ class DeliveryWorker:
         self._told = told
         # Set when there may be something in the outbox before the next look.
         self._news = asyncio.Event()
+        self._underway: set[asyncio.Task[None]] = set()
         # A slow server of one channel takes one turn, never all of them.
         self._turns = asyncio.Semaphore(_AT_ONCE)
 
@@ -99,21 +102,29 @@ class DeliveryWorker:
             _LOG.warning("%s messages about alarms may or may not have been delivered", unsure)
 
     async def run(self) -> None:
-        """Deliver until cancelled."""
+        """Deliver until cancelled; what is under way then may still arrive."""
         async with asyncio.TaskGroup() as group:
-            while True:
-                try:
-                    nap = await self._take_all(group)
-                except StoreDown:
-                    # Nothing is lost: what waits is in the database, which is asked again soon.
-                    nap = _RETRY_S
-                try:
-                    async with asyncio.timeout(nap):
-                        await self._news.wait()
-                except TimeoutError:
-                    pass
-                # Before the look: what is put in during it wakes the next wait.
-                self._news.clear()
+            try:
+                await self._deliver_all(group)
+            finally:
+                # Broken off, nobody would know whether it arrived: it would count as unsure.
+                if self._underway:
+                    await asyncio.wait(self._underway, timeout=_FAREWELL_S)
+
+    async def _deliver_all(self, group: asyncio.TaskGroup) -> None:
+        while True:
+            try:
+                nap = await self._take_all(group)
+            except StoreDown:
+                # Nothing is lost: what waits is in the database, which is asked again soon.
+                nap = _RETRY_S
+            try:
+                async with asyncio.timeout(nap):
+                    await self._news.wait()
+            except TimeoutError:
+                pass
+            # Before the look: what is put in during it wakes the next wait.
+            self._news.clear()
 
     async def deliver_due(self) -> None:
         """Deliver all that is due now, and come back when that is done."""
@@ -134,7 +145,9 @@ class DeliveryWorker:
             if parcel is None:
                 self._turns.release()
                 break
-            group.create_task(self._deliver_message(parcel))
+            task = group.create_task(self._deliver_message(parcel))
+            self._underway.add(task)
+            task.add_done_callback(self._underway.discard)
         due = await self._notices.next_due_us()
         if due is None:
             return _LONGEST_NAP_S
