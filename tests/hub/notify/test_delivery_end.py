@@ -34,9 +34,7 @@ async def test_a_message_under_way_is_brought_to_its_end_before_the_hub_ends(dat
     user = await People(database, clock).add_person("op", "x", "operator")
     store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), NotificationOutbox(database)
     # By mail: nobody at the other end could tell that it comes a second time.
-    way = await store.put_way(
-        None, "mail", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0
-    )
+    way = await store.put_way(None, "mail", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     await store.add_rule(
         Rule(
             id=0, user=user, site="*", way=way, target="", least=Severity.INFO, over=True,
@@ -50,9 +48,7 @@ async def test_a_message_under_way_is_brought_to_its_end_before_the_hub_ends(dat
 
     async def told() -> None: ...
 
-    delivering = DeliveryWorker(
-        notices=outbox, store=store, sender=server, clock=clock, told=told
-    )
+    delivering = DeliveryWorker(notices=outbox, store=store, sender=server, clock=clock, told=told)
     running = asyncio.create_task(delivering.run())
     await server.asked.wait()
     running.cancel()

@@ -37,10 +37,10 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.sites.site_registry import add_key
 
 from ..faults import ledgers
+from ..faults.doing import sees_values
 from ..faults.ledgers import Findings
 from ..faults.world import Run, World, under_load
 from ..mail_server import Mailbox
-from ..faults.doing import sees_values
 from ..people import Page, page, sign_in
 from ..stack import PASSWORD, PEOPLE, SITE, SOURCE, Process, finish
 from .crowd import ADDRESS
@@ -357,7 +357,7 @@ class Load:
         self._told_before = len(self._count_told())
 
     def begin_fault(self) -> None:
-        """Let the crowd measure how long it is away from now on."""
+        """Let the crowd measure how long it hears nothing from now on."""
         assert self.world.crowd is not None
         self.world.crowd.tell("fault")
 
@@ -394,8 +394,8 @@ class Load:
             findings.breach("I7", f"samples of {site} are not acknowledged after a minute")
         if said["blind"]:
             findings.breach("I6", f"{said['blind']} pages never saw a value")
-        findings.figures["gateways back, s"] += said["gateways_s"]
-        findings.figures["pages back, s"] += said["pages_s"]
+        findings.figures["a gateway heard nothing for, s"] += said["gateways_s"]
+        findings.figures["a page saw nothing new for, s"] += said["pages_s"]
         findings.counted["of the crowd"] += sum(said["ledger"].values())
         for site, acked in said["ledger"].items():
             await self._judge_site(site, acked)

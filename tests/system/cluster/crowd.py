@@ -4,9 +4,9 @@
 
 KEYS holds a line ``SITE KEY`` for each gateway; the pages have one session, and each looks at the
 site of one gateway. A gateway numbers its samples from 0, keeps what is not acknowledged, and sends
-it again after a loss. Words on stdin: ``spread`` lets all dial anew, so that each hub has some again,
-and is answered by ``spread``; ``fault`` begins to measure how long everybody is away; ``report`` is
-answered by one line of JSON once no gateway has anything unacknowledged; the end of stdin ends all.
+it again after a loss. Words on stdin: ``spread`` lets all dial anew, so that each hub has some, and
+is answered by ``spread``; ``fault`` begins to measure how long each hears nothing; ``report`` is
+answered by a line of JSON once no gateway has anything unacknowledged; the end of stdin ends all.
 """
 
 from __future__ import annotations
@@ -50,28 +50,27 @@ _BATCH = 500
 _LOSSES = (OSError, TimeoutError, WebSocketException)
 
 
-class Absence:
-    """How long one of them was away after a fault (s); nothing if the fault passed it by."""
+class Silence:
+    """How long one of them heard nothing from any hub, at the longest since a fault began (s)."""
 
     def __init__(self) -> None:
-        """Begin without a fault."""
-        self._fault_s = 0.0
-        self._away = False
-        self.back_s: float | None = None
+        """Begin before anything is heard."""
+        self._heard_s = time.monotonic()
+        self._longest_s = 0.0
 
     def begin_fault(self) -> None:
         """Measure from now on."""
-        self._fault_s, self._away, self.back_s = time.monotonic(), False, None
+        self._heard_s, self._longest_s = time.monotonic(), 0.0
 
-    def lose(self) -> None:
-        """Note that the hub is lost."""
-        self._away = True
+    def hear(self) -> None:
+        """Note that a hub says something."""
+        self._longest_s = self.longest_s
+        self._heard_s = time.monotonic()
 
-    def come_back(self) -> None:
-        """Note that a hub is there; after several losses the last return counts."""
-        if self._away and self._fault_s:
-            self.back_s = time.monotonic() - self._fault_s
-        self._away = False
+    @property
+    def longest_s(self) -> float:
+        """Up to now, also while it lasts."""
+        return max(self._longest_s, time.monotonic() - self._heard_s)
 
 
 class NumberedGateway:
@@ -84,7 +83,7 @@ class NumberedGateway:
         self._boot = f"{time.time_ns():x}"
         self._kept: deque[tuple[int, int]] = deque()
         self.next = self.acked = self.links = 0
-        self.absence = Absence()
+        self.silence = Silence()
         self.socket: ClientConnection | None = None
 
     async def run(self) -> None:
@@ -94,7 +93,6 @@ class NumberedGateway:
             began = time.monotonic()
             with contextlib.suppress(*_LOSSES):
                 await self._link()
-            self.absence.lose()
             await asyncio.sleep(backoff.after(time.monotonic() - began))
 
     async def count(self) -> None:
@@ -118,10 +116,11 @@ class NumberedGateway:
             try:
                 async for data in socket:
                     message = frames.LINK_FROM_HUB.decode(data)
+                    # A beat each second, at the least; a refusal is no sign of life.
+                    self.silence.hear()
                     if isinstance(message, frames.Welcome):
                         self.links += 1
                         self.socket = socket
-                        self.absence.come_back()
                         self._forget(message.acked)
                         sending = asyncio.create_task(self._send(socket))
                     elif isinstance(message, frames.Beat):
@@ -185,7 +184,7 @@ class Onlooker:
     def __init__(self, address: str, cookie: str, site: str) -> None:
         """Dial ``address`` when it is run."""
         self._address, self._cookie, self._site = address, cookie, site
-        self.absence = Absence()
+        self.silence = Silence()
         self.newest = -1.0
         self.socket: ClientConnection | None = None
 
@@ -197,7 +196,6 @@ class Onlooker:
             with contextlib.suppress(*_LOSSES):
                 await self._look()
             self.socket = None
-            self.absence.lose()
             await asyncio.sleep(backoff.after(time.monotonic() - began))
 
     async def _look(self) -> None:
@@ -212,9 +210,7 @@ class Onlooker:
                 # A site is known once its gateway has said what it is.
                 if not taken and time.monotonic() - asked_s > 0.5:
                     asked_s = time.monotonic()
-                    wish = browser.Subscribe(
-                        sub=1, site=self._site, channels=[ADDRESS], every_ms=0
-                    )
+                    wish = browser.Subscribe(sub=1, site=self._site, channels=[ADDRESS], every_ms=0)
                     await socket.send(browser.FROM_BROWSER.encode(wish))
                 try:
                     data = await asyncio.wait_for(socket.recv(), 0.5)
@@ -224,12 +220,12 @@ class Onlooker:
                 if isinstance(message, browser.Subscribed):
                     taken = True
                 elif isinstance(message, browser.Values):
-                    # Back is who sees something new, and not who sees again what was.
+                    # Who sees again what was sees nothing new.
                     newest = max(unpack_columns(message).value.tolist())
                     if newest > self.newest:
                         self.newest = newest
                         self.socket = socket
-                        self.absence.come_back()
+                        self.silence.hear()
 
 
 async def spread(everybody: list[NumberedGateway | Onlooker]) -> None:
@@ -250,21 +246,18 @@ async def report(gateways: list[NumberedGateway], pages: list[Onlooker]) -> str:
     # Up to here everything is to be there, once.
     ledger = {one.site: one.acked for one in gateways}
     unsettled = [one.site for one in gateways if not one.settled]
-    waits = [one.absence.back_s for one in gateways if one.absence.back_s is not None]
-    page_waits = [one.absence.back_s for one in pages if one.absence.back_s is not None]
     blind = sum(one.newest < 0 for one in pages)
     return json.dumps(
-        {"ledger": ledger, "unsettled": unsettled, "gateways_s": waits, "pages_s": page_waits,
-         "blind": blind}
+        {"ledger": ledger, "unsettled": unsettled, "blind": blind,
+         "gateways_s": [one.silence.longest_s for one in gateways],
+         "pages_s": [one.silence.longest_s for one in pages]}
     )  # fmt: skip
 
 
 async def main(address: str, keys: list[str], cookie: str, count: int) -> None:
     """Stay until stdin ends."""
     gateways = [NumberedGateway(address, *line.split()) for line in keys]
-    pages = [
-        Onlooker(address, cookie, gateways[at % len(gateways)].site) for at in range(count)
-    ]
+    pages = [Onlooker(address, cookie, gateways[at % len(gateways)].site) for at in range(count)]
     tasks = [asyncio.create_task(one.start()) for one in gateways]
     tasks += [asyncio.create_task(one.run()) for one in pages]
     while line := (await asyncio.to_thread(sys.stdin.readline)).strip():
@@ -272,7 +265,7 @@ async def main(address: str, keys: list[str], cookie: str, count: int) -> None:
             broken.result()
         if line == "fault":
             for one in (*gateways, *pages):
-                one.absence.begin_fault()
+                one.silence.begin_fault()
         elif line == "spread":
             await spread([*gateways, *pages])
             sys.stdout.write("spread\n")

@@ -27,7 +27,6 @@ from ..people import page
 from .cluster_world import ClusterWorld, Load, Member, cluster_load, freeze, wake
 
 
-
 @contextlib.asynccontextmanager
 async def driven(
     world: ClusterWorld, chance: random.Random, findings: Findings
@@ -107,10 +106,13 @@ async def k5(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
 
 async def k6(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """The hub that leads is cut from the database: another one leads."""
-    async with driven(world, chance, findings) as load, contextlib.AsyncExitStack() as stack:
-        async with lead_changes(world, findings) as lead:
-            stack.enter_context(lead.database.dark())
-            await load.raise_alarm()
+    async with (
+        driven(world, chance, findings) as load,
+        contextlib.AsyncExitStack() as dark,
+        lead_changes(world, findings) as lead,
+    ):
+        dark.enter_context(lead.database.dark())
+        await load.raise_alarm()
 
 
 async def k7(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
@@ -125,10 +127,10 @@ async def k7(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
 
 async def k8(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """A split: two hubs believe that they lead, then it heals."""
-    async with driven(world, chance, findings) as load, contextlib.AsyncExitStack() as stack:
+    async with driven(world, chance, findings) as load, contextlib.AsyncExitStack() as dark:
         async with lead_changes(world, findings) as lead:
-            stack.enter_context(lead.bus.dark())
-            stack.enter_context(lead.database.dark())
+            dark.enter_context(lead.bus.dark())
+            dark.enter_context(lead.database.dark())
             await load.raise_alarm()
         if not await lead.is_ready():
             findings.breach("row", "the one that was cut off did not believe that it leads")
@@ -209,28 +211,32 @@ async def k11(world: ClusterWorld, chance: random.Random, findings: Findings) ->
 
 async def _bring_recording(world: ClusterWorld, name: str, body: bytes) -> None:
     """Hand a file over as a gateway does, again after each loss, until it is acknowledged."""
-    key = dict(line.split() for line in (world.folder / "crowd-keys").read_text().splitlines())
-    headers = {"Authorization": f"Bearer {key['crowd0']}"}
+    keys = dict(line.split() for line in (world.folder / "crowd-keys").read_text().splitlines())
+    headers = {"Authorization": f"Bearer {keys['crowd0']}"}
     address = f"ws://localhost:{world.port}/gateway/files"
-    digest = hashlib.sha256(body).hexdigest()
     while True:
         with contextlib.suppress(OSError, TimeoutError, websockets.WebSocketException):
             async with websockets.connect(
                 address, additional_headers=headers, proxy=None, ping_interval=None
             ) as socket:
-
-                async def ask(message: FileOffer | FilePiece, socket=socket):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN202
-                    await socket.send(FILES_FROM_GATEWAY.encode(message))
-                    return FILES_FROM_HUB.decode(await socket.recv())
-
-                offer = FileOffer(id=name, size=len(body), digest=digest, begin_us=1, end_us=2)
-                has = await ask(offer)
-                while not has.done:
-                    data = body[has.have : has.have + PIECE]
-                    piece = FilePiece(id=name, at=has.have, check=crc32(data), data=data)
-                    has = await ask(piece)
+                await _send_file(socket, name, body)
                 return
         await asyncio.sleep(0.3)
+
+
+async def _send_file(socket: websockets.ClientConnection, name: str, body: bytes) -> None:
+    """Send a file over one connection, until the hub has it."""
+    digest = hashlib.sha256(body).hexdigest()
+    asked: FileOffer | FilePiece = FileOffer(
+        id=name, size=len(body), digest=digest, begin_us=1, end_us=2
+    )
+    while True:
+        await socket.send(FILES_FROM_GATEWAY.encode(asked))
+        has = FILES_FROM_HUB.decode(await socket.recv())
+        if has.done:
+            return
+        data = body[has.have : has.have + PIECE]
+        asked = FilePiece(id=name, at=has.have, check=crc32(data), data=data)
 
 
 class Row(NamedTuple):

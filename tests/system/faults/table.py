@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         @property
         def what(self) -> str: ...
 
+
 ENCLOSURE = "The enclosure has a table of its own: [enclosure-table.md](enclosure-table.md)."
 
 

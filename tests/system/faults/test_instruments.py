@@ -71,6 +71,13 @@ def frame(payload: bytes) -> bytes:
     return bytes([0x82, size]) + payload if size < 126 else b"\x82\x7e" + size.to_bytes(2) + payload
 
 
+def test_a_motion_that_nothing_follows_is_found() -> None:
+    told = [Told(0, 0.2, 0.0), Told(50 * MS, 0.2, 0.0), Told(1650 * MS, 0.0, 0.0)]
+    # What is told after a zero may take its time.
+    told.append(Told(9000 * MS, 0.1, 0.0))
+    assert ledgers.left_moving(told) == [50.0, 1600.0]
+
+
 def test_frames_are_found_however_the_bytes_are_cut() -> None:
     stream = b"GET / HTTP/1.1\r\n\r\n" + frame(b"x" * 5) + frame(b"y" * 300) + b"\x8a\x00"
     for cut in range(1, len(stream)):

@@ -131,7 +131,7 @@ class Answering:
         except Exception:  # noqa: BLE001 - one request must not take the others with it
             reason = "the answer failed"
             if tunnel.over:
-                # Whoever asked was gone before it was answered, which not every application expects.
+                # Whoever asked was gone before the answer, which applications may not expect.
                 _LOG.debug("an answer that nobody waits for failed", exc_info=True)
             else:
                 _LOG.exception("the answer to a request of another hub failed")
