@@ -402,9 +402,10 @@ class RunningHub:
         connection = await self.dial("/gateway/media", headers)
         return self._keep(Peer(connection, MEDIA_FROM_GATEWAY, MEDIA_FROM_HUB))
 
-    async def dial(self, path: str, headers: dict[str, str]):
+    async def dial(self, path: str, headers: dict[str, str], *, at=None):
+        """Open a socket here, or ``at`` another hub before this one."""
         return await websockets.connect(
-            f"ws://127.0.0.1:{self.port}{path}",
+            f"ws://127.0.0.1:{(at or self).port}{path}",
             additional_headers=headers,
             compression=None,
             max_size=None,

@@ -1,4 +1,7 @@
-"""Every message of a page × every kind of person × own and foreign objects."""
+"""Every message of a page × every kind of person × own and foreign objects.
+
+By turns they come to the hub that leads, and to another one before it.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +53,7 @@ async def differences(world, kind: type) -> list[str]:
     """Let everyone say a message about everything; list what is not as its line says."""
     trial, need, found = TRIALS[kind], FROM_BROWSER[kind], []
     for actor in SIGNED_IN:
-        page = await world.page(actor)
+        page = await world.page(actor, at=next(world.doors))
         for about in trial.objects:
             site, _, device = about.partition("/")
             mark = f"{actor} {about}"

@@ -6,8 +6,10 @@ What each of them holds is written down here by hand, since the code under test 
 from __future__ import annotations
 
 import hashlib
+import itertools
 import sqlite3
 import time
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING
 
 import httpx
@@ -18,6 +20,8 @@ from talaia.hub.store.sites.sightings import Sighted, SightingsAsked
 from talaia.hub.store.tables import metadata, permissions, role_permissions, roles
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import ArchiveOffer
+
+from ..another_hub import AnotherHub
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -142,12 +146,21 @@ class World:
         self._read: tuple[int, dict[str, list]] = (-1, {})
         # One for all clients: making each its own takes longer than asking.
         self._transport = httpx.AsyncHTTPTransport()
+        self._stack = AsyncExitStack()
 
     async def close(self) -> None:
         self._reader.close()
         await self._transport.aclose()
+        await self._stack.aclose()
+
+    @property
+    def doors(self) -> itertools.cycle:
+        """The hubs that somebody comes to by turns: the one that leads, and another before it."""
+        return self._doors
 
     async def begin(self) -> None:
+        self.another = await self._stack.enter_async_context(AnotherHub(self.hub.hub))
+        self._doors = itertools.cycle([self.hub, self.another])
         await self.hub.populate()
         database = self.hub.hub.core.database
         async with database.write() as connection:
@@ -243,9 +256,12 @@ class World:
             return {"Authorization": f"Bearer {self.token}", "Origin": self.hub.origin}
         return {"Cookie": await self.hub.cookie(actor), "Origin": self.hub.origin}
 
-    async def page(self, actor: str):
-        """Open a page's socket."""
-        return self.hub.peer(await self.hub.dial("/ws", await self.headers(actor)))
+    async def page(self, actor: str, *, at=None):
+        """Open a page's socket, ``at`` the hub that leads or at the other one."""
+        headers = await self.headers(actor)
+        if at is not None:
+            headers["Origin"] = at.origin
+        return self.hub.peer(await self.hub.dial("/ws", headers, at=at))
 
     async def person(self) -> str:
         """Add somebody new; give the number."""
