@@ -95,12 +95,16 @@ class Page:
     async def say(self, message: browser.FromBrowser) -> None:
         await self._socket.send(browser.FROM_BROWSER.encode(message))
 
-    async def online(self) -> None:
-        await until(
-            lambda: self.all(browser.SiteUpdate) and self.all(browser.SiteUpdate)[-1].online,
-            PATIENCE_S,
-            "the site online",
-        )
+    async def online(self, site: str = "") -> None:
+        """Wait until a site is there; the one that was told of last, unless it is named."""
+
+        def is_online() -> bool:
+            told = [
+                update for update in self.all(browser.SiteUpdate) if update.site == site or not site
+            ]
+            return bool(told) and told[-1].online
+
+        await until(is_online, PATIENCE_S, "the site online")
 
     async def take(self) -> browser.LeaseUpdate:
         """Take the lease; the epoch is kept for the frames to come."""
@@ -189,7 +193,7 @@ async def page(
     async with connection(stack, cookie) as socket:
         opened = Page(socket, device)
         try:
-            await opened.online()
+            await opened.online(stack.one_of_many)
             yield opened
         finally:
             await opened.close()

@@ -198,6 +198,8 @@ class Stack:
     """A hub, a gateway and a robot in one folder."""
 
     description = DESCRIPTION
+    # The site's name where its hub has others, too.
+    one_of_many = ""
     # Which changes of the description the gateway takes from the hub.
     accepts = "no"
     # What robot and gateway have in their environment beside their ROS domain.

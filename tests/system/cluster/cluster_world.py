@@ -132,6 +132,8 @@ class Member:
 class ClusterWorld(World):
     """A `World` whose hub is three."""
 
+    one_of_many = SITE
+
     def __init__(self, folder: Path, gateways: int, pages: int) -> None:
         """Start all of it, with a crowd of so many.
 
