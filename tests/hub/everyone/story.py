@@ -98,12 +98,13 @@ async def listen(world: World, actor: str) -> Listener:
     """Open a page that keeps all it is sent, and ask for every channel there is."""
     tapes = []
 
-    async def dial(*where: object):
-        tapes.append(Tape(await type(world.hub).dial(world.hub, *where)))
+    async def dial(*where: object, **more: object):
+        tapes.append(Tape(await type(world.hub).dial(world.hub, *where, **more)))
         return tapes[-1]
 
     world.hub.dial = dial
-    page = await world.page(actor)
+    # By turns at the hub that leads, and at another one before it.
+    page = await world.page(actor, at=next(world.doors))
     del world.hub.dial
     for at, site in enumerate(DESCRIPTIONS):
         channels = [
