@@ -57,7 +57,11 @@ GIVING_WAY, GIVING_WAY_MOST = 5, 10
 # What gives way takes of the cores what the others leave, so it asks for less of them.
 ASKED = {0: 1.0, GIVING_WAY: 0.7, GIVING_WAY_MOST: 0.3}
 # They run two sites side by side themselves: with what runs beside them some of a core stays free.
-CALM = ("tests/system/faults/test_rows.py", "tests/system/enclosure/test_rows.py")
+CALM = (
+    "tests/system/cluster/test_rows.py",
+    "tests/system/faults/test_rows.py",
+    "tests/system/enclosure/test_rows.py",
+)
 PAGES = "web (pages)"
 
 
