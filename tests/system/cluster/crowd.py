@@ -213,7 +213,8 @@ class Onlooker:
                     wish = browser.Subscribe(sub=1, site=self._site, channels=[ADDRESS], every_ms=0)
                     await socket.send(browser.FROM_BROWSER.encode(wish))
                 try:
-                    data = await asyncio.wait_for(socket.recv(), 0.5)
+                    async with asyncio.timeout(0.5):
+                        data = await socket.recv()
                 except TimeoutError:
                     continue
                 message = browser.TO_BROWSER.decode(data)

@@ -69,7 +69,9 @@ class Looker:
                 wish = browser.Subscribe(sub=_SUB, site=SITE, channels=[COUNT, DOOR], every_ms=0)
                 await socket.send(browser.FROM_BROWSER.encode(wish))
             try:
-                data = await asyncio.wait_for(socket.recv(), 0.5)
+                # Not `wait_for`: in Python 3.11 it may swallow the end of the one who looks.
+                async with asyncio.timeout(0.5):
+                    data = await socket.recv()
             except TimeoutError:
                 continue
             message = browser.TO_BROWSER.decode(data)
