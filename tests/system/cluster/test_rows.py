@@ -81,8 +81,10 @@ def test_several_hubs_survive(world: ClusterWorld, table: Table, row: Row) -> No
     found: list[str] = []
     for turn in range(RUNS):
         findings = run_row(world, row, turn)
+        for violation in findings.violations:
+            sys.stdout.write(f"\n{row.name} {turn + 1}: {violation}\n")
+            sys.stdout.flush()
         if findings.violations and not MINUTES:
-            sys.stdout.write(f"\n{row.name}: {findings.violations}; once more\n")
             findings = run_row(world, row, turn)
         table.add(row, turn + 1, findings)
         found += findings.violations
