@@ -23,8 +23,8 @@ from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FileOf
 
 from ..faults.doing import back, pause
 from ..faults.ledgers import Findings
-from ..people import page
-from .cluster_world import ClusterWorld, Load, Member, cluster_load, freeze, wake
+from .cluster_world import ClusterWorld, Member, freeze, wake
+from .load import Load, cluster_load
 
 
 @contextlib.asynccontextmanager
@@ -33,8 +33,7 @@ async def driven(
 ) -> AsyncIterator[Load]:
     """Drive, do what is inside, and drive again when all is well."""
     async with cluster_load(world, findings) as load:
-        async with page(world, "driver") as driver:
-            await load.run.press(driver)
+        async with load.driving() as driver:
             await load.run.mark(driver)
             await pause(chance)
             load.begin_fault()
