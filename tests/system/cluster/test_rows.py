@@ -1,7 +1,7 @@
 """What several hubs survive; every fault three times with ``TALAIA_PROOF_MINUTES``.
 
 `make proofs ONLY=cluster` sets it, and ``TALAIA_PROOF_TABLE``, the file that the table goes to:
-then 200 gateways and 50 pages come to the hubs. In the short form 20 and 5 do, seven rows are done,
+then 200 gateways and 50 pages come to the hubs. In the short form 20 and 5 do, five rows are done,
 and one that fails is done once more, for it also runs on machines that are busy. All rows are one
 world's: each begins with what those before have left.
 """
