@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from described_robot import found_of, read_robot
 
-from talaia.cli.init_questions import ask_about_devices, ask_about_stop, ask_for_name
+from talaia.cli.describing.init_questions import ask_about_devices, ask_about_stop, ask_for_name
 from talaia.cli.main import main
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 from talaia import __version__
 from talaia.cli.examining.findings import PartFinding, PartState
 from talaia.cli.examining.host import examine_host
-from talaia.objects.provider_trial import try_providers
 from talaia.ros_installation import (
     RosOrigin,
     bridge_command,
@@ -85,6 +84,9 @@ def examine_machine() -> Iterator[PartFinding]:
             remedy = f"run `pip install 'talaia[{extra}]'`"
             yield PartFinding(PartState.ABSENT, what, "not installed", remedy)
     if importlib.util.find_spec("onnxruntime") is not None:
+        # Arrays, which --help and wrong words do not wait for.
+        from talaia.objects.provider_trial import try_providers
+
         yield from _examine_detectors(try_providers())
 
 
