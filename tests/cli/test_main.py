@@ -56,7 +56,8 @@ def test_no_command_imports_a_database_ros_or_the_model_to_read_its_words() -> N
 import contextlib, io, sys
 from talaia.cli.main import COMMANDS, main
 for name in COMMANDS:
-    for words in ([name, "--help"], [name, "--no-such-option"], ["completion", "--words", name]):
+    completed = ["completion", "--words", name, "-"]
+    for words in ([name, "--help"], [name, "--no-such-option"], completed):
         with (
             contextlib.redirect_stdout(io.StringIO()),
             contextlib.redirect_stderr(io.StringIO()),
