@@ -11,6 +11,7 @@ from talaia.cli.describing.init_questions import (
     ask_about_devices,
     ask_about_stop,
     ask_for_name,
+    names_called,
     stop_lines,
 )
 from talaia.cli.errors import CliError
@@ -40,6 +41,8 @@ __all__ = ["describe_robot"]
 MAX_BYTES = 64 * 1024 * 1024
 # Lines of what is left out; the largest robot of the tests has some 40.
 MAX_LEFT_OUT = 1000
+# And of those that are told at the end, where nothing else is there.
+_MOST_TOLD = 5
 
 
 def describe_robot(options: argparse.Namespace) -> int:
@@ -59,23 +62,33 @@ def describe_robot(options: argparse.Namespace) -> int:
     )
     made = propose_description(found, *names)
     _refuse_names(made)
+    # Before anything is asked about it.
+    if not made.site.devices and not found.devices:
+        raise CliError(_nothing_found(found))
     if options.web:
         return _ask_in_page(options, found, names, made)
     if not options.no_questions and sys.stdin.isatty() and sys.stderr.isatty():
         if not options.name:
-            names = (names[0], ask_for_name(names[1], input)[:100], names[2])
+            names = names_called(names, ask_for_name(names[1], input)[:100], options.site)
         without = ask_about_devices(made, input)
         made = propose_description(found, *names, without=without)
         if made.stops:
             stop = ask_about_stop(made, input)
             made = propose_description(found, *names, without=without, answers=stop)
-    if not made.site.devices and not found.devices:
-        raise CliError(
-            f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
-            "lists; nothing was written"
-        )
     _write_file(options.output, found, made)
     return 1 if check_site(made.site) else 0
+
+
+def _nothing_found(found: Found) -> str:
+    elsewhere = (
+        "; if it runs, it may be in another domain (its ROS_DOMAIN_ID, here --domain N) or network"
+        if found.protocol == "ros2"
+        else ""
+    )
+    return (
+        f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
+        f"lists{elsewhere}; nothing was written"
+    )
 
 
 def _write_file(output: Path, found: Found, made: DescriptionProposal) -> None:
@@ -100,7 +113,8 @@ def _ask_in_page(
     from talaia.cli.init_page.session import ask_in_page
 
     def finish(answers: ProposalAnswers) -> list[str]:
-        answered = answered_proposal(found, names, answers)
+        called = names_called(names, answers.name, options.site)
+        answered = answered_proposal(found, called, answers)
         problems = answers_problems(answered)
         if not problems:
             _write_file(options.output, found, answered)
@@ -165,7 +179,8 @@ def _file_header(found: Found, made: DescriptionProposal) -> list[str]:
         # What is not wanted has no STOP, either.
         device = made.site.devices.get(choice.device)
         if device is not None and device.drive is not None:
-            lines += ["", *stop_lines(choice, device.drive.stop)]
+            said = stop_lines(choice, device.drive.stop)
+            lines += ["", *said] if said else []
     if made.left_out:
         # All of it: what is missing here would have been left out in silence.
         lines += ["", "Left out:", *(f"  {reason}" for reason in made.left_out[:MAX_LEFT_OUT])]
@@ -182,8 +197,14 @@ def _print_summary(output: Path, made: DescriptionProposal, *, shown: bool) -> N
         f"{sum(len(device.commands) for device in devices)} commands"
     )
     print(f"{'found' if shown else f'{output}:'} {counts}", file=sys.stderr)
-    if made.left_out:
-        print(f"{len(made.left_out)} items were left out; the file lists them", file=sys.stderr)
+    count = len(made.left_out)
+    if not devices:
+        # All that there is was left out: then the reason is what one has to know.
+        for reason in made.left_out[:_MOST_TOLD]:
+            print(f"note: {reason}", file=sys.stderr)
+    elif count:
+        said = "1 item was" if count == 1 else f"{count} items were"
+        print(f"{said} left out; the file lists them", file=sys.stderr)
     if notice := unguarded_notice(made.site):
         print(f"note: {notice}", file=sys.stderr)
     if not shown:

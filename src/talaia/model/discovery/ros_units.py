@@ -8,12 +8,14 @@ Long, because its tables are.
 from __future__ import annotations
 
 import re
+import unicodedata
 from itertools import pairwise
 from typing import NamedTuple
 
 from talaia.model.units.unit import UNITS
 
 __all__ = [
+    "NO_WORD",
     "Meaning",
     "meaning_of",
     "readable_name",
@@ -258,9 +260,10 @@ _BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
 _IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
 # Words of ``motorLeft_GPS2``: motor, Left, GPS, 2.
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-_PLAIN_DIGITS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _NOT_A_LETTER = re.compile(r"[^a-z0-9]+")
 _MAX_WORD = 63
+# Of a text with no letter or digit that can be one of an address.
+NO_WORD = "unnamed"
 
 
 def meaning_of(type_name: str, field: str) -> Meaning | None:
@@ -341,9 +344,15 @@ def readable_name(text: str) -> str:
 
 def word_of(text: str) -> str:
     """Make a word of an address of any text: small letters, digits and _; never empty."""
-    spread = "_".join(_WORD.findall(text.translate(_PLAIN_DIGITS))).lower()
+    # Letters without their accents, and CO₂ with its 2.
+    plain = "".join(
+        letter
+        for letter in unicodedata.normalize("NFKD", text)
+        if not unicodedata.combining(letter)
+    )
+    spread = "_".join(_WORD.findall(plain)).lower()
     word = _NOT_A_LETTER.sub("_", spread).strip("_")[:_MAX_WORD].rstrip("_")
     if not word:
-        return "unnamed"
+        return NO_WORD
     # A word of an address begins with a letter.
     return word if word[0].isalpha() else f"n{word}"[:_MAX_WORD]
