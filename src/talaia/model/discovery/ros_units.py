@@ -21,6 +21,7 @@ __all__ = [
     "readable_name",
     "unit_in_comment",
     "unit_in_name",
+    "unit_said",
     "without_unit",
     "word_of",
 ]
@@ -166,6 +167,10 @@ _AFTER: dict[tuple[str, str], Meaning] = {
     ("torque", "nm"): Meaning("N·m"),
     **{(word, "l"): Meaning("L") for word in ("level", "volume", "fuel")},
     ("force", "n"): Meaning("N"),
+    **{
+        (word, "s"): Meaning("s")
+        for word in ("age", "delay", "duration", "interval", "period", "time", "timeout")
+    },
 }
 # Units of two words and more at the end of a name.
 _ENDINGS: tuple[tuple[tuple[str, ...], Meaning], ...] = (
@@ -282,9 +287,26 @@ def unit_in_name(field: str, *, whole: bool = False) -> Meaning | None:
         whole: it holds whole numbers, which are of a board's own scale where a name says no unit.
 
     """
+    said = unit_said(field)
+    if said is not None:
+        return said
     words = [word.lower() for word in _WORD.findall(field)]
     if not words:
         return None
+    if whole and words[-1] in ("percent", "percentage"):
+        # Of parts of one there are no whole numbers.
+        return Meaning("%")
+    found = _QUANTITY.get(words[-1])
+    if found is None and len(words) > 1:
+        # `voltage_input`, `temp_fet`; but a `current_mode` is no ampere.
+        first = words[0] in _FIRST or (words[0] == "current" and words[1] in _OF_CURRENT)
+        found = _QUANTITY.get(words[0]) if first else None
+    return None if whole and found in _RAW else found
+
+
+def unit_said(field: str) -> Meaning | None:
+    """Read the unit that a name says itself at its end: ``timeout_sec``, not ``voltage``."""
+    words = [word.lower() for word in _WORD.findall(field)]
     if len(words) > 2:
         for ending, meaning in _ENDINGS:
             if tuple(words[-len(ending) :]) == ending and len(words) > len(ending):
@@ -296,12 +318,7 @@ def unit_in_name(field: str, *, whole: bool = False) -> Meaning | None:
     # A unit needs something before it: a field that is called ``m`` or ``v`` may be anything.
     if len(words) > 1 and words[-1] in _SUFFIX:
         return _SUFFIX[words[-1]]
-    found = _QUANTITY.get(words[-1])
-    if found is None and len(words) > 1:
-        # `voltage_input`, `temp_fet`; but a `current_mode` is no ampere.
-        first = words[0] in _FIRST or (words[0] == "current" and words[1] in _OF_CURRENT)
-        found = _QUANTITY.get(words[0]) if first else None
-    return None if whole and found in _RAW else found
+    return None
 
 
 def without_unit(field: str) -> str:
