@@ -84,6 +84,29 @@ def test_a_mistake_in_the_file_is_told_with_the_file(tmp_path: Path, text: str, 
     assert str(file) in str(refused.value)
 
 
+def test_a_value_that_is_refused_is_told_with_where_it_comes_from(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "thing.yaml"
+    file.write_text("port: many\n")
+    for words, given, said in (
+        ("s --key-file k", None, "error: THING_PORT: invalid int value: 'many'"),
+        ("s --key-file k", file, f"error: {file}: port: invalid int value: 'many'"),
+        ("s --key-file k --port many", None, "error: argument --port: invalid int value: 'many'"),
+    ):
+        variables = {"PORT": "many"} if said.startswith("error: THING") else {}
+        with pytest.raises(SystemExit):
+            read(words, given, **variables)
+        assert said in capsys.readouterr().err
+
+
+def test_a_variable_that_is_no_option_is_told_and_refuses_nothing(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert read("s --key-file k", PROT="7")["port"] == (8443, "default")
+    assert "THING_PROT is no option; did you mean THING_PORT?" in capsys.readouterr().err
+
+
 def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(OptionRefused, match="cannot be read"):
         read("s --key-file k", tmp_path / "missing.yaml")
@@ -108,6 +131,28 @@ def test_passwords_in_addresses_are_not_printed() -> None:
     )
     assert "postgresql://hub:***@db:5432/t" in shown
     assert "[nats://a:***@one, nats://two]" in shown
+
+
+def test_a_log_of_everything_has_nothing_that_libraries_say_to_their_own_developers(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    root, ours = logging.getLogger(), logging.getLogger("talaia")
+    before, levels = list(root.handlers), (root.level, ours.level)
+    root.handlers.clear()
+    try:
+        set_up_log("debug", "text")
+        logging.getLogger("talaia.part").debug("a turn")
+        # A library of databases says each value here, also those that are nobody's to read.
+        logging.getLogger("aiosqlite").debug("a value")
+        logging.getLogger("aiosqlite").info("a sentence")
+    finally:
+        root.handlers[:] = before
+        root.setLevel(levels[0])
+        ours.setLevel(levels[1])
+    said = capsys.readouterr().err
+    assert "a turn" in said
+    assert "a sentence" in said
+    assert "a value" not in said
 
 
 def test_a_log_of_json_has_an_object_in_each_line_and_no_secret(

@@ -51,6 +51,7 @@ UNREAD = re.compile(
 )
 # Each sentence of these is said to people.
 SPEAKING = (
+    "gateway/adapters/unreadable_reports.py",
     "gateway/commands/*.py",
     "gateway/driving/*.py",
     "gateway/safety/*.py",
@@ -60,9 +61,12 @@ SPEAKING = (
     "hub/alarms/condition_watch.py",
     "hub/alarms/conditions.py",
     "hub/alarms/state_machine.py",
+    "hub/api/sites/site_views.py",
     "hub/auth/passwords.py",
     "hub/clients/catalog.py",
     "hub/live/gateways/change_requests.py",
+    "hub/live/gateways/description_intake.py",
+    "hub/live/gateways/link_service.py",
     "hub/live/pages/interlock_news.py",
     "hub/live/pages/message_authorizer.py",
     "hub/live/pages/page_*.py",

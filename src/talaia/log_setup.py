@@ -19,12 +19,16 @@ if TYPE_CHECKING:
 __all__ = ["LOG_LEVELS", "add_log_field", "add_log_options", "set_up_log"]
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
+_NUMBERS = {level: logging.getLevelNamesMapping()[level.upper()] for level in LOG_LEVELS}
 
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """Let a parser read ``--log-level`` and ``--log-format``."""
     parser.add_argument(
-        "--log-level", choices=LOG_LEVELS, default="info", help="least level of the log (info)"
+        "--log-level",
+        choices=LOG_LEVELS,
+        default="info",
+        help="least level of the log (info); debug of Talaia alone",
     )
     parser.add_argument(
         "--log-format",
@@ -58,7 +62,10 @@ def set_up_log(
     else:
         handler = logging.StreamHandler()
         handler.setFormatter(_JsonFormatter(mask) if form == "json" else _TextFormatter(mask))
-    logging.basicConfig(level=level.upper(), handlers=[handler])
+    # What libraries say to their own developers is too much, and holds values that are nobody's to
+    # read: a database's says each one that it stores.
+    logging.basicConfig(level=max(logging.INFO, _NUMBERS[level]), handlers=[handler])
+    logging.getLogger("talaia").setLevel(_NUMBERS[level])
 
 
 def add_log_field(name: str, value: str) -> None:

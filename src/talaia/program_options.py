@@ -12,7 +12,7 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 from talaia.errors import TalaiaError
 
@@ -88,6 +88,7 @@ def parse_options(
     file = _read_file(Path(str(path)), parser) if path else {}
     words: list[str] = []
     sources: dict[str, str] = {}
+    _warn_of_unknown(parser, prefix, environment)
     for action in _options_of(parser):
         name, variable = _name_of(action), prefix + action.dest.upper()
         if action.dest in given:
@@ -99,7 +100,7 @@ def parse_options(
             words += _words_of(action, file[name], f"{path}: {name}")
             sources[action.dest] = str(path)
     # Before the others: what the person has typed comes last and has a message of its own.
-    options = parser.parse_args([*words, *argv])
+    options = _parse_naming_sources(parser, [*words, *argv], sources)
     shown = [
         OptionSource(
             _name_of(action),
@@ -143,6 +144,46 @@ def _given_options(parser: argparse.ArgumentParser, argv: Sequence[str]) -> dict
         for action, (default, required) in defaults.items():
             action.default, action.required = default, required
     return vars(found)
+
+
+def _parse_naming_sources(
+    parser: argparse.ArgumentParser, words: Sequence[str], sources: Mapping[str, str]
+) -> argparse.Namespace:
+    """Read the words; a value that is refused is told with where it comes from."""
+    kept = parser.error
+
+    def report_error(message: str) -> NoReturn:
+        for action in _options_of(parser):
+            begin = f"argument {'/'.join(action.option_strings)}: "
+            source = sources.get(action.dest, "")
+            if message.startswith(begin) and source and source not in action.option_strings:
+                # Of a file: the line in it; a variable is one option's alone.
+                where = source if source.isidentifier() else f"{source}: {_name_of(action)}"
+                message = f"{where}: {message.removeprefix(begin)}"
+        kept(message)
+
+    parser.error = report_error  # type: ignore[method-assign]
+    try:
+        return parser.parse_args(words)
+    finally:
+        parser.error = kept  # type: ignore[method-assign]
+
+
+def _warn_of_unknown(
+    parser: argparse.ArgumentParser, prefix: str, environment: Mapping[str, str]
+) -> None:
+    """Say which variables begin as ours do and are none: a slip of the keys changes nothing.
+
+    No refusal, for others may set such: Kubernetes does for a service of that name.
+    """
+    known = [f"{prefix}SETTINGS", *(prefix + action.dest.upper() for action in _options_of(parser))]
+    for name in sorted(set(environment) - set(known)):
+        if name.startswith(prefix):
+            from difflib import get_close_matches
+
+            near = get_close_matches(name, known, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            sys.stderr.write(f"{parser.prog}: {name} is no option{hint}\n")
 
 
 def _read_file(path: Path, parser: argparse.ArgumentParser) -> dict[str, object]:

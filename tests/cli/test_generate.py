@@ -17,8 +17,8 @@ from hypothesis import given, settings, strategies as st
 from tests.system.conftest import missing
 
 from talaia.cli.main import main
-from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.locks import read_image_lock
+from talaia.deploy.options import DatabaseKind
 from talaia.deploy.project import DeployOptions, File, make_deployment
 from talaia.deploy.systemd import gateway_unit, hub_unit, quoted_argument
 from talaia.hub.command_line import _make_parser

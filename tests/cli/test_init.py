@@ -8,10 +8,16 @@ import msgspec
 import pytest
 from described_robot import found_of, read_robot
 
-from talaia.cli.init_questions import ask_about_devices, ask_about_stop, ask_for_name
+from talaia.cli.describing.init_questions import (
+    ask_about_devices,
+    ask_about_stop,
+    ask_for_name,
+    names_called,
+)
 from talaia.cli.main import main
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
+from talaia.model.discovery.probe_report import DeviceFound, Found
 from talaia.model.yaml_text.load import load_site
 
 
@@ -104,3 +110,59 @@ def test_the_name_that_people_say_is_asked_and_an_empty_line_takes_the_machines(
         raise EOFError
 
     assert ask_for_name("vm-domain-4", leave) == "vm-domain-4"
+
+
+@pytest.mark.parametrize(
+    ("name", "site", "short"),
+    [
+        ("Ròver del camp", None, "rover_del_camp"),
+        ("Rover", "dome", "vm_domain_4"),
+        ("Марсоход", None, "vm_domain_4"),
+        ("", None, "vm_domain_4"),
+    ],
+)
+def test_the_short_name_of_a_site_follows_what_people_call_it_unless_it_was_given(
+    name: str, site: str | None, short: str
+) -> None:
+    named = names_called(("vm_domain_4", "vm-domain-4", "UTC"), name, site)
+    assert named == (short, name or "vm-domain-4", "UTC")
+
+
+def test_drivers_without_hardware_are_told_at_once_and_nothing_is_asked_of_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    device = DeviceFound(device="Dome Simulator", driver="", connected=False)
+    found = Found(
+        talaia_probe=1,
+        protocol="indi",
+        where="INDI server hut:7624",
+        host="hut",
+        port=7624,
+        seconds=1,
+        devices=(device,),
+    )
+    made = propose_description(found, "hut", "Hut", "UTC")
+
+    def ask(_: str) -> str:
+        raise AssertionError("there is nothing to choose from")
+
+    assert ask_about_devices(made, ask) == frozenset()
+    path = tmp_path / "found.json"
+    path.write_bytes(msgspec.json.encode(found))
+    assert main(["init", "--found", str(path), "-o", str(tmp_path / "site.yaml")]) == 0
+    assert "note: Dome Simulator: not connected to the hardware yet" in capsys.readouterr().err
+
+
+def test_nothing_is_asked_of_a_robot_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "found.json"
+    path.write_bytes(
+        msgspec.json.encode(
+            Found(talaia_probe=1, protocol="ros2", where="ROS 2, domain 3", seconds=5, domain=3)
+        )
+    )
+    assert main(["init", "--found", str(path), "-o", str(tmp_path / "site.yaml")]) == 2
+    said = capsys.readouterr().err
+    assert "it may be in another domain (its ROS_DOMAIN_ID, here --domain N) or network" in said
+    assert not (tmp_path / "site.yaml").exists()

@@ -24,6 +24,10 @@ HEAVY = (
     "bcrypt",
     "cryptography",
     "pint",
+    "numpy",
+    "websockets",
+    "ruamel.yaml",
+    "talaia.model.site",
 )
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 
@@ -47,13 +51,19 @@ def test_every_command_has_a_main_and_its_own_help(
     assert f"talaia {name}" in capsys.readouterr().out
 
 
-def test_no_command_imports_a_database_or_ros_to_show_its_help() -> None:
+def test_no_command_imports_a_database_ros_or_the_model_to_read_its_words() -> None:
     words = f"""
 import contextlib, io, sys
 from talaia.cli.main import COMMANDS, main
 for name in COMMANDS:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
-        main([name, "--help"])
+    completed = ["completion", "--words", name, "-"]
+    for words in ([name, "--help"], [name, "--no-such-option"], completed):
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.redirect_stderr(io.StringIO()),
+            contextlib.suppress(SystemExit),
+        ):
+            main(words)
     for heavy in {HEAVY}:
         assert heavy not in sys.modules, (name, heavy)
 """

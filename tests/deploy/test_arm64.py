@@ -17,7 +17,7 @@ from packaging.utils import canonicalize_name
 
 from talaia import __version__
 from talaia.cli.main import main
-from talaia.deploy.ros_image import ROS_DISTROS
+from talaia.deploy.options import ROS_DISTROS
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 

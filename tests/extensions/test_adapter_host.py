@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from talaia.extensions.installed import installed_extensions
-from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
+from talaia.gateway.accepted_changes import AcceptedChanges
+from talaia.gateway.change_policy import forbidden_changes
 from talaia.gateway.errors import SettingsError
 from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import dump_site, load_site

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.app import Gateway
-from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.checks.site_checks import raise_first

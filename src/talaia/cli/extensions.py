@@ -7,12 +7,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.extend import API_VERSION
-from talaia.extensions.declarations import AdapterExtension, DetectorExtension, NotifierExtension
-from talaia.extensions.installed import installed_extensions
-from talaia.extensions.key_descriptions import keys_shown
-from talaia.extensions.tile_folder import TileFolder, read_tiles
-
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -36,6 +30,12 @@ def main(argv: Sequence[str]) -> int:
         help="also list the tiles in this folder, as the hub would read it",
     )
     folder: Path | None = parser.parse_args(argv).extensions
+    # The whole model, which --help and wrong words do not wait for.
+    from talaia.extend import API_VERSION
+    from talaia.extensions.installed import installed_extensions
+    from talaia.extensions.key_descriptions import keys_shown
+    from talaia.extensions.tile_folder import TileFolder, read_tiles
+
     try:
         tiles = TileFolder() if folder is None else read_tiles(folder)
     # The folder itself; a tile in it that cannot be read is listed as broken.
@@ -67,6 +67,12 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _key_sets(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:
+    from talaia.extensions.declarations import (
+        AdapterExtension,
+        DetectorExtension,
+        NotifierExtension,
+    )
+
     match declared:
         case AdapterExtension():
             yield "connection.keys.", declared.connection

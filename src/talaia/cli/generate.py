@@ -14,28 +14,22 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia import __version__
 from talaia.cli.errors import CliError
-from talaia.cli.own_wheel import MODELS, pack_own_wheel
-from talaia.deploy.containers import DatabaseKind
-from talaia.deploy.options import FilesChoice
-from talaia.deploy.project import (
-    BUS_SECRETS,
+from talaia.deploy.options import (
+    FEWEST_HUBS,
+    MOST_HUBS,
+    ROS_DISTROS,
+    DatabaseKind,
     DeployOptions,
-    File,
-    make_deployment,
-    named_images,
-    pin_images,
+    FilesChoice,
 )
-from talaia.deploy.ros_image import ROS_DISTROS
-from talaia.deploy.several_hubs import FEWEST_HUBS, MOST_HUBS
 from talaia.hub.files.bucket_address import read_bucket_address
 from talaia.hub.files_options import add_files_options, read_files_settings
-from talaia.model.checks.site_checks import raise_first
-from talaia.model.yaml_text.load import read_site
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from talaia.deploy.project import File
 
 __all__ = ["main"]
 
@@ -47,6 +41,11 @@ _PIN = re.compile(r"[^@\s]+@sha256:[0-9a-f]{64}\Z")
 def main(argv: Sequence[str]) -> int:
     """Write the folder; nothing is written when anything is wrong."""
     options = _parse_options(argv)
+    # The whole model, which --help and wrong words do not wait for.
+    from talaia.deploy.project import make_deployment
+    from talaia.model.checks.site_checks import raise_first
+    from talaia.model.yaml_text.load import read_site
+
     site = raise_first(read_site(options.site))
     for where, path in (("--program", options.program), ("--ros-setup", options.ros_setup)):
         # In a unit there is no folder that a relative path could begin at.
@@ -136,6 +135,8 @@ def _kept_password(folder: Path, choice: DeployOptions) -> str:
         CliError: what is kept there does not fit what is to be written.
 
     """
+    from talaia.deploy.project import BUS_SECRETS
+
     try:
         url = (folder / "secrets/database_url").read_text()
         password = (folder / "secrets/database_password").read_text()
@@ -160,6 +161,8 @@ def _kept_password(folder: Path, choice: DeployOptions) -> str:
 
 
 def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
+    from talaia.deploy.project import named_images, pin_images
+
     # A pin of an image that is not there would be for nothing, and nobody would see it.
     known = named_images(files)
     for pin in pins:
@@ -178,11 +181,17 @@ def _pin_images(files: dict[str, File], pins: Sequence[str]) -> dict[str, File]:
 def _version_of(given: Sequence[Path]) -> str:
     """Give the version that images install: of the wheel that was given, else our own."""
     found = [wheel.name.split("-")[1] for wheel in given if wheel.name.startswith("talaia-")]
-    return found[0] if found else __version__
+    if found:
+        return found[0]
+    from talaia import __version__
+
+    return __version__
 
 
 def _bring_wheels(project: Path, given: Sequence[Path]) -> None:
     """Lay Talaia's own wheels where the images take them from."""
+    from talaia.cli.own_wheel import MODELS, pack_own_wheel
+
     folder = project / "wheels"
     # What a person gives is what they want in the images, whatever runs here.
     for wheel in given:

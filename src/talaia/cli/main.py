@@ -17,6 +17,7 @@ from talaia.ros_installation import ForeignRos, use_ros
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+    from types import ModuleType
 
 __all__ = ["COMMANDS", "main"]
 
@@ -59,7 +60,9 @@ COMMANDS = {
     ),
     "sim": Subcommand("talaia.cli.demo.sim", "simulated robots", "sim"),
     "twin": Subcommand(
-        "talaia.sim.twin.run", "the simulated vehicle beside the real one, following it", "sim"
+        "talaia.sim.twin.command_line",
+        "the simulated vehicle beside the real one, following it",
+        "sim",
     ),
     "account": Subcommand("talaia.cli.account", "create or change an account", "hub"),
     "enrol": Subcommand("talaia.cli.enrol", "create a gateway's key", "hub"),
@@ -70,10 +73,10 @@ COMMANDS = {
         "hub,recording",
     ),
     "anomalies": Subcommand(
-        "talaia.cli.anomalies.main", "judge a table of signals with a detector", "hub"
+        "talaia.cli.anomalies.command_line", "judge a table of signals with a detector", "hub"
     ),
     "plan": Subcommand(
-        "talaia.cli.planning.main", "plan a night of a telescope from a file", "planner"
+        "talaia.cli.planning.command_line", "plan a night of a telescope from a file", "planner"
     ),
     "watch": Subcommand("talaia.cli.scripting.watch", "print live values of a hub", "client"),
     "get": Subcommand("talaia.cli.scripting.get", "read the history of a hub", "client"),
@@ -121,6 +124,10 @@ _PRIVATE = frozenset(
 )
 
 
+# Their modules have a ``parse_words`` as well.
+_WITH_ROS = frozenset({"demo", "sim", "twin", "up"})
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand.
 
@@ -143,6 +150,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     try:
         if argv is None and _needs_ros(arguments):
+            if first in _WITH_ROS:
+                # Wrong words are refused before the process begins anew for ROS.
+                _load_module(first, command).parse_words(arguments[1:])
             # Before the imports: where ROS comes from wheels the process begins anew. What is
             # missing is said by whoever needs it, if anybody does.
             with suppress(ForeignRos):
@@ -185,7 +195,7 @@ def _needs_ros(arguments: Sequence[str]) -> bool:
     if arguments[0] != "gateway":
         # What these start inherits it. Who asks for help waits for no ROS.
         asks = {"-h", "--help"} & set(arguments[1:])
-        return arguments[0] in {"demo", "sim", "twin", "up"} and not asks
+        return arguments[0] in _WITH_ROS and not asks
     for word in arguments[1:]:
         # Of a gateway's words only its description is a file of YAML.
         if word.endswith((".yaml", ".yml")) and Path(word).is_file():
@@ -218,6 +228,9 @@ def _missing_parts(name: str, command: Subcommand) -> Iterator[None]:
 
 
 def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
+    return cast("Callable[[Sequence[str]], int]", _load_module(name, command).main)
+
+
+def _load_module(name: str, command: Subcommand) -> ModuleType:
     with _missing_parts(name, command), quiet_imports():
-        module = importlib.import_module(command.module)
-    return cast("Callable[[Sequence[str]], int]", module.main)
+        return importlib.import_module(command.module)

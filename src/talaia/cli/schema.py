@@ -6,9 +6,6 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from talaia.extensions.installed import installed_extensions
-from talaia.model.schema import site_schema
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -22,6 +19,10 @@ def main(argv: Sequence[str]) -> int:
         description="Print the JSON schema of the site description, with the keys of the"
         " extensions that are installed here.",
     ).parse_args(argv)
+    # The whole model, which --help and wrong words do not wait for.
+    from talaia.extensions.installed import installed_extensions
+    from talaia.model.schema import site_schema
+
     print(
         json.dumps(
             site_schema(installed_extensions().description_rules()), indent=2, ensure_ascii=False

@@ -10,12 +10,12 @@ Long, because each service with all that bounds it stands here, in one place.
 from __future__ import annotations
 
 import json
-from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import yaml
 
 from talaia.deploy.locks import built_packages
+from talaia.deploy.options import DatabaseKind
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -26,7 +26,6 @@ __all__ = [
     "TABLES_PORT",
     "TABLES_SECRET",
     "USER",
-    "DatabaseKind",
     "base_service",
     "dump_project",
     "enrol_service",
@@ -62,14 +61,6 @@ TABLES_SECRET = "phpmyadmin.php"  # noqa: S105 - a file's name
 TABLES_PORT = 8081
 # Threads and processes of one container.
 _MOST_TASKS = 1024
-
-
-class DatabaseKind(StrEnum):
-    """Where accounts and history are kept."""
-
-    SQLITE = "sqlite"
-    MARIADB = "mariadb"
-    POSTGRESQL = "postgresql"
 
 
 def write_dockerfile(

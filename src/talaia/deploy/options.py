@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from enum import StrEnum
+from typing import NamedTuple
 
-if TYPE_CHECKING:
-    from talaia.deploy.containers import DatabaseKind
+__all__ = [
+    "FEWEST_HUBS",
+    "MOST_HUBS",
+    "ROS_DISTROS",
+    "DatabaseKind",
+    "DeployOptions",
+    "FilesChoice",
+]
 
-__all__ = ["DeployOptions", "FilesChoice"]
+# Those that are kept up, oldest first; each has images for amd64 and arm64.
+ROS_DISTROS = ("humble", "jazzy", "kilted", "rolling")
+FEWEST_HUBS, MOST_HUBS = 2, 9
+
+
+class DatabaseKind(StrEnum):
+    """Where accounts and history are kept."""
+
+    SQLITE = "sqlite"
+    MARIADB = "mariadb"
+    POSTGRESQL = "postgresql"
 
 
 class FilesChoice(NamedTuple):

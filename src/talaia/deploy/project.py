@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.deploy.containers import (
     TABLES_SECRET,
-    DatabaseKind,
     write_compose_file,
     write_dockerfile,
 )
 from talaia.deploy.kubernetes import write_manifests
 from talaia.deploy.locks import BUILD, UV, write_lock
-from talaia.deploy.options import DeployOptions
+from talaia.deploy.options import DatabaseKind, DeployOptions
 from talaia.deploy.readme import write_readme
 from talaia.deploy.ros_image import message_packages, write_ros_dockerfile
 from talaia.deploy.several_hubs import (

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from talaia.deploy.containers import TABLES_PORT, DatabaseKind
+from talaia.deploy.containers import TABLES_PORT
+from talaia.deploy.options import DatabaseKind
 from talaia.deploy.several_hubs import hub_names
 
 if TYPE_CHECKING:

@@ -14,10 +14,8 @@ from talaia.deploy.containers import USER, install_steps, write_steps
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["ROS_DISTROS", "message_packages", "write_ros_dockerfile"]
+__all__ = ["message_packages", "write_ros_dockerfile"]
 
-# Those that are kept up, oldest first; each has images for amd64 and arm64.
-ROS_DISTROS = ("humble", "jazzy", "kilted", "rolling")
 # What every gateway may publish or call with; `ros-base` has some of them.
 _USUAL = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 # Packages of the workspace alone are not in the distribution: their names would end the build.

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CLUSTER_IMAGES",
-    "FEWEST_HUBS",
-    "MOST_HUBS",
     "NATS_PORT",
     "SECRET_FOLDER",
     "hub_names",
@@ -31,7 +29,6 @@ __all__ = [
     "write_compose_of_several",
 ]
 
-FEWEST_HUBS, MOST_HUBS = 2, 9
 CLUSTER_IMAGES = {"nats": "nats:2.11-alpine", "haproxy": "haproxy:3.0-alpine"}
 # Where containers read their secrets, in compose and in Kubernetes.
 SECRET_FOLDER = "/run/secrets"  # noqa: S105 - a folder

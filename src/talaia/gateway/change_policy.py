@@ -7,11 +7,11 @@ interlock away or raise a limit.
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.model.checks.identifiers import Finding
 from talaia.model.connection import (
     DetectionSource,
@@ -31,21 +31,10 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Device, Site
 
-__all__ = ["AcceptedChanges", "forbidden_changes"]
+__all__ = ["forbidden_changes"]
 
 _FILE = "change it in the gateway's own file"
 _ALL = "start the gateway with --accept-changes all, or " + _FILE
-
-
-class AcceptedChanges(StrEnum):
-    """How far the hub may change the description."""
-
-    # Not at all.
-    NO = "no"
-    # What is read and shown: signals and streams that nothing else depends on, names, limits.
-    READINGS = "readings"
-    # Also what can be done: commands, driving, interlocks. Never what runs beside the robot.
-    ALL = "all"
 
 
 def forbidden_changes(before: Site, after: Site, accepts: AcceptedChanges) -> list[Finding]:

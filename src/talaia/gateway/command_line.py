@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import read_key_file
 from talaia.gateway.notices.settings import read_notice_settings

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 
 if TYPE_CHECKING:

@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from typing import TYPE_CHECKING
 
-from talaia.sim.observatory import client as programs, run as observatory
-from talaia.sim.vehicle import run as vehicle
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from talaia.sim.vehicle.drives.raw_listening import RawListening
 
-__all__ = ["ROBOTS", "main"]
+__all__ = ["ROBOTS", "main", "parse_words"]
 
-ROBOTS: dict[str, tuple[Callable[[Sequence[str]], int], str]] = {
-    "vehicle": (vehicle.main, "a TurtleBot3-like vehicle in a furnished house, as ROS 2 nodes"),
+# Modules with a ``main(argv)``, imported only for the one that is named.
+ROBOTS = {
+    "vehicle": (
+        "talaia.sim.vehicle.run",
+        "a TurtleBot3-like vehicle in a furnished house, as ROS 2 nodes",
+    ),
     "observatory": (
-        observatory.main,
+        "talaia.sim.observatory.run",
         "dome, telescope, weather, camera, power and CCTV, as ROS 2 or ROS 1 nodes",
     ),
-    "run": (programs.main, "a program of the observatory, in place of `ros2 run`"),
+    "run": (
+        "talaia.sim.observatory.client",
+        "a program of the observatory, in place of `ros2 run`",
+    ),
 }
+
+
+def parse_words(argv: Sequence[str]) -> None:
+    """Refuse wrong words, which end the process; a program of the observatory has its own."""
+    name = argv[0] if argv else ""
+    if name not in ROBOTS:
+        raise SystemExit(main(argv))
+    make_parser = getattr(importlib.import_module(ROBOTS[name][0]), "make_parser", None)
+    if make_parser is not None:
+        make_parser().parse_args(argv[1:])
 
 
 def main(argv: Sequence[str], listen: RawListening | None = None) -> int:
@@ -35,9 +50,12 @@ def main(argv: Sequence[str], listen: RawListening | None = None) -> int:
     """
     name = argv[0] if argv else "--help"
     if name == "vehicle":
+        from talaia.sim.vehicle import run as vehicle
+
         return vehicle.main(argv[1:], listen)
     if name in ROBOTS:
-        return ROBOTS[name][0](argv[1:])
+        done: int = importlib.import_module(ROBOTS[name][0]).main(argv[1:])
+        return done
     rows = "\n".join(f"  {name:<12} {what}" for name, (_, what) in ROBOTS.items())
     usage = f"usage: talaia sim ROBOT …\n\n{rows}\n\ntalaia sim ROBOT --help shows its options.\n"
     if name in ("-h", "--help"):

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from talaia.cli.anomalies.command_line import DETECTOR_NAMES, main
 from talaia.cli.anomalies.judges import DETECTORS
-from talaia.cli.anomalies.main import main
 from talaia.cli.errors import BadRows, CliError
 
 if TYPE_CHECKING:
@@ -41,6 +41,10 @@ def write_table(folder: Path, lines: Sequence[str]) -> str:
 
 def backtest(path: str, *more: str) -> int:
     return main(["backtest", path, "--learn-rows", "100", *more])
+
+
+def test_the_words_of_the_command_know_every_detector():
+    assert DETECTOR_NAMES == DETECTORS
 
 
 def test_each_row_has_its_line_with_score_and_the_signals_that_made_it_so(tmp_path, capsys):

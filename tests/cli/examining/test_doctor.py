@@ -29,6 +29,12 @@ def test_a_domain_that_is_no_number_is_a_problem(
         pytest.skip("the ROS 2 wheels are not installed")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     assert main(["--port", "0", "--data", str(tmp_path)]) == 0
+    assert "ROS 2 domain           0, for ROS_DOMAIN_ID is not set" in capsys.readouterr().out
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    assert main(["--port", "0", "--data", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "7, by ROS_DOMAIN_ID; only robots on this machine are heard (ROS_AUTO" in said
     monkeypatch.setenv("ROS_DOMAIN_ID", "five")
     assert main(["--port", "0", "--data", str(tmp_path)]) == 1
     said = capsys.readouterr().out

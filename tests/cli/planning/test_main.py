@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.planning.main import answer_lines, main
+from talaia.cli.planning.command_line import main
+from talaia.cli.planning.main import answer_lines
 from talaia.planner.errors import NotANight
 from talaia.planner.fairness import INDIFFERENT
 

@@ -12,8 +12,9 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.adapters.connection_scope import scopes_of
-from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
+from talaia.gateway.change_policy import forbidden_changes
 from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReporter, ReportTimes
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks

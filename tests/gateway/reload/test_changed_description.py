@@ -12,7 +12,7 @@ import pytest
 from fake_hub import KEY, FakeHub, fake_hub
 from gateway_bench import SITE, Peer, addresses_of, running
 
-from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.wire.frames import (
     ChangePhase,
     ChangeRequest,

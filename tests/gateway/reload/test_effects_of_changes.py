@@ -7,7 +7,8 @@ import pytest
 from msgspec import structs
 
 from talaia.clock import SECOND
-from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
+from talaia.gateway.accepted_changes import AcceptedChanges
+from talaia.gateway.change_policy import forbidden_changes
 from talaia.gateway.errors import ChannelNumbersFull
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks

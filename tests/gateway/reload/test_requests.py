@@ -7,7 +7,7 @@ import os
 import threading
 from typing import TYPE_CHECKING, cast
 
-from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.reload.requests import ChangeRequests
 from talaia.wire.frames import ChangePhase, ChangeState

@@ -100,7 +100,7 @@ async def test_every_version_is_kept_with_who_when_and_from_which_gateway(hub) -
     # By this pages know that they have to ask for it anew.
     await page.hear(SiteUpdate, lambda news: news.catalogue != before.catalogue)
     event = await page.hear(EventUpdate, lambda news: news.kind == "description changed")
-    assert event.message == "version 2"
+    assert event.message == "version 2 of the description"
     found = await versions(admin)
     assert [each["number"] for each in found] == [2, 1]
     assert [each["current"] for each in found] == [True, False]

@@ -16,7 +16,13 @@ from talaia.model.discovery.probe_report import (
     TopicFound,
 )
 from talaia.model.discovery.proposed_signals import MAX_PRIMARY
-from talaia.model.discovery.ros_units import readable_name, unit_in_comment, unit_in_name, word_of
+from talaia.model.discovery.ros_units import (
+    readable_name,
+    unit_in_comment,
+    unit_in_name,
+    unit_said,
+    word_of,
+)
 from talaia.model.discovery.rules.stop_choice import StopAnswers, StopChoice
 from talaia.model.site import Signal, SignalType
 from talaia.model.topics import TopicRight
@@ -263,6 +269,12 @@ def test_units_are_read_from_names_and_comments() -> None:
     assert unit_in_name("motorTemperature").unit == "°C"
     assert unit_in_name("m") is None
     assert unit_in_name("mode") is None
+    assert unit_in_name("timeout_s").unit == "s"
+    # A share is told as a part of one, too, but not in whole numbers.
+    assert unit_in_name("percent", whole=True).unit == "%"
+    assert unit_in_name("percent") is None
+    assert unit_said("cmd_vel_timeout_sec").unit == "s"
+    assert unit_said("full_voltage") is None
     assert unit_in_comment("speed over ground [m/s]").unit == "m/s"
     assert unit_in_comment("Temperature in Degrees Celsius").unit == "°C"
     assert unit_in_comment("as in the manual (see there)") is None

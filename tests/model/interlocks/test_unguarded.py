@@ -8,8 +8,8 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.cli.checking.command_line import main
-from talaia.cli.init import _print_summary as tell_made
-from talaia.cli.up import _print_greeting as greet_up, _Up
+from talaia.cli.describing.describe_robot import _print_summary as tell_made
+from talaia.cli.local_site.run_site import _print_greeting as greet_up, _Up
 from talaia.model.discovery.command_file import site_of
 from talaia.model.discovery.generate_description import DescriptionProposal
 from talaia.model.interlocks.unguarded import unguarded_devices, unguarded_notice

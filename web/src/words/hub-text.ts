@@ -6,7 +6,7 @@ import { intlLocale } from "./locale.js";
 type Sentence = readonly [said: string, text: (...values: readonly string[]) => string];
 
 /** Fields of answers and messages in which hub and gateways speak to people. */
-const SPOKEN: ReadonlySet<string> = new Set(["message", "no_override", "problem", "reason", "remedy", "step", "unknown_why", "why", "why_not"]);
+const SPOKEN: ReadonlySet<string> = new Set(["link_loss", "message", "no_override", "problem", "reason", "remedy", "step", "unknown_why", "why", "why_not"]);
 /** A sentence within another that stands in a third: nothing says more at once. */
 const DEEPEST = 3;
 /** What is longer is no sentence, but a file or a list. */

@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 from zoneinfo import ZoneInfo
 
-from talaia.cli.anomalies.judges import DETECTORS, RowVerdict, make_judge
+from talaia.cli.anomalies.judges import RowVerdict, make_judge
 from talaia.cli.anomalies.signal_rows import SignalRows
 from talaia.cli.errors import BadRows, CliError
 from talaia.cli.scripting.hub_options import quiet_pipe
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    import argparse
+    from collections.abc import Iterator
+    from pathlib import Path
 
     from talaia.cli.anomalies.judges import RowJudge
     from talaia.cli.anomalies.signal_rows import MeasuredRow
 
-__all__ = ["main"]
-
-_LEARN_ROWS = 400
+__all__ = ["judge_table"]
 
 
-def main(argv: Sequence[str]) -> int:
+def judge_table(options: argparse.Namespace) -> int:
     """Judge a table and print what is said of it; 0: it was judged."""
-    options = _read_options(argv)
     rows = SignalRows(
         options.file,
         time_column=options.time,
@@ -120,46 +117,3 @@ def _find_zone(name: str) -> ZoneInfo:
         raise CliError(
             f"--zone: expected a zone like Europe/Madrid or UTC, found {name!r}"
         ) from error
-
-
-def _read_options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "talaia anomalies", description="Try anomaly detectors on tables of signals."
-    )
-    what = parser.add_subparsers(dest="what", required=True)
-    backtest = what.add_parser(
-        "backtest",
-        help="print what a detector would have said of a CSV file",
-        description="Judge a CSV file with a heading, a column of times and one for each signal,"
-        " row by row as if it came live, and print the anomalies as CSV. Columns called anomaly,"
-        " changepoint or label are not looked at.",
-    )
-    backtest.add_argument("file", type=Path, metavar="FILE.csv", help="UTF-8; , ; or tabs between")
-    backtest.add_argument(
-        "--detector",
-        choices=DETECTORS,
-        default=DETECTORS[0],
-        metavar="NAME",
-        help="group: all signals together (default); on each signal: " + ", ".join(DETECTORS[1:]),
-    )
-    backtest.add_argument(
-        "--learn-rows",
-        type=int,
-        default=_LEARN_ROWS,
-        metavar="N",
-        help="first rows, of which nothing is told; nothing should be wrong in them (400)",
-    )
-    backtest.add_argument(
-        "--rows", action="store_true", help="print time,score,anomalous,signals of each row"
-    )
-    backtest.add_argument("--time", default="", metavar="HEADING", help="column of the times")
-    backtest.add_argument(
-        "--signals", nargs="+", metavar="HEADING", help="only these columns (default: all)"
-    )
-    backtest.add_argument(
-        "--ignore", nargs="+", default=[], metavar="HEADING", help="columns that are no signals"
-    )
-    backtest.add_argument(
-        "--zone", default="UTC", metavar="ZONE", help="of times that say none (UTC)"
-    )
-    return parser.parse_args(argv)

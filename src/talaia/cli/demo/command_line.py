@@ -16,7 +16,7 @@ from talaia.cli.local_machine import DEFAULT_PORT
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["main"]
+__all__ = ["main", "parse_words"]
 
 
 def main(argv: Sequence[str]) -> int:
@@ -34,6 +34,12 @@ def main(argv: Sequence[str]) -> int:
     from talaia.cli.demo.ros2 import run_demo
 
     return run_demo(options)
+
+
+def parse_words(argv: Sequence[str]) -> None:
+    """Refuse wrong words, which end the process."""
+    if argv[:1] != ["time-lapse"]:
+        _parse_options(argv)
 
 
 def _parse_options(argv: Sequence[str]) -> argparse.Namespace:

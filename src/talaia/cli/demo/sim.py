@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.sim.run import main as run_robot
+from talaia.sim.run import main as run_robot, parse_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from rclpy.node import Node
 
-__all__ = ["listen_by_name", "main"]
+__all__ = ["listen_by_name", "main", "parse_words"]
 
 log = logging.getLogger(__name__)
 # Of what moves a robot only the newest counts.

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 from talaia import __version__
 from talaia.cli.examining.findings import PartFinding, PartState
 from talaia.cli.examining.host import examine_host
-from talaia.objects.provider_trial import try_providers
 from talaia.ros_installation import (
     RosOrigin,
     bridge_command,
@@ -56,6 +55,8 @@ _MESSAGES = ("std_msgs", "geometry_msgs", "sensor_msgs", "nav_msgs", "std_srvs")
 # Imports from a memory card.
 _IMPORT_S = 30.0
 _RMW = "RMW_IMPLEMENTATION"
+# By which ROS 2 hears nothing of other machines; the first until Humble, the other from Iron on.
+_THIS_MACHINE = (("ROS_LOCALHOST_ONLY", "1"), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"))
 # The middleware by which a type without its package can be read.
 _USUAL_RMW = "rmw_fastrtps_cpp"
 
@@ -85,6 +86,9 @@ def examine_machine() -> Iterator[PartFinding]:
             remedy = f"run `pip install 'talaia[{extra}]'`"
             yield PartFinding(PartState.ABSENT, what, "not installed", remedy)
     if importlib.util.find_spec("onnxruntime") is not None:
+        # Arrays, which --help and wrong words do not wait for.
+        from talaia.objects.provider_trial import try_providers
+
         yield from _examine_detectors(try_providers())
 
 
@@ -144,10 +148,22 @@ def _examine_ros2() -> Iterator[PartFinding]:
     if middleware and middleware != _USUAL_RMW:
         detail = f"{middleware}; types whose package is not here can be read with {_USUAL_RMW} only"
         yield PartFinding(PartState.OK, "ROS 2 middleware", detail)
+    yield _examine_domain()
+
+
+def _examine_domain() -> PartFinding:
+    """Say which robots are heard: those of another domain or machine are the first surprise."""
     domain = os.environ.get("ROS_DOMAIN_ID", "")
     if domain and not domain.isdecimal():
         remedy = "set it to a number from 0 to 101, the same as on the robot"
-        yield PartFinding(PartState.PROBLEM, "ROS 2 domain", f"ROS_DOMAIN_ID is {domain!r}", remedy)
+        return PartFinding(
+            PartState.PROBLEM, "ROS 2 domain", f"ROS_DOMAIN_ID is {domain!r}", remedy
+        )
+    said = f"{domain}, by ROS_DOMAIN_ID" if domain else "0, for ROS_DOMAIN_ID is not set"
+    for variable, here in _THIS_MACHINE:
+        if os.environ.get(variable, "").upper() == here:
+            said += f"; only robots on this machine are heard ({variable})"
+    return PartFinding(PartState.OK, "ROS 2 domain", f"{said}; it must be the robot's")
 
 
 def _examine_bridge(choice: RosChoice) -> Iterator[PartFinding]:

@@ -1,14 +1,10 @@
-"""``talaia plan``: plan a night from a file, or play one against its judge.
+"""What ``talaia plan`` does: plan a night from a file, or play one against its judge.
 
 ``drive`` speaks one JSON object a line on standard input and output, and writes nothing else there.
 """
 
 from __future__ import annotations
 
-import argparse
-import os
-import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -16,49 +12,18 @@ import msgspec
 from talaia.planner.bound import bound_value
 from talaia.planner.drive import DrivenNight
 from talaia.planner.errors import NotANight
-from talaia.planner.fairness import EVEN_HANDED, INDIFFERENT
 from talaia.planner.night_file import make_problem, read_night
 from talaia.planner.outlook import CERTAIN
 from talaia.planner.session import PlanningSession
 from talaia.planner.why_not import clock_words
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from pathlib import Path
     from typing import BinaryIO
 
     from talaia.planner.fairness import FairnessRule
 
-__all__ = ["main"]
-
-
-def main(argv: Sequence[str]) -> int:
-    """Plan; 0 when done."""
-    parser = argparse.ArgumentParser(
-        "talaia plan", description="Plan a night of one telescope (files of talaia-night/1)."
-    )
-    words = parser.add_subparsers(dest="word", required=True)
-    drive = words.add_parser("drive", help="answer a judge's lines on standard input")
-    night = words.add_parser("night", help="print the plan of a clear night, and its bound")
-    night.add_argument("file", type=Path, help="a night (JSON)")
-    for word in (drive, night):
-        word.add_argument(
-            "--fair",
-            action="store_true",
-            help="hold proposals to their shares; costs some of the value",
-        )
-    options = parser.parse_args(argv)
-    fairness = EVEN_HANDED if options.fair else INDIFFERENT
-    if options.word == "drive":
-        return answer_lines(sys.stdin.buffer, sys.stdout.buffer, fairness)
-    try:
-        done = print_night(options.file, fairness)
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # Whoever reads has had enough (`| head`), and Python flushes at its end once more. The
-        # commands of scripts have this, too, but need the extra `client`, which planning does not.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    return done
+__all__ = ["answer_lines", "print_night"]
 
 
 def answer_lines(lines: BinaryIO, answers: BinaryIO, fairness: FairnessRule) -> int:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from talaia.cli.scripting.hub_options import (
     FAILED,
     add_hub_options,
@@ -14,13 +12,12 @@ from talaia.cli.scripting.hub_options import (
     open_client,
     quiet_pipe,
 )
-from talaia.client import BadSettings, ConfirmationNeeded
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from talaia.client import Client, CommandProgress, CommandResult
+    from talaia.client import Client, CommandProgress, CommandResult, ConfirmationNeeded
 
 __all__ = ["main"]
 
@@ -45,6 +42,9 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     add_hub_options(parser)
     options = parser.parse_args(argv)
+    # Arrays and the wire, which --help and wrong words do not wait for.
+    from talaia.client import BadSettings, ConfirmationNeeded
+
     # A command's name has no dot, and people know `device.command` from elsewhere.
     options.command = options.command.replace(".", "/")
     arguments = dict(_read_argument(text) for text in options.argument)
@@ -88,6 +88,8 @@ def _read_argument(text: str) -> tuple[str, bool | float | str]:
     """
     name, equals, value = text.partition("=")
     if not name or not equals:
+        from talaia.client import BadSettings
+
         raise BadSettings(f"{text!r}: expected NAME=VALUE")
     if len(value) > 1 and value[0] == value[-1] and value[0] in "\"'":
         return name, value[1:-1]
@@ -117,6 +119,8 @@ def _print_progress(progress: CommandProgress) -> None:
 
 def _print_result(result: CommandResult, *, as_json: bool) -> None:
     if as_json:
+        import msgspec
+
         print(msgspec.json.encode(result._asdict()).decode())
         return
     said = f": {result.message}" if result.message else ""

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from talaia.cli.scripting.hub_options import add_hub_options, hub_parser, open_client, quiet_pipe
-from talaia.client import BadSettings
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,6 +46,8 @@ def main(argv: Sequence[str]) -> int:
         if options.output is not None:
             form = _FORMS.get(options.output.suffix.lower())
             if form is None:
+                from talaia.client import BadSettings
+
                 raise BadSettings(f"{options.output}: expected .csv, .parquet or .arrow")
             size = client.save_history(
                 options.output,

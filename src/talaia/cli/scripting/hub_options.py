@@ -9,10 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.client import Client, ClientError, read_token_file
+from talaia.errors import TalaiaError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from talaia.client import Client
 
 __all__ = ["FAILED", "add_hub_options", "hub_parser", "open_client", "quiet_pipe"]
 
@@ -52,6 +54,9 @@ def open_client(options: argparse.Namespace) -> Iterator[Client]:
         ClientError: no hub or no token is named.
 
     """
+    # Arrays and the wire, which --help and wrong words do not wait for.
+    from talaia.client import Client, read_token_file
+
     token = read_token_file(options.token_file) if options.token_file else ""
     with Client(options.hub, token, fingerprint=options.fingerprint, ca=options.ca) as client:
         yield client
@@ -66,7 +71,7 @@ def quiet_pipe() -> Iterator[None]:
     except BrokenPipeError:
         # Python flushes at its end once more.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except ClientError:
+    except TalaiaError:
         # What was printed stands before the reason on a terminal.
         sys.stdout.flush()
         raise

@@ -6,10 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from talaia.cli.scripting.hub_options import add_hub_options, hub_parser, open_client, quiet_pipe
-from talaia.client.values import time_of
 
 if TYPE_CHECKING:
     import argparse
@@ -56,23 +53,31 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
+def _json_text(value: object) -> str:
+    import msgspec
+
+    return msgspec.json.encode(value).decode()
+
+
 def _start_recording(client: Client, options: argparse.Namespace) -> None:
     recorder = client.start_recording(options.site, why=options.why, stream=options.camera)
     if options.json:
-        print(msgspec.json.encode(recorder).decode())
+        print(_json_text(recorder))
     else:
         print(f"filming {options.camera}" if options.camera else recorder.id)
 
 
 def _stop_recording(client: Client, options: argparse.Namespace) -> None:
     recorder = client.stop_recording(options.site, stream=options.camera)
-    print(msgspec.json.encode(recorder).decode() if options.json else "ended")
+    print(_json_text(recorder) if options.json else "ended")
 
 
 def _list_recordings(client: Client, options: argparse.Namespace) -> None:
+    from talaia.client.values import time_of
+
     overview = client.list_recordings(options.site)
     if options.json:
-        print(msgspec.json.encode(overview).decode())
+        print(_json_text(overview))
         return
     if overview.recorder.on:
         print(f"{overview.recorder.id}  is being recorded: {overview.recorder.why}")
@@ -101,7 +106,7 @@ def _fetch_recording(client: Client, options: argparse.Namespace) -> None:
     if report is not None:
         print(file=sys.stderr)
     if options.json:
-        print(msgspec.json.encode({"file": str(path), "size": size}).decode())
+        print(_json_text({"file": str(path), "size": size}))
     else:
         print(f"{path}: {size} bytes")
 

@@ -6,8 +6,6 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from talaia.cli.scripting.hub_options import add_hub_options, hub_parser, open_client, quiet_pipe
 
 if TYPE_CHECKING:
@@ -66,6 +64,8 @@ def _as_text(reading: Reading) -> str:
 
 
 def _as_json(reading: Reading) -> str:
+    import msgspec
+
     value = reading.value
     # JSON has no word for what is not a number.
     shown = None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,8 +7,6 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.cli.support.bundle import BundleSources, bundle_texts, write_bundle
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -40,6 +38,9 @@ def main(argv: Sequence[str]) -> int:
             option, type=Path, action="append", default=[], metavar="FILE", help=said
         )
     options = parser.parse_args(argv)
+    # The model and what examines machines, which --help and wrong words do not wait for.
+    from talaia.cli.support.bundle import BundleSources, bundle_texts, write_bundle
+
     sources = BundleSources(
         data=options.data,
         port=options.port,

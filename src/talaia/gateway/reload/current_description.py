@@ -6,7 +6,7 @@ import hashlib
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia import __version__
-from talaia.gateway.change_policy import AcceptedChanges
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.video.camera import can_film
 from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import DescriptionUpdate, Hello

@@ -13,7 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.errors import TalaiaError
-from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
+from talaia.gateway.accepted_changes import AcceptedChanges
+from talaia.gateway.change_policy import forbidden_changes
 from talaia.gateway.reload.current_description import prepare_description
 from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.gateway.reload.refusals import (

@@ -81,9 +81,8 @@ class Heartbeats:
             return
         self._withheld[name] = why
         kind = "heartbeat_withheld" if why else "heartbeat_sent_again"
-        self._output.record_event(
-            kind, "", f"{called}: {why or 'its sensors are read'}", "", good=not why
-        )
+        said = why or "its sensors are read"
+        self._output.record_event(kind, "", f"{called}: {said}", "", good=not why)
 
     def _send_heartbeat(self, name: str, beat: Heartbeat, now_ns: int) -> None:
         sent = self._sent_ns.get(name)

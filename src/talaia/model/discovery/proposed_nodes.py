@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.model.connection import RosSource
 from talaia.model.connections.ros import LIFECYCLE_STATES, LIFECYCLE_TRANSITIONS, TRANSITION
 from talaia.model.discovery.device_places import place_of
-from talaia.model.discovery.ros_units import readable_name, word_of
+from talaia.model.discovery.ros_units import readable_name, unit_said, word_of
 from talaia.model.discovery.topic_words import path_in_words
 from talaia.model.list_texts import LIST_TYPES
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind, Signal, SignalType
@@ -94,6 +94,7 @@ def _setter_of(
         type=kind,
         field=parameter.parameter,
         name=said,
+        unit=_unit_of(parameter),
         minimum=parameter.minimum,
         maximum=parameter.maximum,
         max_length=_MAX_LIST if kind in LIST_TYPES else 200,
@@ -122,12 +123,21 @@ def _signal_of(node: NodeFound, parameter: ParameterFound, name: str) -> Signal:
         case _:
             return Signal(
                 name=name,
+                unit=_unit_of(parameter),
                 minimum=parameter.minimum,
                 maximum=parameter.maximum,
                 decimals=0 if parameter.type == "integer" else -1,
                 source=source,
                 primary=False,
             )
+
+
+def _unit_of(parameter: ParameterFound) -> str:
+    """Give the unit that a number's name ends with; what it measures alone says none."""
+    if parameter.type not in {"number", "integer"}:
+        return ""
+    said = unit_said(parameter.parameter.rpartition(".")[2])
+    return "" if said is None else said.unit
 
 
 def _beside(node: NodeFound, place: DevicePlace, name: str) -> str:

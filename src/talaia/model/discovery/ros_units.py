@@ -8,17 +8,20 @@ Long, because its tables are.
 from __future__ import annotations
 
 import re
+import unicodedata
 from itertools import pairwise
 from typing import NamedTuple
 
 from talaia.model.units.unit import UNITS
 
 __all__ = [
+    "NO_WORD",
     "Meaning",
     "meaning_of",
     "readable_name",
     "unit_in_comment",
     "unit_in_name",
+    "unit_said",
     "without_unit",
     "word_of",
 ]
@@ -164,6 +167,10 @@ _AFTER: dict[tuple[str, str], Meaning] = {
     ("torque", "nm"): Meaning("N·m"),
     **{(word, "l"): Meaning("L") for word in ("level", "volume", "fuel")},
     ("force", "n"): Meaning("N"),
+    **{
+        (word, "s"): Meaning("s")
+        for word in ("age", "delay", "duration", "interval", "period", "time", "timeout")
+    },
 }
 # Units of two words and more at the end of a name.
 _ENDINGS: tuple[tuple[tuple[str, ...], Meaning], ...] = (
@@ -258,9 +265,10 @@ _BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
 _IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
 # Words of ``motorLeft_GPS2``: motor, Left, GPS, 2.
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-_PLAIN_DIGITS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _NOT_A_LETTER = re.compile(r"[^a-z0-9]+")
 _MAX_WORD = 63
+# Of a text with no letter or digit that can be one of an address.
+NO_WORD = "unnamed"
 
 
 def meaning_of(type_name: str, field: str) -> Meaning | None:
@@ -279,9 +287,26 @@ def unit_in_name(field: str, *, whole: bool = False) -> Meaning | None:
         whole: it holds whole numbers, which are of a board's own scale where a name says no unit.
 
     """
+    said = unit_said(field)
+    if said is not None:
+        return said
     words = [word.lower() for word in _WORD.findall(field)]
     if not words:
         return None
+    if whole and words[-1] in ("percent", "percentage"):
+        # Of parts of one there are no whole numbers.
+        return Meaning("%")
+    found = _QUANTITY.get(words[-1])
+    if found is None and len(words) > 1:
+        # `voltage_input`, `temp_fet`; but a `current_mode` is no ampere.
+        first = words[0] in _FIRST or (words[0] == "current" and words[1] in _OF_CURRENT)
+        found = _QUANTITY.get(words[0]) if first else None
+    return None if whole and found in _RAW else found
+
+
+def unit_said(field: str) -> Meaning | None:
+    """Read the unit that a name says itself at its end: ``timeout_sec``, not ``voltage``."""
+    words = [word.lower() for word in _WORD.findall(field)]
     if len(words) > 2:
         for ending, meaning in _ENDINGS:
             if tuple(words[-len(ending) :]) == ending and len(words) > len(ending):
@@ -293,12 +318,7 @@ def unit_in_name(field: str, *, whole: bool = False) -> Meaning | None:
     # A unit needs something before it: a field that is called ``m`` or ``v`` may be anything.
     if len(words) > 1 and words[-1] in _SUFFIX:
         return _SUFFIX[words[-1]]
-    found = _QUANTITY.get(words[-1])
-    if found is None and len(words) > 1:
-        # `voltage_input`, `temp_fet`; but a `current_mode` is no ampere.
-        first = words[0] in _FIRST or (words[0] == "current" and words[1] in _OF_CURRENT)
-        found = _QUANTITY.get(words[0]) if first else None
-    return None if whole and found in _RAW else found
+    return None
 
 
 def without_unit(field: str) -> str:
@@ -341,9 +361,15 @@ def readable_name(text: str) -> str:
 
 def word_of(text: str) -> str:
     """Make a word of an address of any text: small letters, digits and _; never empty."""
-    spread = "_".join(_WORD.findall(text.translate(_PLAIN_DIGITS))).lower()
+    # Letters without their accents, and CO₂ with its 2.
+    plain = "".join(
+        letter
+        for letter in unicodedata.normalize("NFKD", text)
+        if not unicodedata.combining(letter)
+    )
+    spread = "_".join(_WORD.findall(plain)).lower()
     word = _NOT_A_LETTER.sub("_", spread).strip("_")[:_MAX_WORD].rstrip("_")
     if not word:
-        return "unnamed"
+        return NO_WORD
     # A word of an address begins with a letter.
     return word if word[0].isalpha() else f"n{word}"[:_MAX_WORD]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
@@ -16,14 +14,15 @@ from talaia.sim.errors import NoTwin
 from talaia.sim.startup import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import argparse
+    from pathlib import Path
 
     from talaia.model.site import Site
 
-__all__ = ["main"]
+__all__ = ["run_twin"]
 
 
-def main(argv: Sequence[str]) -> int:
+def run_twin(options: argparse.Namespace) -> int:
     """Run the twin of a site until SIGINT or SIGTERM.
 
     Prints one JSON line when all topics are up: ``{"ready": true, "domain": …, "pid": …}``.
@@ -36,29 +35,6 @@ def main(argv: Sequence[str]) -> int:
         NoTwin: it describes no twin of that name, or none at all.
 
     """
-    parser = argparse.ArgumentParser(
-        prog="talaia twin",
-        description="Run the simulated vehicle beside the real one, following it.",
-    )
-    parser.add_argument("site", type=Path, help="the site description")
-    parser.add_argument(
-        "--device", default="", help="the twin's device; needed where there are several"
-    )
-    parser.add_argument(
-        "--domain", type=int, help="ROS domain; by default the description's, or ROS_DOMAIN_ID"
-    )
-    parser.add_argument(
-        "--house",
-        type=int,
-        metavar="SEED",
-        help="its floor is the demo's house of this seed; without it an open floor",
-    )
-    parser.add_argument(
-        "--print",
-        action="store_true",
-        help="print the device to add to the description, and run nothing",
-    )
-    options = parser.parse_args(argv)
     site = raise_first(load_site(_read_text(options.site)))
     if options.print:
         driven = [name for name, device in site.devices.items() if device.drive is not None]

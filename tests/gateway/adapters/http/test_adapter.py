@@ -15,13 +15,14 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from patience import PATIENCE_S
 
+from talaia.gateway.accepted_changes import AcceptedChanges
 from talaia.gateway.adapters.http.fetching import (
     MAX_ANSWER,
     FetchFailed,
     HttpQuestion,
     HttpServer,
 )
-from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
+from talaia.gateway.change_policy import forbidden_changes
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import DeviceState, Event
 

@@ -3,6 +3,7 @@
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
+import { detectorWords } from "../../format/kinds/detector-kinds.js";
 import { formatNumber } from "../../format/number.js";
 import { plural } from "../../words/plural.js";
 import type { TimeSpan } from "../../series/time-window.js";
@@ -94,7 +95,7 @@ export class DetectorElement extends LitElement {
     if (detector === null) return null;
     this.toggleAttribute("on", detector.on);
     return html`<div class="head">
-        <span class="name">${this.named ? `${subjectOf(detector)}, ${detector.name}` : msg(str`Anomaly score, ${detector.name}`)}</span>
+        <span class="name">${this.named ? `${subjectOf(detector)}, ${detectorWords(detector.name)}` : msg(str`Anomaly score, ${detectorWords(detector.name)}`)}</span>
         ${renderStatusOf(detector)}
         <span class="score">${Number.isNaN(this.score) ? nothing : `${formatNumber(this.score, 2)}, `}${msg(str`told from ${formatNumber(detector.bar, 2)}`)}${this.renderScope(detector)}</span>
       </div>
@@ -126,7 +127,7 @@ export class DetectorElement extends LitElement {
       .cursorUs=${this.cursorUs}
       axis-width=${this.axisWidth}
       zone=${this.zone}
-      label=${msg(str`Anomaly score of ${subjectOf(detector)} by ${detector.name}`)}
+      label=${msg(str`Anomaly score of ${subjectOf(detector)} by ${detectorWords(detector.name)}`)}
     ></t-chart>`;
   }
 
@@ -143,7 +144,7 @@ export class DetectorElement extends LitElement {
     const { why, forgiven } = anomaly;
     const button =
       this.mayForgive && learns && !forgiven
-        ? html`<t-button ?disabled=${this.busy} label=${msg(str`Not an anomaly: ${subjectOf(detector)}, ${detector.name}`)} @click=${this.forgive}>${msg("Not an anomaly")}</t-button>`
+        ? html`<t-button ?disabled=${this.busy} label=${msg(str`Not an anomaly: ${subjectOf(detector)}, ${detectorWords(detector.name)}`)} @click=${this.forgive}>${msg("Not an anomaly")}</t-button>`
         : nothing;
     return html`<div class="act">
       <p class="why">${on ? msg("Now") : msg("Last")}: ${why}${forgiven ? msg(". Someone said that it was none, and it has learned.") : ""}</p>

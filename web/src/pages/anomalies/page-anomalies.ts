@@ -15,6 +15,7 @@ import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { detectorWords } from "../../format/kinds/detector-kinds.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { formatClock } from "../../format/time.js";
 import type { TimeSpan } from "../../series/time-window.js";
@@ -189,7 +190,7 @@ function renderSingle(site: string, detail: SiteShape, { address, name, on, lear
   const path = `${sitePath(site, "history")}?${new URLSearchParams({ c: address }).toString()}`;
   const [kind, word] = on ? ["warn", msg("anomaly")] : learning > 0 ? ["busy", msg("learning")] : ["ok", msg("as usual")];
   return html`<li ?data-on=${on}>
-    <a href=${path}>${label}, ${name}</a>
+    <a href=${path}>${label}, ${detectorWords(name)}</a>
     <t-status kind=${kind} word=${word}></t-status>
     ${anomaly === null ? nothing : html`<span class="why">${on ? msg("Since") : msg("Last at")} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why} <a href=${`${sitePath(site, "cause")}?${causeQuery(anomaly.fromUs)}`}>${msg("Cause")}</a></span>`}
   </li>`;

@@ -1,7 +1,7 @@
 /** Choose two runs to be put beside each other: from recordings, drives, anomalies and notes, or by their times. */
 
 import { consume } from "@lit/context";
-import { msg } from "@lit/localize";
+import { msg, str } from "@lit/localize";
 import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
@@ -77,9 +77,9 @@ export class RunPicker extends LitElement {
   private renderRun(run: "first" | "second", label: string): TemplateResult {
     const { zone } = this.clock();
     const options = (this.offers.value ?? []).map(({ id, name, fromUs }) => [id, `${formatDate(fromUs, zone)}, ${formatClock(fromUs, zone)} ${name}`] as const);
-    const time = (end: "from" | "to", word: string): TemplateResult =>
-      html`<t-field label=${`${label} ${word} (${zone})`} .error=${this.mistakes[`${run}-${end}`] ?? ""}><input name=${`${run}-${end}`} type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>`;
-    return html`<t-field class="wide" label=${label}><select name=${run}>${renderOptions([["", msg("by its times")], ...options], "")}</select></t-field>${time("from", "from")}${time("to", "to")}`;
+    const time = (end: "from" | "to", name: string): TemplateResult =>
+      html`<t-field label=${name} .error=${this.mistakes[`${run}-${end}`] ?? ""}><input name=${`${run}-${end}`} type="text" autocomplete="off" maxlength="30" placeholder="2026-03-29 14:05:09" /></t-field>`;
+    return html`<t-field class="wide" label=${label}><select name=${run}>${renderOptions([["", msg("by its times")], ...options], "")}</select></t-field>${time("from", msg(str`${label}, from (${zone})`))}${time("to", msg(str`${label}, until (${zone})`))}`;
   }
 
   /** Who may not see recordings compares by the rest. */

@@ -287,11 +287,12 @@ def _link_loss(site: Site, device: Device) -> str:
         said.append("stops at once" if stops else "stops if it is being driven from here")
     if device.link_loss is not None:
         steps = (step.command.partition("/") for step in device.link_loss.run)
-        names = ", then ".join(
+        # An arrow is read in every language; the rest is recognised and said in that of the page.
+        names = " → ".join(
             f"{site.devices[at].name}: {site.devices[at].commands[what].name}"
             for at, _, what in steps
         )
-        said.append(f"after {device.link_loss.after:g} s {names}")
+        said.append(f"after {device.link_loss.after:g} seconds: {names}")
     return "; ".join(said)
 
 

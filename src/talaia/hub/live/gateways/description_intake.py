@@ -190,7 +190,10 @@ class DescriptionIntake:
         self._media.watch(live.name)
         self._reporting.publish_description(live)
         self._reporting.report_event(
-            live, "description changed", who=_known_who(live, told), message=f"version {number}"
+            live,
+            "description changed",
+            who=_known_who(live, told),
+            message=f"version {number} of the description",
         )
 
 

@@ -12,6 +12,7 @@ import { base, panelBox, quietText } from "../../../elements/base/base-style.js"
 import { indentOf, type ChartSeries, type ChartIndent } from "../../../elements/chart/chart-model.js";
 import type { PaintScheduler } from "../../../elements/chart/paint-scheduler.js";
 import { anomalyMarks } from "../../../elements/chart/anomaly-marks.js";
+import { detectorWords } from "../../../format/kinds/detector-kinds.js";
 import { adviceFor } from "../../../format/error-advice.js";
 import type { TimeSpan } from "../../../series/time-window.js";
 import { apiContext } from "../../../state/contexts.js";
@@ -176,7 +177,7 @@ export class AnomalyScores extends LitElement {
     const { site } = this;
     const api = this.hub ?? this.api;
     if (api === undefined) return;
-    const done = await this.action.run(msg("tell the detector"), () => api.dismissAnomaly(site, address, detector), msg(str`Noted: ${subjectOf(said)} is as usual for “${name}”.`));
+    const done = await this.action.run(msg("tell the detector"), () => api.dismissAnomaly(site, address, detector), msg(str`Noted: ${subjectOf(said)} is as usual for “${detectorWords(name)}”.`));
     if (done) this.retry();
   }
 

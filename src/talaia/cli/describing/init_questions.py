@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+from talaia.model.discovery.ros_units import NO_WORD, word_of
 from talaia.model.discovery.rules.stop_choice import (
     ABOUT_STOP,
     StopAnswers,
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from talaia.model.discovery.rules.stop_choice import StopChoice
     from talaia.model.site import Stop
 
-__all__ = ["ask_about_devices", "ask_about_stop", "ask_for_name", "stop_lines"]
+__all__ = ["ask_about_devices", "ask_about_stop", "ask_for_name", "names_called", "stop_lines"]
 
 _YES = ("y", "yes")
 
@@ -35,6 +36,23 @@ def ask_for_name(proposed: str, ask: Callable[[str], str]) -> str:
         return proposed
 
 
+def names_called(names: tuple[str, str, str], name: str, site: str | None) -> tuple[str, str, str]:
+    """Give the names of a site with what people call it, which its short one follows.
+
+    Args:
+        names: short name, name and time zone so far.
+        name: what people call it; empty as it is.
+        site: the short name that was asked for, which stays.
+
+    """
+    short = names[0]
+    if not site and name not in {"", names[1]}:
+        word = word_of(name)[:40].rstrip("_")
+        # Of other scripts it keeps nothing.
+        short = short if word == NO_WORD else word
+    return short, name or names[1], names[2]
+
+
 def ask_about_devices(made: DescriptionProposal, ask: Callable[[str], str]) -> frozenset[str]:
     """List the devices with what each has, and give the words of those that are not wanted.
 
@@ -44,6 +62,8 @@ def ask_about_devices(made: DescriptionProposal, ask: Callable[[str], str]) -> f
 
     """
     words = tuple(made.site.devices)
+    if not words:
+        return frozenset()
     print("\nFound:", file=sys.stderr)
     for number, (word, device) in enumerate(made.site.devices.items(), start=1):
         counts = (

@@ -1,0 +1,1 @@
+"""What `talaia init` and `talaia upgrade` do with a description, once their words are read."""

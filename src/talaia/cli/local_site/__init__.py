@@ -1,0 +1,1 @@
+"""Hub and gateway of one site on this machine, for `talaia up`."""
