@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import Floats
+# msgspec reads it at run time.
+from talaia.hub.anomaly.base import Floats  # noqa: TC001
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -345,9 +345,9 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     def magnitudes(self) -> Floats:
         """Give what each signal's newest residuals are: by pace, its scatter, and how still it is.
 
-        All of the first signal come first; how large steps are follows, of each. They are fourth powers of spreads, on which scale the
-        tails of all kinds of signals lie between the slopes that a budget reckons with; and
-        samples. Zero while it learns.
+        All of the first signal come first; after those of all signals, how large the steps of each
+        are. They are fourth powers of spreads, on which scale the tails of all kinds of signals
+        lie between the slopes that a budget reckons with; and samples. Zero while it learns.
         """
         return self.rated
 
