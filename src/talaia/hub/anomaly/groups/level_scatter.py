@@ -103,8 +103,8 @@ class LevelScatter(msgspec.Struct, kw_only=True):
         usual = self.squares[place]
         judged = same & (self.steps[place] >= _KNOWN) & (usual > 0.0)
         ratios = np.zeros((many, self.count))
-        np.divide(squares, usual, out=ratios, where=judged)
-        ratios = np.minimum(ratios, _MOST)
+        # Cut off before: beside next to nothing a quotient is more than a number can be.
+        np.divide(np.minimum(squares, _MOST * usual), usual, out=ratios, where=judged)
         smoothed = np.empty((many, self.count))
         for at in range(many):
             follow = judged[at] * _FOLLOWS
