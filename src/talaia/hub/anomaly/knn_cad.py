@@ -226,7 +226,8 @@ def _rough_distances(
 
     Args:
         stretches: all, between -1 and 1.
-        newest: of these, those whose distances are asked for; `rows`: which of the newest.
+        newest: of these, those whose distances are asked for.
+        rows: which of the newest these are.
         kind: of the numbers to reckon in.
 
     Returns:

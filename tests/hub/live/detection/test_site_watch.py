@@ -37,15 +37,16 @@ alarms:
 
 
 # A device beside the others with a single number, before what follows the devices.
-ALONE = (
-    DESCRIPTION.replace(
-        "\ndevices:\n",
-        "\ndevices:\n  mains:\n    name: Mains\n    signals:\n"
-        "      voltage: {name: Voltage, source: {topic: /mains, type: std_msgs/msg/Float32, field: data}}\n",
-        1,
-    )
-    + "\nservices: {anomaly_detection: true}\n"
-)
+MAINS = """
+devices:
+  mains:
+    name: Mains
+    signals:
+      voltage:
+        name: Voltage
+        source: {topic: /mains, type: std_msgs/msg/Float32, field: data}
+"""
+ALONE = DESCRIPTION.replace("\ndevices:\n", MAINS, 1) + "\nservices: {anomaly_detection: true}\n"
 
 
 def samples(count: int, first: int = 0, **change: float) -> list[tuple[str, int, float]]:

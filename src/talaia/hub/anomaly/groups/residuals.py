@@ -183,10 +183,10 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         if self.heard == _LEAST_ROWS:
             held.learn_holds(self.heard, np.zeros(held.count, bool))
         self._count_still(came[: self.own])
-        steps = self.levels.see_rows(came[np.newaxis, : self.own])
+        changed = self.levels.see_rows(came[np.newaxis, : self.own])
         self._follow_row(row)
         if self.weights.size or self._is_learned():
-            self._judge_departures(steps[0])
+            self._judge_departures(changed[0])
         self._learn_departures(self.apart[np.newaxis])
 
     def see_rows(self, times: NDArray[np.int64], rows: Floats) -> Floats:
