@@ -153,7 +153,7 @@ def test_peaks_next_to_nothing_beside_great_ones_leave_thresholds_finite():
     tail = ScoreTail(days=dict(tails_of(3, 1.0, 1)["device/signal0", "change"].days))
     # As far apart as numbers can be.
     tail.peaks = [
-        [Peak(FIRST + 6 * at, FIRST + 6 * at, 10.0 ** (-320 + 15 * at)) for at in range(23)]
+        [Peak(FIRST + 6 * at, FIRST + 6 * at, 10.0 ** (-320 + 16 * at)) for at in range(23)]
     ]
     (needs,) = site_thresholds({("a/b", "change"): tail}, 1.0).of.values()
     assert all(math.isfinite(need) and need > 0.0 for need in needs)
