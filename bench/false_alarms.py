@@ -82,8 +82,6 @@ def _new_site(made: MadeSite, *, only_residuals: bool) -> _Site:
         site.singles = [DetectorRunner(name, "", watch) for name in made.names]
     for device in dict.fromkeys(name.partition("/")[0] for name in made.names):
         of_it = [at for at, name in enumerate(made.names) if name.startswith(f"{device}/")]
-        if len(of_it) < 2:
-            continue
         signals = tuple(made.names[at] for at in of_it)
         group = SignalGroup(device=device, modes=4, learn=_LEARN_ROWS, step=float(_GROUP_S))
         beside = [at for at in range(len(made.names)) if at not in of_it]
@@ -236,11 +234,14 @@ def _try_fault(site: _Site, fault: Fault, first: int, seed: int) -> str:
     faulty = fault.plant(healthy.copy(), site.made.names, rng)
     noise = _noise(site.made.values[first - 3600 // STEP_S : first])
     large = np.flatnonzero((np.abs(faulty - healthy) > 3 * noise).any(axis=1))
-    if not len(large):
-        return "no effect"
-    effect_us = int(site.made.time_s[first + int(large[0])]) * 1_000_000
     before = _began(_copy(site), healthy, first)
     turns = _began(_copy(site), faulty, first)
+    if not len(large):
+        # Nothing counts as found that moved no signal enough; whether it was told stands beside.
+        began_us = int(site.made.time_s[first]) * 1_000_000
+        told = f"told after {(turns[0][0] - began_us) // 1_000_000} s" if turns else "not told"
+        return f"no effect, {told}"
+    effect_us = int(site.made.time_s[first + int(large[0])]) * 1_000_000
     by_chance = " by chance" if _is_in_time(before, effect_us) else ""
     if not turns:
         return "missed"
@@ -349,11 +350,18 @@ def _print_tables(results: list[dict[str, Any]], asked: argparse.Namespace) -> N
     for name, hows in found.items():
         print(f"| {name} | {sum(map(_is_found, hows))}/{len(hows)} | {', '.join(hows)} |")
     chance = sum("by chance" in how for how in every)
-    print(f"found: {sum(map(_is_found, every))}/{len(every)}, {chance} of them maybe by chance")
+    print(
+        f"found: {sum(map(_is_found, every))}/{len(every)}, {chance} of them maybe by chance;"
+        f" {sum(map(_has_effect, every))} of them had an effect by the model's truth"
+    )
 
 
 def _is_found(how: str) -> bool:
     return how.removesuffix(" by chance").lstrip("-").isdigit()
+
+
+def _has_effect(how: str) -> bool:
+    return not how.startswith("no effect")
 
 
 if __name__ == "__main__":

@@ -338,6 +338,9 @@ async def test_a_group_learns_from_a_run_on_its_page_and_names_what_made_an_anom
         await expect(result).to_contain_text("done")
         await expect(result).to_contain_text(found)
         await expect(result).to_contain_text("s of a core")
+    await page.get_by_role("link", name="Cause of The body").click()
+    unusual = page.locator("section").filter(has_text="Unusual, the most first")
+    await expect(unusual.get_by_role("listitem").first).to_contain_text("The body")
     await page.goto(f"{hub.origin}/sites/agv/live")
     await expect(tile_of(page, "Voltage")).to_contain_text("of it by this signal")
     assert page.errors == []

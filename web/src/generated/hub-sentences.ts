@@ -436,6 +436,7 @@ export const SENTENCES: readonly (readonly [said: string, text: (...values: read
   ["{} has no condition {}; it has {}", (v0 = "", v1 = "", v2 = "") => msg(str`${v0} has no condition ${v1}; it has ${v2}`)],
   ["{} has no such state", (v0 = "") => msg(str`${v0} has no such state`)],
   ["{} has not answered", (v0 = "") => msg(str`${v0} has not answered`)],
+  ["{} has one number, which is judged against others under a budget alone: try a detector of that signal", (v0 = "") => msg(str`${v0} has one number, which is judged against others under a budget alone: try a detector of that signal`)],
   ["{} holds the lease", (v0 = "") => msg(str`${v0} holds the lease`)],
   ["{} is above {}", (v0 = "", v1 = "") => msg(str`${v0} is above ${v1}`)],
   ["{} is above {} {}", (v0 = "", v1 = "", v2 = "") => msg(str`${v0} is above ${v1} ${v2}`)],

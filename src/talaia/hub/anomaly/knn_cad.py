@@ -39,9 +39,12 @@ _FARTHEST = _LENGTH + _STRETCHES - 1
 # So many samples are scored at once, and so many lags (bytes): what that takes fits a processor's
 # cache.
 _BLOCK, _LAG_BYTES = 128, 800
-# The nearest ones are sought among so many, where these are farther apart than such a square of
-# half the range of the values: one ten-thousandth of a square is then known to a ten-thousandth.
-_CANDIDATES, _TOLD_APART = 5, 1e-4
+# The nearest ones are sought among so many. Sums of products of a stretch are off by at most so
+# many roundings, where values are between -1 and 1.
+_CANDIDATES, _SUM_OFF = 5, 1_000.0
+# So many stretches are multiplied at once: larger products are shared out among all cores, which
+# for so small ones takes many times as long.
+_PRODUCT_ROWS = 12
 
 
 class Nearest(AnomalyDetector, kw_only=True):
@@ -177,18 +180,75 @@ def _nearest_squares(values: Floats, many: int) -> Floats:
     middle, half = 0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low
     if half == 0.0:
         return np.zeros((many, _NEIGHBOURS))
-    # Which are near is found in 32 bits, half the memory to go through; how near, in 64.
-    apart = _lagged_distances(((values - middle) / half).astype(np.float32), many)
-    rough, places = _least_of(apart, _CANDIDATES)
-    stretches = np.lib.stride_tricks.sliding_window_view(values, _LENGTH)
-    rows = np.arange(many)
-    off = stretches[rows[:, None] + places] - stretches[_FARTHEST : _FARTHEST + many, None]
-    squares = np.partition(np.einsum("ijk,ijk->ij", off, off), _NEIGHBOURS - 1)[:, :_NEIGHBOURS]
-    # What lies so near for the range of the values is not told apart in 32 bits, but for 0.
-    unsure = (rough.max(axis=1) < _TOLD_APART) & (squares.max(axis=1) > 0.0)
-    if unsure.any():
+    scaled = (values - middle) / half
+    # Which are near is found in 32 bits and, where these do not tell, in 64; how near, by sums of
+    # squares that leave nothing small beside the great.
+    squares, unsure = _sought_squares(scaled, np.arange(many), np.float32)
+    if len(unsure):
+        squares[unsure], still = _sought_squares(scaled, unsure, np.float64)
+        unsure = unsure[still]
+    squares *= half * half
+    if len(unsure):
         squares[unsure] = _least_of(_lagged_distances(values, many)[unsure], _NEIGHBOURS)[0]
     return squares
+
+
+def _sought_squares(
+    scaled: Floats, rows: NDArray[np.int64], kind: type[np.floating[Any]]
+) -> tuple[Floats, NDArray[np.int64]]:
+    """Seek the nearest stretches by rough distances in numbers of a kind.
+
+    Args:
+        scaled: see `_nearest_squares`, between -1 and 1.
+        rows: which of the newest stretches.
+        kind: of 32 or 64 bits.
+
+    Returns:
+        Squared distances (rows × `_NEIGHBOURS`), and the places in ``rows`` of those that the
+        rough ones do not tell for certain.
+
+    """
+    stretches = np.lib.stride_tricks.sliding_window_view(scaled, _LENGTH)
+    newest = stretches[_FARTHEST + rows]
+    rough, places = _least_of(_rough_distances(stretches, newest, rows, kind), _CANDIDATES)
+    off = stretches[rows[:, None] + places] - newest[:, None]
+    squares = np.partition(np.einsum("ijk,ijk->ij", off, off), _NEIGHBOURS - 1)[:, :_NEIGHBOURS]
+    # All others are at least as far as the last that was found, but for what a sum is off.
+    least = rough[:, -1] + np.einsum("ij,ij->i", newest, newest) - _SUM_OFF * np.finfo(kind).eps
+    farthest = squares.max(axis=1)
+    return squares, np.flatnonzero((farthest > least) & (farthest > 0.0))
+
+
+def _rough_distances(
+    stretches: Floats, newest: Floats, rows: NDArray[np.int64], kind: type[np.floating[Any]]
+) -> NDArray[Any]:
+    """Give the squared distances of stretches to all those before them, by products.
+
+    Args:
+        stretches: all, between -1 and 1.
+        newest: of these, those whose distances are asked for.
+        rows: which of the newest these are.
+        kind: of the numbers to reckon in.
+
+    Returns:
+        rows × `_STRETCHES`, the farthest first, each less its own square.
+
+    """
+    # |b|² - 2ab of each pair as one product: the square of b stands in a row of its own.
+    others = np.empty((_LENGTH + 1, len(stretches)), kind)
+    others[:_LENGTH] = stretches.T
+    np.einsum("ij,ij->i", stretches, stretches, out=others[_LENGTH], casting="same_kind")
+    mine = np.ones((len(newest), _LENGTH + 1), kind)
+    np.multiply(newest, -2.0, out=mine[:, :_LENGTH], casting="same_kind")
+    apart = np.empty((len(newest), _STRETCHES), kind)
+    for at in range(0, len(rows), _PRODUCT_ROWS):
+        some = rows[at : at + _PRODUCT_ROWS]
+        first = int(some[0])
+        made = mine[at : at + len(some)] @ others[:, first : int(some[-1]) + _STRETCHES]
+        # Each row is held against other columns, as many further as it is later.
+        for place, row in enumerate((some - first).tolist()):
+            apart[at + place] = made[place, row : row + _STRETCHES]
+    return apart
 
 
 def _least_of(apart: NDArray[Any], many: int) -> tuple[NDArray[Any], NDArray[np.int64]]:

@@ -26,6 +26,8 @@ __all__ = [
 # As pages and the history call the detector of a group.
 GROUP_DETECTOR = "group"
 FEWEST_IN_GROUP, MOST_IN_GROUP = 2, 64
+# The only number of a device is judged against those of others, where there are any.
+_FEWEST_OF_SWITCH = 1
 # `services.anomaly_detection` makes groups of so many signals in all; each takes 30 kB while it
 # learns.
 MOST_IN_GROUPS = 1_000
@@ -53,6 +55,14 @@ class GroupSignals(NamedTuple):
     device: str
     states: tuple[str, ...] = ()
     beside: tuple[str, ...] = ()
+
+    @property
+    def is_single(self) -> bool:
+        """It is the only number of its device: it is judged against the others, and by no distance.
+
+        How far it is from what it usually is by itself, detectors of single signals say.
+        """
+        return len(self.signals) < FEWEST_IN_GROUP
 
     @property
     def name(self) -> str:
@@ -102,7 +112,8 @@ def group_named(site: Site, key: str) -> GroupSignals | None:
     signals = group.signals or tuple(_numbers_of(site, group.device))
     known = [(address, site.signal(address)) for address in signals[:MOST_IN_GROUP]]
     there = [(address, signal) for address, signal in known if signal is not None]
-    if len(there) < FEWEST_IN_GROUP:
+    beside = () if key in site.anomaly_groups else _numbers_beside(site, key, len(there))
+    if len(there) < (_FEWEST_OF_SWITCH if beside else FEWEST_IN_GROUP):
         return None
     devices = {address.partition("/")[0] for address, _ in there}
     labels = tuple(
@@ -120,7 +131,7 @@ def group_named(site: Site, key: str) -> GroupSignals | None:
         labels,
         devices.pop() if len(devices) == 1 else "",
         () if state is None else state.states,
-        () if key in site.anomaly_groups else _numbers_beside(site, key, len(addresses)),
+        beside,
     )
 
 

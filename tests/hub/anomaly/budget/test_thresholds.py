@@ -149,6 +149,16 @@ def test_a_site_without_a_single_peak_has_finite_thresholds():
     assert all(math.isfinite(need) for need in needs)
 
 
+def test_peaks_next_to_nothing_beside_great_ones_leave_thresholds_finite():
+    tail = ScoreTail(days=dict(tails_of(3, 1.0, 1)["device/signal0", "change"].days))
+    # As far apart as numbers can be.
+    tail.peaks = [
+        [Peak(FIRST + 6 * at, FIRST + 6 * at, 10.0 ** (-320 + 16 * at)) for at in range(23)]
+    ]
+    (needs,) = site_thresholds({("a/b", "change"): tail}, 1.0).of.values()
+    assert all(math.isfinite(need) and need > 0.0 for need in needs)
+
+
 def test_a_detector_that_is_silent_on_every_other_day_leaves_thresholds_finite():
     tails = tails_of(3, 1.0, 3)
     before = site_thresholds(tails, 1.0)

@@ -14,6 +14,7 @@ from talaia.hub.anomaly.budget.score_tail import ScoreTail
 from talaia.hub.anomaly.budget.thresholds import site_thresholds
 from talaia.hub.anomaly.episode_runner import AnomalyBegan
 from talaia.hub.anomaly.groups.group_runner import GroupRunner
+from talaia.hub.anomaly.groups.level_scatter import LevelScatter
 from talaia.hub.anomaly.groups.residuals import SignalResiduals
 from talaia.model.alarms.anomaly import SignalGroup
 from talaia.model.alarms.signal_groups import GroupSignals
@@ -24,9 +25,9 @@ pytestmark = pytest.mark.pure
 STEP_US = 100_000_000
 LEARNED = 1_088
 NAMES = ("left", "right", "heat")
-# Of each signal: residuals at three paces, scatter, stillness.
-KINDS = 5
-SCATTER, STILL = 3, 4
+# Of each signal: residuals at three paces, scatter, stillness; after these of all: its steps.
+BY_SIGNAL, KINDS = 5, 6
+SCATTER, STILL, STEPS = 3, 4, 5
 
 
 def wheel_rows(count: int, seed: int = 1) -> np.ndarray:
@@ -49,11 +50,18 @@ def wheel_rows(count: int, seed: int = 1) -> np.ndarray:
 
 def feed(residuals: SignalResiduals, rows: np.ndarray, first: int = 0) -> np.ndarray:
     """Show rows; give the magnitudes after each (rows, signals, kinds)."""
+    flat = feed_flat(residuals, rows, first)
+    most = BY_SIGNAL * residuals.own
+    by_signal = flat[:, :most].reshape(len(rows), -1, BY_SIGNAL)
+    return np.concatenate((by_signal, flat[:, most:, np.newaxis]), axis=2)
+
+
+def feed_flat(residuals: SignalResiduals, rows: np.ndarray, first: int = 0) -> np.ndarray:
     found = []
     for at, row in enumerate(rows.tolist()):
         residuals.see_row((first + at) * STEP_US, row)
         found.append(residuals.magnitudes())
-    return np.array(found).reshape(len(rows), -1, KINDS)
+    return np.array(found)
 
 
 def learned_residuals() -> SignalResiduals:
@@ -99,6 +107,41 @@ def test_a_signal_that_scatters_more_shows_it_though_no_value_of_it_is_far_away(
     rows[:, 2] = [40.0 + chance.choice([-1.4, 1.4]) for _ in rows]
     found = feed(residuals, rows, LEARNED + 400)
     assert found[:, 2, SCATTER].max() > 5 * usual[:, 2, SCATTER].max()
+
+
+def motor_rows(count: int, seed: int) -> np.ndarray:
+    """Make rows of a motor that is quiet while it stands, and noisy while it turns."""
+    chance = random.Random(seed)  # noqa: S311 - noise
+    turns = [at // 10 % 3 == 2 for at in range(count)]
+    return np.array([[chance.gauss(4.2, 0.3) if on else chance.gauss(0.2, 0.02)] for on in turns])
+
+
+def test_a_motor_that_is_noisy_only_while_it_stands_shows_it_beside_its_steps_there():
+    residuals = SignalResiduals(own=1, step_us=STEP_US)
+    feed(residuals, motor_rows(2 * LEARNED, seed=1))
+    usual = feed(residuals, motor_rows(600, seed=2), 2 * LEARNED)[:, 0].max(axis=0)
+    rows = motor_rows(18, seed=3)
+    # A third of what it changes from one step to the next while it turns.
+    rows[:, 0] += np.random.default_rng(4).normal(0.0, 0.1, 18)
+    found = feed(residuals, rows, 2 * LEARNED + 600)[:, 0].max(axis=0)
+    assert found[STEPS] > 10 * usual[STEPS]
+    assert found[: SCATTER + 1].max() < 2 * usual[: SCATTER + 1].max()
+    needs = np.full(KINDS, 1e9)
+    needs[STEPS] = 1e-9
+    (strange,) = residuals.list_strange(needs, ["motor"])
+    assert "times as much from step to step as is usual there" in strange.why
+
+
+def test_a_signal_that_comes_seldom_steps_from_its_newest_sample():
+    thinned = motor_rows(3 * LEARNED, seed=5)
+    thinned[1::2] = np.nan
+    levels = LevelScatter(count=1)
+    found = levels.see_rows(thinned)
+    assert found[-100:].max() > 0.0
+    again = LevelScatter(count=1)
+    assert np.array_equal(
+        found[:50], np.vstack([again.see_rows(row[None]) for row in thinned[:50]])
+    )
 
 
 def test_a_signal_that_stands_still_is_counted_in_samples_and_silence_is_none():
@@ -153,12 +196,14 @@ def test_many_rows_at_once_are_judged_as_one_by_one():
     rows[LEARNED + 100 : LEARNED + 140, 2] = 41.0
     times = np.arange(len(rows)) * STEP_US
     one, many = (SignalResiduals(own=3, beside=1, step_us=STEP_US) for _ in range(2))
-    wanted = feed(one, rows).reshape(len(rows), -1)
+    wanted = feed_flat(one, rows)
     parts = [many.see_rows(times[at : at + 150], rows[at : at + 150]) for at in range(0, 1588, 150)]
     found = np.vstack(parts)
     assert np.allclose(found, wanted, rtol=1e-6, atol=1e-9)
     assert found[:, : SCATTER + 1].max() > 1.0
-    assert found[LEARNED + 139, 2 * KINDS + STILL] == 39
+    assert found[LEARNED + 139, 2 * BY_SIGNAL + STILL] == 39
+    assert found[:, 3 * BY_SIGNAL :].max() > 1.0
+    assert np.allclose(one.levels.squares, many.levels.squares, rtol=1e-9)
     assert np.allclose(one.moments, many.moments, rtol=1e-9)
     assert np.allclose(one.peaks, many.peaks, rtol=1e-6)
     assert (one.heard, one.judged, one.waiting) == (many.heard, many.judged, many.waiting)
@@ -265,3 +310,57 @@ def test_what_an_older_version_kept_is_gone_on_with(runner):
     again = GroupRunner(runner.group, msgspec.msgpack.encode((asked, state, since)))
     assert again.detector.heard == runner.detector.heard
     assert again.residuals.heard == 0
+
+
+def test_residuals_that_an_older_version_kept_learn_of_levels_besides():
+    residuals = learned_residuals()
+    kept = msgspec.msgpack.decode(dump_detector(residuals))
+    del kept["levels"]
+    for name in ("rated", "peaks", "excused"):
+        kept[name] = np.zeros(3 * BY_SIGNAL).tobytes()
+    again = load_detector(SignalResiduals, msgspec.msgpack.encode(kept))
+    assert again.heard == residuals.heard
+    rows = wheel_rows(100, seed=3)
+    mine, its = (feed(one, rows, LEARNED)[:, :, :BY_SIGNAL] for one in (residuals, again))
+    assert np.allclose(mine, its)
+    assert again.levels.seen == 100
+
+
+def test_the_only_number_of_a_device_is_judged_against_the_others_and_by_no_distance():
+    runner = single_runner()
+    rows = mains_rows(4 * LEARNED, seed=1).tolist()
+    for at, row in enumerate(rows):
+        assert runner.score_row(at * STEP_US, row[:1], -1) is None
+    assert runner.score == 0.0
+    assert runner.reason() == ""
+    runner = single_runner()
+    runner.tail = ScoreTail()
+    for at, row in enumerate(rows):
+        runner.score_row(at * STEP_US, row, -1)
+    found = site_thresholds({("/mains", "group"): runner.tail}, 1.0)
+    runner.set_needs(found.of["/mains", "group"])
+    assert not show(runner, mains_rows(200, seed=2).tolist())
+    # As low as it often is, and not where the other one stands.
+    sagged = mains_rows(12, seed=3)
+    sagged[:, 0] -= 4.0
+    turns = [
+        runner.score_row((4 * LEARNED + 200 + at) * STEP_US, row, -1)
+        for at, row in enumerate(sagged.tolist())
+    ]
+    (began,) = [turn for turn in turns if isinstance(turn, AnomalyBegan)]
+    assert "mains is" in began.why
+    assert runner.dismiss_peak()
+
+
+def single_runner() -> GroupRunner:
+    group = SignalGroup(device="mains", learn=400, step=STEP_US / 1e6)
+    beside = ("other/mains",)
+    asked = GroupSignals("mains", group, ("mains/v",), ("mains",), "mains", beside=beside)
+    return GroupRunner(asked)
+
+
+def mains_rows(count: int, seed: int) -> np.ndarray:
+    """Make rows of a voltage, and of another one that swings with it."""
+    chance = random.Random(seed)  # noqa: S311 - noise
+    swings = [chance.gauss(230.0, 3.0) for _ in range(count)]
+    return np.array([[swing + chance.gauss(0.0, 0.2), swing] for swing in swings])

@@ -36,6 +36,19 @@ alarms:
 """
 
 
+# A device beside the others with a single number, before what follows the devices.
+MAINS = """
+devices:
+  mains:
+    name: Mains
+    signals:
+      voltage:
+        name: Voltage
+        source: {topic: /mains, type: std_msgs/msg/Float32, field: data}
+"""
+ALONE = DESCRIPTION.replace("\ndevices:\n", MAINS, 1) + "\nservices: {anomaly_detection: true}\n"
+
+
 def samples(count: int, first: int = 0, **change: float) -> list[tuple[str, int, float]]:
     """Make what a robot sends in so many seconds; ``change`` is added to a signal."""
     chance, rows = random.Random(first), []  # noqa: S311 - noise
@@ -228,6 +241,26 @@ async def test_the_switch_makes_a_group_of_each_device_that_has_several_numbers(
     groups = {address: each for address, each in found.items() if each.detector == "group"}
     assert sorted(groups) == ["/base", "/power", "/sensors"]
     assert groups["/power"].signals == ["power/charge", "power/voltage"]
+    await gateway.close()
+
+
+async def test_a_device_with_one_number_is_a_group_that_nothing_can_be_learned_or_tried_of(
+    hub,
+) -> None:
+    gateway = await hub.gateway()
+    await gateway.hello(ALONE)
+    client = await hub.client("operator")
+    found = await overview(client)
+    assert found["/mains"].signals == ["mains/voltage"]
+    window = {"from_us": NOW, "to_us": NOW + 90 * SECOND}
+    asked = {"address": "/mains", "detector": "group"} | window
+    tried = await client.post("/api/sites/agv/anomalies/tests", json=asked)
+    learned = await client.post(
+        "/api/sites/agv/anomalies/learned", json={"address": "/mains"} | window
+    )
+    for answer in (tried, learned):
+        assert answer.status_code == 422
+        assert "has one number, which is judged against others under a budget" in answer.text
     await gateway.close()
 
 

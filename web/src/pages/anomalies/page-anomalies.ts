@@ -104,7 +104,7 @@ export class PageAnomalies extends LitElement {
     const singles = list.filter(({ signals }) => signals.length === 0);
     const labels = signalLabels(detail);
     return html`${groups.length === 0 ? nothing : this.renderGroups(detail, groups, labels, mayForgive)}
-      ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)} ${this.renderBudget()} ${mayForgive ? this.renderTrial(detail, groups) : nothing}`;
+      ${singles.length === 0 ? nothing : this.renderSingles(detail, singles, labels)} ${this.renderBudget()} ${mayForgive ? this.renderTrial(detail, severalOf(groups)) : nothing}`;
   }
 
   private renderTrial(detail: SiteShape, groups: readonly Detector[]): TemplateResult | typeof nothing {
@@ -153,7 +153,7 @@ export class PageAnomalies extends LitElement {
         ></t-anomalies>
         ${renderCauses(this.site, detail, groups)}
       </section>
-      ${mayForgive ? this.renderLearning(detail, groups) : nothing}`;
+      ${mayForgive && severalOf(groups).length > 0 ? this.renderLearning(detail, severalOf(groups)) : nothing}`;
   }
 
   private renderLearning(detail: SiteShape, groups: readonly Detector[]): TemplateResult {
@@ -194,6 +194,11 @@ function renderSingle(site: string, detail: SiteShape, { address, name, on, lear
     <t-status kind=${kind} word=${word}></t-status>
     ${anomaly === null ? nothing : html`<span class="why">${on ? msg("Since") : msg("Last at")} ${formatClock(anomaly.fromUs, detail.zone)}: ${anomaly.why} <a href=${`${sitePath(site, "cause")}?${causeQuery(anomaly.fromUs)}`}>${msg("Cause")}</a></span>`}
   </li>`;
+}
+
+/** Those of several signals: of a single number there is nothing to learn from a run, and nothing to try. */
+function severalOf(groups: readonly Detector[]): readonly Detector[] {
+  return groups.filter(({ signals }) => signals.length > 1);
 }
 
 /** Where to look for the cause of each group's newest anomaly. */

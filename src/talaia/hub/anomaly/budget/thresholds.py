@@ -68,7 +68,10 @@ class _TailFit(NamedTuple):
         """Give the logarithm of the blocks in which one so great is expected once."""
         if magnitude <= 0.0 or self.level <= 0.0:
             return -math.inf if magnitude <= self.level else math.inf
-        return math.log(self.blocks / self.above) + math.log(magnitude / self.level) / self.slope
+        return (
+            math.log(self.blocks / self.above)
+            + (math.log(magnitude) - math.log(self.level)) / self.slope
+        )
 
     def magnitude(self, rareness: float) -> float:
         """Give the magnitude that is so rare."""

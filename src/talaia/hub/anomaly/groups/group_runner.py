@@ -166,8 +166,11 @@ class GroupRunner(EpisodeRunner):
 
     def _distance(self) -> float:
         current = self.detector.current
-        judged = current is not None and self.detector.score > 0.0
+        judged = current is not None and self._distance_score() > 0.0
         return current.distance if current is not None and judged else 0.0
+
+    def _distance_score(self) -> float:
+        return 0.0 if self.group.is_single else self.detector.score
 
     def set_needs(self, needs: tuple[float, ...]) -> None:
         """See `EpisodeRunner.set_needs`; the bar goes with it, for the distance is all there is."""
@@ -177,7 +180,7 @@ class GroupRunner(EpisodeRunner):
         if needs:
             self.episodes.bar = min(self.episodes.bar, score_of_distance(needs[0]))
             # Residuals that were not seen yet have none.
-            self._thresholds = np.full(1 + self.residuals.kinds * len(self.members), np.inf)
+            self._thresholds = np.full(1 + self.residuals.magnitude_count, np.inf)
             known = self._thresholds[: len(needs)]
             known[:] = np.maximum(needs[: len(known)], _LEAST_NEED)
 
@@ -185,7 +188,7 @@ class GroupRunner(EpisodeRunner):
         """Say in words what the newest score stands on."""
         strange = self._list_strange()
         why = "; ".join(one.why for one in strange[:2] if one.excess >= _LEAVE)
-        why = why or self.detector.why()
+        why = why or ("" if self.group.is_single else self.detector.why())
         return f"{self.mode}: {why}" if self.group.states and self.mode else why
 
     def score_sample(
@@ -262,7 +265,7 @@ class GroupRunner(EpisodeRunner):
 
     def _list_strange(self) -> list[StrangeSignal]:
         """List what residuals are at their thresholds; empty where the distance makes the score."""
-        if self.score <= self.detector.score or not self._thresholds.size:
+        if self.score <= self._distance_score() or not self._thresholds.size:
             return []
         return self.residuals.list_strange(self._thresholds[1:], self.group.labels)
 
@@ -300,7 +303,7 @@ class GroupRunner(EpisodeRunner):
 
     def _take_judged(self, time_us: int, learning: int) -> AnomalyBegan | AnomalyEnded | None:
         detector = self.detector
-        turn = self.update_score(time_us, max(detector.score, self._residual_score()))
+        turn = self.update_score(time_us, max(self._distance_score(), self._residual_score()))
         self._stands_otherwise |= learning > 0 and detector.learning == 0
         if self.episodes.began_us >= 0 and self.score >= self.episodes.top:
             # Named as at its worst: when it begins little is to be seen of it.
@@ -322,7 +325,7 @@ class GroupRunner(EpisodeRunner):
         self.changed = True
         if self._thresholds.size:
             self.residuals.excuse_newest(self._thresholds[1:])
-        self.forgiven = self.detector.forgive()
+        self.forgiven = self.detector.forgive() or self.group.is_single
         return self.forgiven
 
     def take_residuals(self, past: GroupRunner) -> None:

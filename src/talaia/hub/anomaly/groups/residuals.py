@@ -10,7 +10,8 @@ usual elsewhere. A budget of false alarms gives each a threshold of its own.
   the places of that signal at all paces; its covariance is ``(K_ii)⁻¹`` (Whittaker 1990, "Graphical
   models in applied multivariate statistics": what a partial regression on all others leaves).
 - Signals beside the group (`beside`) explain, and are not judged.
-- How much a signal scatters is the smoothed square of what is left at the fastest pace.
+- How much a signal scatters is the smoothed square of what is left at the fastest pace; and, beside
+  what is usual where it stands now, that of its steps (`LevelScatter`).
 - How long it has not moved at all is counted in its samples.
 """
 
@@ -23,6 +24,7 @@ import numpy as np
 
 from talaia.hub.anomaly.base import Floats, format_duration, format_number
 from talaia.hub.anomaly.groups.held_values import NEVER, HeldValues
+from talaia.hub.anomaly.groups.level_scatter import LevelScatter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,8 +37,10 @@ __all__ = ["SignalResiduals", "StrangeSignal"]
 _PACES = ((1, 30), (10, 100), (30, 300))
 _SPANS = (10, 30, 100, 300)
 _COUNT = len(_PACES)
-# Besides: how much it scatters, how long it has not moved.
+# Besides: how much it scatters, how long it has not moved. After these of all signals: how large
+# the steps of each are for its level.
 _KINDS = _COUNT + 2
+_STEPS = _KINDS
 _SCATTER = 2.0 / (20 + 1)
 # Fewer samples alike are nothing.
 _LEAST_STILL = 10
@@ -112,6 +116,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     scatter: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     still: Floats = msgspec.field(default_factory=lambda: np.empty(0))
     newest: Floats = msgspec.field(default_factory=lambda: np.empty(0))
+    levels: LevelScatter = msgspec.field(default_factory=lambda: LevelScatter(count=0))
     # What `magnitudes` gives, the greatest of these of late, and up to which a person called usual
     # what was told.
     rated: Floats = msgspec.field(default_factory=lambda: np.empty(0))
@@ -121,6 +126,10 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     def __post_init__(self) -> None:
         """Make room for as many signals as there are."""
         count = self.own + self.beside
+        if self.levels.count != self.own:
+            self.levels = LevelScatter(count=self.own, learns=self.learns)
+            # What an older version kept knew nothing of levels.
+            self.rated, self.peaks, self.excused = np.zeros((3, self.magnitude_count))
         if self.held.count == count:
             return
         self.held = HeldValues(count=count)
@@ -130,15 +139,14 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         self.moments = np.zeros((_COUNT * count) ** 2)
         self.residuals = np.zeros(_COUNT * self.own)
         self.scatter, self.still, self.newest = np.zeros(self.own), np.zeros(self.own), self._none()
-        self.rated, self.peaks, self.excused = np.zeros((3, _KINDS * self.own))
 
     def _none(self) -> Floats:
         return np.full(self.own, np.nan)
 
     @property
-    def kinds(self) -> int:
-        """So many magnitudes each signal has."""
-        return _KINDS
+    def magnitude_count(self) -> int:
+        """So many magnitudes there are in all."""
+        return (_KINDS + 1) * self.own
 
     @property
     def learns(self) -> int:
@@ -175,9 +183,10 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         if self.heard == _LEAST_ROWS:
             held.learn_holds(self.heard, np.zeros(held.count, bool))
         self._count_still(came[: self.own])
+        changed = self.levels.see_rows(came[np.newaxis, : self.own])
         self._follow_row(row)
         if self.weights.size or self._is_learned():
-            self._judge_departures()
+            self._judge_departures(changed[0])
         self._learn_departures(self.apart[np.newaxis])
 
     def see_rows(self, times: NDArray[np.int64], rows: Floats) -> Floats:
@@ -191,7 +200,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
             `magnitudes` after each (n, m).
 
         """
-        found, at = np.empty((len(rows), _KINDS * self.own)), 0
+        found, at = np.empty((len(rows), self.magnitude_count)), 0
         while at < len(rows):
             upto = min(len(rows), at + _BATCH - self.waiting)
             plain = self.weights.size > 0 and float(self.followed.min()) >= _SPANS[-1]
@@ -212,6 +221,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         self.heard += many
         self.followed += many
         still = self._still_rows(rows[:, : self.own])
+        steps = self.levels.see_rows(rows[:, : self.own])
         means = np.empty((many + 1, len(_SPANS), held.count))
         means[0] = self.means.reshape(len(_SPANS), -1)
         for at, row in enumerate(rows):
@@ -223,7 +233,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
             apart[:, at] = newest - means[:-1, _SPANS.index(far)]
         flat = apart.reshape(many, -1)
         self.apart = flat[-1].copy()
-        rated = self._rate_rows(flat, still)
+        rated = self._rate_rows(flat, still, steps)
         self._learn_departures(flat)
         return rated
 
@@ -236,7 +246,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         self.still, self.newest = still[-1].copy(), rows[-1].copy()
         return still
 
-    def _rate_rows(self, apart: Floats, still: Floats) -> Floats:
+    def _rate_rows(self, apart: Floats, still: Floats, steps: Floats) -> Floats:
         """Rate departures (n, paces × signals) as `_judge_departures` does one by one."""
         many, size = apart.shape
         found = apart @ self.weights.reshape(self.own * _COUNT, size).T
@@ -251,7 +261,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         rated[:, :, :_COUNT] = np.square(squares).reshape(many, self.own, _COUNT)
         rated[:, :, _COUNT] = np.square(scatter)
         rated[:, :, _COUNT + 1] = still * (still >= _LEAST_STILL)
-        flat: Floats = rated.reshape(many, -1)
+        flat: Floats = np.hstack((rated.reshape(many, -1), np.square(steps)))
         flat *= flat > self.excused
         self.rated = flat[-1].copy()
         faded = flat * (_FADING ** np.arange(many - 1.0, -1.0, -1.0))[:, None]
@@ -316,7 +326,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         known = np.tile(self.followed, _COUNT) > 0.0
         self.weights = _residual_weights(moments, known, self.own)
 
-    def _judge_departures(self) -> None:
+    def _judge_departures(self, steps: Floats) -> None:
         size = len(self.apart)
         found = self.weights.reshape(self.own * _COUNT, size) @ self.apart
         self.residuals = np.minimum(np.maximum(found, -_MOST), _MOST)
@@ -327,7 +337,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         rated[:, :_COUNT] = np.square(squares).reshape(self.own, _COUNT)
         rated[:, _COUNT] = np.square(self.scatter)
         rated[:, _COUNT + 1] = self.still * (self.still >= _LEAST_STILL)
-        flat = rated.ravel()
+        flat = np.concatenate((rated.ravel(), np.square(steps)))
         self.rated = flat * (flat > self.excused)
         self.peaks *= _FADING
         np.maximum(self.peaks, self.rated, out=self.peaks)
@@ -335,9 +345,9 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
     def magnitudes(self) -> Floats:
         """Give what each signal's newest residuals are: by pace, its scatter, and how still it is.
 
-        All of the first signal come first. They are fourth powers of spreads, on which scale the
-        tails of all kinds of signals lie between the slopes that a budget reckons with; and
-        samples. Zero while it learns.
+        All of the first signal come first; after those of all signals, how large the steps of each
+        are. They are fourth powers of spreads, on which scale the tails of all kinds of signals
+        lie between the slopes that a budget reckons with; and samples. Zero while it learns.
         """
         return self.rated
 
@@ -348,7 +358,7 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
 
     def list_strange(self, needs: Floats, names: Sequence[str]) -> list[StrangeSignal]:
         """List the signals that are nearest to or above their thresholds, the strangest first."""
-        excess = (self.magnitudes() / needs).reshape(self.own, _KINDS)
+        excess = _by_signal(self.magnitudes() / needs, self.own)
         kinds = excess.argmax(axis=1)
         found = [
             StrangeSignal(
@@ -363,6 +373,9 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
         return sorted(found, key=lambda strange: -strange.excess)
 
     def _why(self, place: int, kind: int, name: str) -> str:
+        if kind == _STEPS:
+            times = format_number(float(np.sqrt(self.levels.smoothed[place])))
+            return f"{name} changes {times} times as much from step to step as is usual there"
         if kind == _COUNT + 1:
             return f"{name} has not moved for {self.still[place]:.0f} samples"
         if kind == _COUNT:
@@ -375,6 +388,12 @@ class SignalResiduals(msgspec.Struct, kw_only=True):
             f"{name} is {format_number(abs(spreads))} usual spreads {way} what its past and the"
             f" other signals make of it ({lasts})"
         )
+
+
+def _by_signal(magnitudes: Floats, own: int) -> Floats:
+    """Put what `SignalResiduals.magnitudes` gives in a row for each signal."""
+    most = own * _KINDS
+    return np.column_stack((magnitudes[:most].reshape(own, _KINDS), magnitudes[most:]))
 
 
 _FOLLOWS = np.array([[2.0 / (span + 1)] for span in _SPANS])

@@ -125,6 +125,13 @@ def _group_trial(site: Site, asked: BackTestAsk) -> GroupTrial:
     found = group_named(site, asked.address[1:])
     if found is None:
         raise ApiProblem(404, "unknown", "no such group of signals is at work")
+    if found.is_single:
+        raise ApiProblem(
+            422,
+            "invalid",
+            f"{found.name} has one number, which is judged against others under a budget alone:"
+            " try a detector of that signal",
+        )
     group = msgspec.structs.replace(
         found.group, bar=asked.bar or found.group.bar, learn=asked.learn or found.group.learn
     )

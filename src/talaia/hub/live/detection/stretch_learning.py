@@ -58,6 +58,11 @@ async def learn_stretch(
         HistoryError: the database cannot be read.
 
     """
+    if group.is_single:
+        raise StretchRefused(
+            f"{group.name} has one number, which is judged against others under a budget alone:"
+            " there is nothing to learn from a stretch"
+        )
     step_us, longest = round(group.group.step * 1e6), longest_stretch_s(group)
     if to_us - from_us > longest * 1e6:
         raise StretchRefused(
