@@ -7,7 +7,7 @@ which cut through buckets, by narrower ones, and what is left of them by the sam
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from sqlalchemy import select, union_all
@@ -33,6 +33,7 @@ from talaia.hub.history.queries.window import (
     kept_bodies,
     outside_rollups,
     overlapping_blocks,
+    overlapping_of_channels,
     read_samples,
 )
 from talaia.hub.history.queries.window_query import window_of
@@ -51,6 +52,21 @@ if TYPE_CHECKING:
 __all__ = ["Reader"]
 
 _block = tables.block
+# Blocks of all channels of a question that are listed together.
+_MOST_LISTED = 800
+
+
+class _ListedBlocks(NamedTuple):
+    """Where the blocks of several channels are, and what was read of them already.
+
+    Attributes:
+        rows: by channel, in order of time.
+        bodies: by the block's number.
+
+    """
+
+    rows: dict[int, list[Any]]
+    bodies: dict[int, BlockSamples]
 
 
 class Reader:
@@ -91,6 +107,9 @@ class Reader:
         ]
         with self._engine.begin() as connection:
             gaps = gaps_of(connection, site, *_clamp_window(from_us, to_us))
+            listed = self._list_together(
+                connection, [found[0] for _, found in asked if found is not None], width
+            )
             return [
                 empty_series(address, gaps)
                 if found is None
@@ -102,9 +121,39 @@ class Reader:
                     width=width,
                     gaps=gaps,
                     steps=address in steps,
+                    listed=listed,
                 )
                 for address, found in asked
             ]
+
+    def _most_samples(self, width: int) -> int:
+        """Give how many samples of a channel are read as they are; more are read as rollups."""
+        return max(self._limits.raw, 2 * width)
+
+    def _list_together(
+        self, connection: Connection, windows: Sequence[StoredWindow], width: int
+    ) -> _ListedBlocks | None:
+        """Look up the blocks of many channels at once, and read them, as long as they are few.
+
+        One question costs hardly more than that of one channel. None: ask for each by itself.
+        """
+        if len(windows) < 2 or len({window.run for window in windows}) > 1:
+            return None
+        rows = overlapping_of_channels(connection, windows, _MOST_LISTED)
+        if rows is None:
+            return None
+        most = self._most_samples(width)
+        wanted = [
+            row
+            for channel in rows.values()
+            if sum(row.samples for row in channel) <= most
+            for row in channel
+        ]
+        bodies: dict[int, BlockSamples] = {}
+        if sum(row.samples for row in wanted) <= self._limits.cached:
+            ids = [row.id for row in wanted]
+            bodies = kept_bodies(connection, ids, windows[0].run, self._cache)
+        return _ListedBlocks(rows, bodies)
 
     def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
@@ -124,11 +173,18 @@ class Reader:
         width: int,
         gaps: list[HistoryGap],
         steps: bool,
+        listed: _ListedBlocks | None,
     ) -> Series:
         tail = in_order(held).between_times(window.from_us, window.to_us)
         span_us = window.to_us - window.from_us + 1
-        most = max(self._limits.raw, 2 * width)
-        blocks = overlapping_blocks(connection, window, most)
+        most = self._most_samples(width)
+        blocks: Sequence[Any] | None
+        if listed is None:
+            blocks = overlapping_blocks(connection, window, most)
+        else:
+            blocks = listed.rows[window.channel]
+            if sum(row.samples for row in blocks) > most:
+                blocks = None
         tier = 0
         if blocks is None:
             tier = tier_for(pixel_width(span_us, width) or span_us)
@@ -151,7 +207,12 @@ class Reader:
         if blocks is None:
             blocks = overlapping_blocks(connection, window, FARTHEST_US) or ()
         samples, unread = read_samples(
-            connection, blocks, window=window, most_texts=self._limits.texts, cache=self._cache
+            connection,
+            blocks,
+            window=window,
+            most_texts=self._limits.texts,
+            cache=self._cache,
+            known={} if listed is None else listed.bodies,
         )
         gaps = [*gaps, *unread]
         samples = in_order(concatenate_samples([samples, tail])).between_times(
