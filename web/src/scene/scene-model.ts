@@ -213,6 +213,15 @@ export class SceneModel {
   }
 }
 
+/** Whether a picture of it becomes another one as time passes, though nothing comes: markers that end, pictures that fade. */
+export function changesByItself({ layers }: Pick<SceneModel, "layers">): boolean {
+  for (const { content } of layers.values()) {
+    if (content.shape === "camera" && content.picture !== null) return true;
+    if (content.shape === "markers" && content.markers.some(({ endsMs }) => endsMs !== Infinity)) return true;
+  }
+  return false;
+}
+
 /** Points of a layer where they are in the frame that stands still. */
 export function placedPoints(positions: Float32Array, place: Transform): Float32Array {
   const found = new Float32Array(positions.length);

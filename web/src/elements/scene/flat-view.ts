@@ -7,7 +7,7 @@ import type { OccupancyGrid } from "../../scene/messages.js";
 import type { FloorPose } from "../../scene/pose-command.js";
 import { placedPoints, type SceneLayer, type SceneModel } from "../../scene/scene-model.js";
 import { applied, composed, yawOf, type Transform, type Vector } from "../../scene/transform.js";
-import type { MeasuredLine, SceneColours, SceneDrawing, SceneOptions } from "./drawing.js";
+import { sameOptions, type MeasuredLine, type SceneColours, type SceneDrawing, type SceneOptions } from "./drawing.js";
 import { gridPixels } from "./grid-pixels.js";
 
 /** px of a metre: at first, at the least and at the most. */
@@ -56,8 +56,9 @@ export class FlatView implements SceneDrawing {
   }
 
   setOptions(options: SceneOptions): void {
+    const same = sameOptions(options, this.options);
     this.options = options;
-    this.schedule();
+    if (!same) this.schedule();
   }
 
   resize(width: number, height: number, ratio: number): void {

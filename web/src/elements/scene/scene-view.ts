@@ -13,9 +13,9 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Marker } from "../../scene/markers.js";
 import type { FloorPose } from "../../scene/pose-command.js";
-import type { SceneLayer, SceneModel } from "../../scene/scene-model.js";
+import { changesByItself, type SceneLayer, type SceneModel } from "../../scene/scene-model.js";
 import { composed, type Transform, type Vector } from "../../scene/transform.js";
-import type { MeasuredLine, SceneColours, SceneDrawing, SceneOptions } from "./drawing.js";
+import { sameOptions, type MeasuredLine, type SceneColours, type SceneDrawing, type SceneOptions } from "./drawing.js";
 import { fadeFrustum, picturePart, redrawFrustum } from "./frustum-layer.js";
 import { disposeObject, drawLayer } from "./layer-drawing.js";
 import { MeshStore } from "./meshes.js";
@@ -112,10 +112,12 @@ export class SceneView implements SceneDrawing {
     this.schedule();
   }
 
+  /** It is told every second: a picture that would be the same is not drawn, which takes long where a program draws. */
   setOptions(options: SceneOptions): void {
+    const same = sameOptions(options, this.options);
     this.repaint ||= options.cloudBy !== this.options.cloudBy;
     this.options = options;
-    this.schedule();
+    if (!same || changesByItself(this.model)) this.schedule();
   }
 
   resize(width: number, height: number, ratio: number): void {

@@ -366,8 +366,10 @@ export class SceneElement extends LitElement {
   private readonly onPastReset = (topic: string): void => {
     const { session, past } = this;
     if (session === null || past === null) return;
-    if (past.jumps === this.resetJumps) session.model.forget(topic);
-    else session.reset();
+    if (past.jumps === this.resetJumps) {
+      session.model.forget(topic);
+      this.drawing?.schedule();
+    } else session.reset();
     this.resetJumps = past.jumps;
   };
 

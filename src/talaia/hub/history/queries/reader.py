@@ -7,7 +7,7 @@ which cut through buckets, by narrower ones, and what is left of them by the sam
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sqlalchemy import select, union_all
@@ -24,6 +24,7 @@ from talaia.hub.history.queries.downsample import (
     pixel_width,
     steps_of,
 )
+from talaia.hub.history.queries.listed_blocks import list_together
 from talaia.hub.history.queries.newest import read_newest
 from talaia.hub.history.queries.series import HistoryGap, Series, empty_series
 from talaia.hub.history.queries.window import (
@@ -33,7 +34,6 @@ from talaia.hub.history.queries.window import (
     kept_bodies,
     outside_rollups,
     overlapping_blocks,
-    overlapping_of_channels,
     read_samples,
 )
 from talaia.hub.history.queries.window_query import window_of
@@ -47,26 +47,12 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.blocks.rollup import RollupPiece
     from talaia.hub.history.limits import HistoryLimits
+    from talaia.hub.history.queries.listed_blocks import ListedBlocks
     from talaia.hub.history.writing.block_index import BlockIndex
 
 __all__ = ["Reader"]
 
 _block = tables.block
-# Blocks of all channels of a question that are listed together.
-_MOST_LISTED = 800
-
-
-class _ListedBlocks(NamedTuple):
-    """Where the blocks of several channels are, and what was read of them already.
-
-    Attributes:
-        rows: by channel, in order of time.
-        bodies: by the block's number.
-
-    """
-
-    rows: dict[int, list[Any]]
-    bodies: dict[int, BlockSamples]
 
 
 class Reader:
@@ -107,8 +93,12 @@ class Reader:
         ]
         with self._engine.begin() as connection:
             gaps = gaps_of(connection, site, *_clamp_window(from_us, to_us))
-            listed = self._list_together(
-                connection, [found[0] for _, found in asked if found is not None], width
+            listed = list_together(
+                connection,
+                [found[0] for _, found in asked if found is not None],
+                most=self._most_samples(width),
+                most_bodies=self._limits.cached,
+                cache=self._cache,
             )
             return [
                 empty_series(address, gaps)
@@ -130,31 +120,6 @@ class Reader:
         """Give how many samples of a channel are read as they are; more are read as rollups."""
         return max(self._limits.raw, 2 * width)
 
-    def _list_together(
-        self, connection: Connection, windows: Sequence[StoredWindow], width: int
-    ) -> _ListedBlocks | None:
-        """Look up the blocks of many channels at once, and read them, as long as they are few.
-
-        One question costs hardly more than that of one channel. None: ask for each by itself.
-        """
-        if len(windows) < 2 or len({window.run for window in windows}) > 1:
-            return None
-        rows = overlapping_of_channels(connection, windows, _MOST_LISTED)
-        if rows is None:
-            return None
-        most = self._most_samples(width)
-        wanted = [
-            row
-            for channel in rows.values()
-            if sum(row.samples for row in channel) <= most
-            for row in channel
-        ]
-        bodies: dict[int, BlockSamples] = {}
-        if sum(row.samples for row in wanted) <= self._limits.cached:
-            ids = [row.id for row in wanted]
-            bodies = kept_bodies(connection, ids, windows[0].run, self._cache)
-        return _ListedBlocks(rows, bodies)
-
     def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
     ) -> dict[str, tuple[int, float, str]]:
@@ -173,7 +138,7 @@ class Reader:
         width: int,
         gaps: list[HistoryGap],
         steps: bool,
-        listed: _ListedBlocks | None,
+        listed: ListedBlocks | None,
     ) -> Series:
         tail = in_order(held).between_times(window.from_us, window.to_us)
         span_us = window.to_us - window.from_us + 1

@@ -34,7 +34,7 @@ def _cylinder(radius: float, length: float, xyz: str, material: str, *, rpy: str
 """
 
 
-def _joint(  # noqa: PLR0913 - of a joint, by name
+def _joint(
     name: str,
     kind: str,
     child: str,
