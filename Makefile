@@ -1,6 +1,10 @@
 # One word for each thing a developer or a user wants. `tools/setup.py` makes .venv, the object
 # detector and the pages when they are missing or out of date, and takes no time when they are not.
 PYTHON ?= python3
+# One that somebody names is used; else the system's may be, where it is much quicker.
+ifneq ($(origin PYTHON),file)
+export TALAIA_THIS_PYTHON := 1
+endif
 VENV := .venv/bin
 .DEFAULT_GOAL := help
 .PHONY: help setup demo demo-indi test test-quick coverage proofs check bench bench-peers faults fuzz soak docs site lock pages clean

@@ -18,6 +18,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from choose_python import choose_python
+
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 STATIC = ROOT / "src" / "talaia" / "web" / "static"
@@ -169,8 +171,11 @@ def python_packages(wanted: str) -> int:
     if any(each.exists() and each.read_text() == dev_state for each in others):
         return 0
     if not (VENV / "bin" / "python").exists():
-        say("making .venv")
-        if subprocess.run([sys.executable, "-m", "venv", str(VENV)], check=False).returncode:
+        # Whoever says `make PYTHON=…` gets that one.
+        program = sys.executable if os.environ.get("TALAIA_THIS_PYTHON") else choose_python()
+        quicker = program != sys.executable
+        say(f"making .venv with {program}" + (", which is quicker" if quicker else ""))
+        if subprocess.run([program, "-m", "venv", str(VENV)], check=False).returncode:
             return fail("the virtual environment could not be made", "is python3-venv installed?")
     say(f"installing {lock.relative_to(ROOT)} into .venv (a few minutes the first time)")
     pip = [

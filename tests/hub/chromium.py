@@ -77,20 +77,22 @@ async def chromium(_browser):
         await context.close()
 
 
-async def sign_in(chromium, hub, name: str, password: str = PASSWORD, script: str = ""):
-    """Open a page whose errors are kept in ``page.errors``.
+async def sign_in(
+    chromium, hub, name: str, password: str = PASSWORD, *, script: str = "", to: str = "/home"
+):
+    """Open a page, ``to``, whose errors are kept in ``page.errors``.
 
-    ``script`` runs in it before anything else.
+    ``script`` runs in it before anything else. Each page that is opened computes most of a second.
     """
     page = await chromium.new_page(viewport={"width": 1440, "height": 900})
     page.set_default_timeout(PATIENCE_MS)
     if script:
         await page.add_init_script(script)
-    await sign_in_on(page, hub, name, password)
+    await sign_in_on(page, hub, name, password, to=to)
     return page
 
 
-async def sign_in_on(page, hub, name: str, password: str = PASSWORD) -> None:
+async def sign_in_on(page, hub, name: str, password: str = PASSWORD, *, to: str = "/home") -> None:
     """Sign in on a page that is there; what goes wrong in it is kept in ``errors``.
 
     As the form does, without the form: its page costs a browser as much as the next.
@@ -103,5 +105,6 @@ async def sign_in_on(page, hub, name: str, password: str = PASSWORD) -> None:
         headers={"Origin": hub.origin},
     )
     assert answer.ok, await answer.text()
-    await page.goto(f"{hub.origin}/home")
-    await page.wait_for_url(lambda url: url.endswith(("/home", "/public")))
+    await page.goto(f"{hub.origin}{to}")
+    if to == "/home":
+        await page.wait_for_url(lambda url: url.endswith(("/home", "/public")))

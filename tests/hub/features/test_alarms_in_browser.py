@@ -63,8 +63,7 @@ async def test_bar_shows_an_alarm_on_every_page_until_it_is_acknowledged(hub, ch
 async def test_an_alarm_is_made_in_the_page_after_it_was_tried(hub, chromium):
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION)
-    page = await sign_in(chromium, hub, "admin")
-    await page.goto(f"{hub.origin}/alarms")
+    page = await sign_in(chromium, hub, "admin", to="/alarms")
     await page.get_by_role("button", name="New alarm").click()
     await page.get_by_label("Name", exact=True).fill("Too fast")
     await page.get_by_label("Kind").select_option("Expression")
@@ -106,8 +105,7 @@ async def keep(page) -> None:
 async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromium):
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION)
-    page = await sign_in(chromium, hub, "admin")
-    await page.goto(f"{hub.origin}/alarms")
+    page = await sign_in(chromium, hub, "admin", to="/alarms")
     forever = {"A value is unknown after (s)": "3600"}
     await make(
         page, "Low", "Limit", Severity="critical", Signal="power/voltage",
@@ -184,8 +182,7 @@ async def test_people_see_to_an_alarm_and_others_only_look(hub, chromium):
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION + LOW)
     await gateway.samples(("power/voltage", now_us(), 10.0))
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/alarms?alarm=agv/low")
+    page = await sign_in(chromium, hub, "operator", to="/alarms?alarm=agv/low")
     row = page.locator("li[aria-current=true]")
     await row.get_by_role("button", name="Assign").click()
     await page.get_by_role("button", name="Myself").click()
@@ -245,8 +242,7 @@ async def test_people_see_to_an_alarm_and_others_only_look(hub, chromium):
 async def test_logbook_leads_to_the_device_s_chart_and_the_live_chart_has_the_mark(hub, chromium):
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION + LOW)
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/live")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/live")
     tiles = page.locator("t-chart-tile", has_text="Battery low raised")
     await expect(page.get_by_role("heading", name="Voltage")).to_be_visible()
     await gateway.samples(("power/voltage", now_us(), 10.0))
@@ -289,8 +285,7 @@ async def test_a_rule_is_changed_in_its_row_and_a_way_in_its_form(hub, chromium)
         "over": False, "quiet_from": 1350, "quiet_to": 365, "zone": "Asia/Tokyo", "group_s": 60,
     }  # fmt: skip
     kept = (await operator.post("/api/me/rules", json=asked)).json()
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/account")
+    page = await sign_in(chromium, hub, "operator", to="/account")
     row = page.locator(f"li[data-rule='{kept['id']}']")
     change = row.get_by_role("button", name="Change Mail to op@example.org")
     await change.focus()
@@ -325,8 +320,7 @@ async def test_a_rule_is_changed_in_its_row_and_a_way_in_its_form(hub, chromium)
     assert (await operator.get("/api/me/rules")).json()["rules"] == [changed]
     assert page.errors == []
 
-    page = await sign_in(chromium, hub, "admin")
-    await page.goto(f"{hub.origin}/admin/ways")
+    page = await sign_in(chromium, hub, "admin", to="/admin/ways")
     await page.get_by_role("button", name="Change Hook").click()
     await page.get_by_label("Address").fill("https://elsewhere.test/")
     # What is typed for one way is for no other.

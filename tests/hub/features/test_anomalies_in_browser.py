@@ -118,8 +118,7 @@ async def test_not_an_anomaly_is_said_at_the_live_chart_by_key_and_every_page_sh
     hub, chromium
 ):
     async with driving(hub) as robot:
-        page = await sign_in(chromium, hub, "operator")
-        await page.goto(f"{hub.origin}/sites/agv/live")
+        page = await sign_in(chromium, hub, "operator", to="/sites/agv/live")
         quartiles = tile_of(page, "Speed").locator("t-detector").filter(has_text="quartiles")
         await expect(quartiles).to_contain_text("as usual")
         # It has to know some samples before it has an opinion.
@@ -127,8 +126,7 @@ async def test_not_an_anomaly_is_said_at_the_live_chart_by_key_and_every_page_sh
         robot.speed = 1.0
         await expect(quartiles.locator("t-status")).to_contain_text("anomaly")
         robot.speed = 0.5
-        onlooker = await sign_in(chromium, hub, "guest")
-        await onlooker.goto(f"{hub.origin}/sites/agv/live")
+        onlooker = await sign_in(chromium, hub, "guest", to="/sites/agv/live")
         theirs = tile_of(onlooker, "Speed").locator("t-detector").filter(has_text="quartiles")
         # A guest sees why, and may say nothing.
         await expect(theirs).to_contain_text("times the distance of the quartiles above")
@@ -164,8 +162,7 @@ async def test_a_paused_chart_pauses_its_strips(hub, chromium):
 
 async def test_outliers_of_the_live_chart_are_pointed_out_by_pointer_and_by_key(hub, chromium):
     async with driving(hub) as robot:
-        page = await sign_in(chromium, hub, "operator")
-        await page.goto(f"{hub.origin}/sites/agv/live")
+        page = await sign_in(chromium, hub, "operator", to="/sites/agv/live")
         tile = tile_of(page, "Speed")
         await expect(tile.locator("t-detector")).to_have_count(2)
         await robot.sends(20)
@@ -309,8 +306,7 @@ async def test_a_group_learns_from_a_run_on_its_page_and_names_what_made_an_anom
             )
 
     await send(range(200), 12.0)
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/anomalies")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/anomalies")
     group = page.locator("t-detector").filter(has_text="The body")
     await expect(group).to_contain_text("3 signals once a second")
     await expect(group.locator("t-status")).to_contain_text("learning")
@@ -350,8 +346,7 @@ async def test_a_group_learns_from_a_run_on_its_page_and_names_what_made_an_anom
 
 async def test_false_alarms_are_bounded_and_an_anomaly_opens_its_cause(hub, chromium):
     async with driving(hub) as robot:
-        page = await sign_in(chromium, hub, "operator")
-        await page.goto(f"{hub.origin}/sites/agv/anomalies")
+        page = await sign_in(chromium, hub, "operator", to="/sites/agv/anomalies")
         budget = page.locator("t-alarm-budget")
         await expect(budget).to_contain_text("Each detector goes by its own bar")
         await budget.get_by_label("False alarms a week").fill("2")

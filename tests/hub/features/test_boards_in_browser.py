@@ -104,8 +104,7 @@ async def test_who_may_see_little_is_told_so_tile_by_tile(chromium, hub, gateway
     board = {"name": "Hall", "note": "", "site": "agv", "kind": "", "device": "", "tiles": tiles}
     key = (await admin.post("/api/boards", json={"board": board})).json()["key"]
     assert (await admin.put(f"/api/boards/{key}/public", json={})).status_code == 204
-    guest = await sign_in(chromium, hub, "guest")
-    await guest.goto(f"{hub.origin}/boards/{key}?kiosk=1")
+    guest = await sign_in(chromium, hub, "guest", to=f"/boards/{key}?kiosk=1")
     states = guest.locator("t-board-tile [data-state]")
     await expect(states).to_have_count(3)
     found = await states.evaluate_all("each => each.map(one => one.dataset.state).sort()")
@@ -157,8 +156,7 @@ async def test_a_board_in_the_past_shows_it_and_sends_nothing(chromium, hub, gat
     await gateway.samples(*rows, live=False)
     # What comes now is seen now, and never in the past.
     await gateway.samples(("base/turn_rate", time.time_ns() // 1000, 2.5))
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/boards/{key}?at=2023-11-14T22:14:20Z")
+    page = await sign_in(chromium, hub, "operator", to=f"/boards/{key}?at=2023-11-14T22:14:20Z")
     bar = page.locator("t-time-bar")
     await expect(bar.locator("time")).to_have_text("14 Nov 2023, 23:14:20 CET")
     await expect(bar.get_by_text("22:14:20 UTC")).to_be_visible()
@@ -231,8 +229,7 @@ async def test_a_tile_shows_what_was_kept_of_a_robots_log_and_finds_words_in_it(
         batch = RobotLogBatch(boot="run", first=first, lines=said[first : first + 150])
         await gateway.say(batch)
         assert (await gateway.hear(RobotLogAck)).below == first + 150
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/boards/{key}")
+    page = await sign_in(chromium, hub, "operator", to=f"/boards/{key}")
     lines = page.get_by_role("list", name="Lines, the newest first")
     await expect(lines).to_contain_text("low pressure 449")
     await expect(lines).not_to_contain_text("the pump is dry")

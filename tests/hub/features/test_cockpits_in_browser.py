@@ -96,8 +96,7 @@ async def test_an_arm_has_its_joints_between_their_ends_steps_of_its_tool_and_po
     gateway = await hub.gateway()
     await gateway.hello(arm_description())
     gateway.channels = {f"arm/{joint}": at for at, joint in enumerate(JOINTS)}
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/drive")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/drive")
     now = time.time_ns() // 1000
     for joint, at in zip(JOINTS, (0.5, 2.95, -1.0), strict=True):
         await gateway.samples((f"arm/{joint}", now, at))
@@ -121,8 +120,7 @@ async def test_a_vehicles_cockpit_fits_each_screen_and_one_thumb_and_a_gamepad_s
 ) -> None:
     gateway = await hub.gateway()
     await gateway.hello()
-    page = await sign_in(chromium, hub, "operator", script=PAD)
-    await page.goto(f"{hub.origin}/sites/agv/drive")
+    page = await sign_in(chromium, hub, "operator", script=PAD, to="/sites/agv/drive")
     await expect(page.locator("t-drive-hud")).to_contain_text("Speed")
     await assert_screens(page, "vehicle")
     await assert_one_thumb_reaches_all(page)
@@ -161,8 +159,7 @@ async def test_an_observatorys_night_stands_on_one_screen_and_turns_red(hub, chr
     key = await hub.hub.gateways.registry.new_key("observatory")
     gateway = await hub.gateway(key=key)
     await gateway.hello(OBSERVATORY, site="observatory")
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/observatory/night")
+    page = await sign_in(chromium, hub, "operator", to="/sites/observatory/night")
     for part in PARTS:
         await expect(page.get_by_role("region", name=part, exact=True)).to_be_visible()
     await expect(page.get_by_role("heading", name="Log", exact=True)).to_be_visible()

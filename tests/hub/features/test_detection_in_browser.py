@@ -135,8 +135,7 @@ async def filming(hub, gateway):
 async def watching(hub, chromium):
     gateway = await hub.gateway()
     await gateway.hello(SEEING)
-    page = await sign_in(chromium, hub, "operator", script=NOTES)
-    await page.goto(f"{hub.origin}/sites/agv/devices/camera")
+    page = await sign_in(chromium, hub, "operator", script=NOTES, to="/sites/agv/devices/camera")
     return gateway, page
 
 
@@ -286,8 +285,7 @@ async def test_zones_and_lines_stand_over_the_picture_until_they_are_hidden(hub,
     )
     gateway = await hub.gateway()
     await gateway.hello(counting)
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/devices/camera")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/devices/camera")
     async with filming(hub, gateway):
         # No count has come: a dash, and no zero that could be believed.
         name = page.locator("t-picture-marks .name")

@@ -13,8 +13,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
 async def test_a_display_is_made_opened_and_leaves_its_token_in_no_address(
     chromium, hub, gateway
 ) -> None:
-    page = await sign_in(chromium, hub, "admin")
-    await page.goto(f"{hub.origin}/admin/people")
+    page = await sign_in(chromium, hub, "admin", to="/admin/people")
     displays = page.locator("t-displays")
     await displays.get_by_role("button", name="Add a display").click()
     await displays.get_by_label("Name").fill("Hall")
@@ -49,7 +48,6 @@ async def test_who_is_signed_in_is_asked_before_their_browser_becomes_a_display(
     chromium, hub, gateway
 ) -> None:
     _, token = await hub.hub.people.displays.add_display("Hall", ["agv"])
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/display#{token}")
+    page = await sign_in(chromium, hub, "operator", to=f"/display#{token}")
     await expect(page.get_by_role("heading", name="Make this browser a display?")).to_be_visible()
     assert (await (await page.request.get(f"{hub.origin}/api/me")).json())["name"] == "operator"

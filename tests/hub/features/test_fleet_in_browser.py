@@ -63,8 +63,7 @@ async def assert_screens(page, name: str) -> None:
 async def test_stop_for_the_chosen_stops_these_and_no_other_and_says_how_far_it_got(
     chromium, hub, fleet
 ) -> None:
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/fleet")
+    page = await sign_in(chromium, hub, "operator", to="/fleet")
     for name in ("Anna", "Bruno"):
         await page.get_by_role("checkbox", name=name).check()
     await page.get_by_role("button", name="STOP").click()
@@ -91,8 +90,7 @@ async def test_stop_for_the_chosen_stops_these_and_no_other_and_says_how_far_it_
 async def test_command_to_a_group_says_who_will_do_it_and_what_became_of_it_at_each(
     chromium, hub, fleet
 ) -> None:
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/fleet")
+    page = await sign_in(chromium, hub, "operator", to="/fleet")
     await page.get_by_role("button", name="Choose all 3").click()
     command = page.get_by_role("region", name="Command", exact=True)
     label = "Vehicle base: Wander about (3 of 3)"

@@ -58,8 +58,7 @@ async def test_a_mosaic_is_framed_turned_and_handed_in_as_a_request_for_each_pan
     hub, chromium
 ) -> None:
     await observe(hub, "indi")
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/{SITE}/requests?new=1")
+    page = await sign_in(chromium, hub, "operator", to=f"/sites/{SITE}/requests?new=1")
     form = page.locator("t-request-form")
     await form.locator("[name=name]").fill("The whole galaxy")
     await open_framing(page, form)

@@ -25,8 +25,7 @@ async def test_the_page_says_who_acts_and_asks_before_it_interrupts(
     site = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={}, night=None)
     gateway = await hub.gateway()
     await gateway.hello(description=dump_site(site))
-    page = await sign_in(chromium, hub, "admin")
-    await page.goto(f"{hub.origin}/sites/agv/devices/dome")
+    page = await sign_in(chromium, hub, "admin", to="/sites/agv/devices/dome")
     await expect(page.get_by_text("This does not close or park by itself")).to_be_visible()
     # Everybody who sees the dome sees who acts on it, in the words of the refusal.
     hers = frames.CommandState(
@@ -36,8 +35,7 @@ async def test_the_page_says_who_acts_and_asks_before_it_interrupts(
     await gateway.say(hers)
     acts = page.locator("t-device-holder")
     await expect(acts).to_contain_text("Ada is acting on Dome: Close (since ")
-    viewer = await sign_in(chromium, hub, "operator")
-    await viewer.goto(f"{hub.origin}/sites/agv/devices/dome")
+    viewer = await sign_in(chromium, hub, "operator", to="/sites/agv/devices/dome")
     await expect(viewer.locator("t-device-holder")).to_contain_text("Ada is acting on Dome: Close")
     for name, width, height in (("desktop", 1440, 900), ("phone", 390, 844)):
         await viewer.set_viewport_size({"width": width, "height": height})

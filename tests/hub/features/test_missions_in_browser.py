@@ -78,8 +78,7 @@ def step_line(page, number: int):
 async def test_mission_is_written_and_run_with_the_result_of_each_step(
     chromium, hub, gateway
 ) -> None:
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/missions")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/missions")
     await write_patrol(page)
     await page.get_by_role("button", name="Start Patrol").click()
     asked = await gateway.hear(frames.CommandRequest)
@@ -104,8 +103,7 @@ async def test_mission_is_written_and_run_with_the_result_of_each_step(
 async def test_stop_ends_a_mission_on_the_page_and_keeps_the_next_from_beginning(
     chromium, hub, gateway
 ) -> None:
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/missions")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/missions")
     await write_patrol(page)
     await page.get_by_role("button", name="Start Patrol").click()
     asked = await gateway.hear(frames.CommandRequest)
@@ -123,8 +121,7 @@ async def test_stop_ends_a_mission_on_the_page_and_keeps_the_next_from_beginning
 
 
 async def test_mission_begins_by_itself_at_a_time_of_the_site(chromium, hub, gateway) -> None:
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/missions")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/missions")
     await write_patrol(page)
     await page.get_by_role("button", name="Change Patrol").click()
     form = page.locator("t-mission-form")

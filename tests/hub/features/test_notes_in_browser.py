@@ -27,8 +27,9 @@ async def test_a_note_is_written_on_the_past_board_s_bar_and_found_everywhere(
     rows = [("base/turn_rate", NOW + second * 1_000_000, second / 100) for second in range(90)]
     await gateway.samples(*rows, live=False)
     operator = await hub.client("operator")
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/boards/template:agv?at=2023-11-14T22:14:20Z")
+    page = await sign_in(
+        chromium, hub, "operator", to="/boards/template:agv?at=2023-11-14T22:14:20Z"
+    )
     bar = page.locator("t-time-bar")
     await bar.get_by_role("button", name="Begin a span").click()
     await bar.get_by_role("slider", name="Moment").press("PageDown")
@@ -99,8 +100,7 @@ async def test_notes_are_searched_changed_and_removed_on_their_page(chromium, hu
         at = NOW + second * 1_000_000
         body = {"device": "base", "signal": "", "from_us": at, "to_us": at, "text": text}
         assert (await operator.post(NOTES, json=body)).status_code == 201
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/notes")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/notes")
     rows = page.locator("[data-note]")
     await expect(rows).to_have_count(3)
     await page.get_by_label("Words").fill("storm")
@@ -131,8 +131,7 @@ async def test_notes_are_searched_changed_and_removed_on_their_page(chromium, hu
     assert await page.evaluate("document.documentElement.scrollWidth") <= 390
     assert await violations(page) == []
     # Who has no right there reads none, and is offered to write none.
-    guest = await sign_in(chromium, hub, "guest")
-    await guest.goto(f"{hub.origin}/sites/agv/notes")
+    guest = await sign_in(chromium, hub, "guest", to="/sites/agv/notes")
     await expect(guest.get_by_text("No notes yet")).to_be_visible()
     assert await guest.get_by_role("button", name="Write a note").count() == 0
     assert page.errors == guest.errors == []

@@ -92,8 +92,7 @@ async def write_darks(form) -> None:
 
 async def test_a_group_is_written_kept_and_opened_with_all_of_it(observatory, chromium):
     hub = observatory
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/{SITE}/requests?new=1")
+    page = await sign_in(chromium, hub, "operator", to=f"/sites/{SITE}/requests?new=1")
     form = page.locator("t-request-form")
     await write_star(form)
     await form.get_by_role("button", name="Add a window").click()
@@ -191,8 +190,9 @@ async def test_what_is_over_is_asked_for_again_from_now_on(observatory, chromium
     }
     asked = {"proposal": "STARS-1", "name": "Old Moon", "requests": [one], "draft": True}
     made = (await client.post(f"{AT}/request-groups", json=asked)).json()
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/{SITE}/requests?request={made['requests'][0]['id']}")
+    page = await sign_in(
+        chromium, hub, "operator", to=f"/sites/{SITE}/requests?request={made['requests'][0]['id']}"
+    )
     await page.get_by_role("button", name="Ask again like this…").click()
     form = page.locator("t-request-form")
     await expect(form.get_by_text("This window is over")).to_have_count(0)

@@ -105,8 +105,7 @@ async def test_a_day_is_looked_through_by_keys_and_what_was_seen_stays_seen(
     await told.hear(SightingUpdate, lambda news: news.began_us == NOON + 5 * MINUTE)
     await bring_film(hub, make_film(tmp_path / "film.mp4"), NOON + 5 * MINUTE - 3_000_000)
 
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/review")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/review")
     days = page.get_by_role("navigation", name="Days")
     await expect(days.get_by_role("link")).to_have_count(2)
     await expect(days.get_by_role("link").first).to_contain_text("5 new of 5")
@@ -182,8 +181,7 @@ async def test_who_may_not_see_the_camera_has_nothing_to_look_through(hub, chrom
         )
     )  # fmt: skip
     await told.hear(SightingUpdate)
-    page = await sign_in(chromium, hub, "guest")
-    await page.goto(f"{hub.origin}/sites/agv/review")
+    page = await sign_in(chromium, hub, "guest", to="/sites/agv/review")
     await expect(page.get_by_text("Nothing seen yet")).to_be_visible()
     await expect(page.locator("li[data-sighting]")).to_have_count(0)
     await keep(page, "review-empty")

@@ -104,8 +104,7 @@ async def test_graph_is_drawn_searched_and_walked_by_keys(chromium, hub) -> None
     }
     board = {"name": "Graph", "note": "", "site": "agv", "kind": "", "device": "", "tiles": [tile]}
     key = (await operator.post("/api/boards", json={"board": board})).json()["key"]
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/boards/{key}")
+    page = await sign_in(chromium, hub, "operator", to=f"/boards/{key}")
     await gateway.hear(frames.TapSubscription, lambda said: said.graph)
     await media.say(NAV)
     graph = page.locator("t-node-graph")

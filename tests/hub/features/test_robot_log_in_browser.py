@@ -46,8 +46,7 @@ async def test_a_robots_log_is_found_by_words_level_node_and_time_and_grows_by_i
     chromium, hub, gateway
 ) -> None:
     now_us = time.time_ns() // 1000
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/home")
+    page = await sign_in(chromium, hub, "operator", to="/home")
     await page.goto(f"{hub.origin}/sites/agv/log")
     await expect(page.get_by_text("No line is kept yet")).to_be_visible()
     for first in range(0, COUNT, 125):

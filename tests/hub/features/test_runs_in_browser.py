@@ -27,8 +27,7 @@ async def test_two_runs_are_laid_over_each_other_and_played_side_by_side(
         span = {"from_us": start, "to_us": start + 60_000_000}
         body = {"device": "base", "signal": "", "text": text, **span}
         assert (await operator.post("/api/sites/agv/notes", json=body)).status_code == 201
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/history?c=base/turn_rate")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/history?c=base/turn_rate")
     await page.get_by_role("button", name="Compare runs").click()
     dialog = page.locator("t-run-picker")
     runs = {

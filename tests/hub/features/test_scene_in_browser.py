@@ -262,8 +262,7 @@ async def test_the_scan_is_where_the_house_is_and_a_goal_goes_by_the_command_pat
     world, ranges, messages = house
     robot = HouseRobot(hub, messages)
     await robot.open(SITE + OPEN)
-    page = await sign_in(space, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/scene")
+    page = await sign_in(space, hub, "operator", to="/sites/agv/scene")
     await robot.until(lambda asked: asked == set(KINDS))
     await page.get_by_role("button", name="From above").click()
     # By transforms that come after the scan it is drawn anew.
@@ -371,8 +370,7 @@ async def test_who_may_not_follow_topics_is_told_so_and_the_robot_is_not_heard(
 ) -> None:
     robot = HouseRobot(hub, house[2])
     await robot.open(SITE + SHUT)
-    page = await sign_in(space, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/scene")
+    page = await sign_in(space, hub, "operator", to="/sites/agv/scene")
     await expect(page.get_by_role("heading", name="Nothing to see in space")).to_be_visible()
     await expect(page.get_by_text("gives you the right")).to_be_visible()
     assert robot.asked == set()
@@ -390,8 +388,7 @@ async def test_without_webgl_the_scene_is_seen_from_above_and_says_why(space, hu
       HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
         return kind.startsWith('webgl') ? null : get.call(this, kind, ...more);
       };"""
-    page = await sign_in(space, hub, "admin", script=script)
-    await page.goto(f"{hub.origin}/sites/agv/scene")
+    page = await sign_in(space, hub, "admin", script=script, to="/sites/agv/scene")
     await robot.until(lambda asked: asked == set(KINDS))
     await expect(page.get_by_text("it has no WebGL")).to_be_visible()
     points, _ = await shown_scan(page)

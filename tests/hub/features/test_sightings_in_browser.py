@@ -43,8 +43,7 @@ async def test_a_sighting_is_on_the_page_while_it_lasts_and_is_found_later(hub, 
     gateway = await hub.gateway()
     await gateway.hello(SEEING)
     told = await hub.page("operator")
-    page = await sign_in(chromium, hub, "operator")
-    await page.goto(f"{hub.origin}/sites/agv/sightings")
+    page = await sign_in(chromium, hub, "operator", to="/sites/agv/sightings")
     await expect(page.get_by_text("Nothing seen yet")).to_be_visible()
 
     picture = simplejpeg.encode_jpeg(np.full((48, 64, 3), 90, np.uint8))
@@ -96,7 +95,6 @@ async def test_who_may_not_see_the_camera_sees_nothing_of_it(hub, chromium):
     told = await hub.page("operator")
     await gateway.say(seen("person", BEGAN, ended_us=BEGAN + MINUTE))
     await told.hear(SightingUpdate)
-    page = await sign_in(chromium, hub, "guest")
-    await page.goto(f"{hub.origin}/sites/agv/sightings")
+    page = await sign_in(chromium, hub, "guest", to="/sites/agv/sightings")
     await expect(page.get_by_text("No camera looks for anything")).to_be_visible()
     await expect(page.locator("t-sighting")).to_have_count(0)

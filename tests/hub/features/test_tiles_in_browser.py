@@ -55,8 +55,7 @@ async def test_a_tile_shows_a_live_value_and_broken_ones_take_nothing_with_them(
     site = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={}, night=None)
     gateway = await hub.gateway()
     await gateway.hello(description=dump_site(site))
-    page = await sign_in(chromium, hub, "admin")
-    await page.goto(f"{hub.origin}/sites/agv/devices/weather")
+    page = await sign_in(chromium, hub, "admin", to="/sites/agv/devices/weather")
     await expect(page.locator("t-extension-tile")).to_have_count(3)
     gateway.channels = {channel.address: at for at, channel in enumerate(site.channels())}
     await gateway.samples(("weather/wind", SystemClock().wall_ns() // 1000, 23.0))

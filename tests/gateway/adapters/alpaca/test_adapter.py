@@ -193,7 +193,7 @@ async def test_a_server_without_a_list_of_devices_is_found_out_and_told_what_to_
             lambda: bench.newest("observingconditions_0/temperature") is not None, "weather"
         )
         opened = await bench.does("dome_0", "open")
-        assert (opened.phase, opened.message) == (CommandPhase.SUCCEEDED, "shutterstatus 0")
+        assert (opened.phase, opened.message) == (CommandPhase.SUCCEEDED, "Shutter: open")
         await bench.until_state("dome_0/shutterstatus", "open")
         assert (await bench.does("dome_0", "close")).phase is CommandPhase.SUCCEEDED
         selected = await bench.does("filterwheel_0", "select", position=2)
@@ -215,11 +215,28 @@ async def test_a_server_without_a_list_of_devices_is_found_out_and_told_what_to_
         assert "0x408" in refused.message
         # It was refused, and nothing is latched by that.
         assert (await bench.does("telescope_0", "unpark")).phase is CommandPhase.SUCCEEDED
-        switched = await bench.does("switch_0", "set_switch_1", on=True)
-        assert switched.phase is CommandPhase.SUCCEEDED
+        switched = await bench.does("switch_0", "set_switch_0", on=True)
+        assert (switched.phase, switched.message) == (CommandPhase.SUCCEEDED, "on")
+        dimmed = await bench.does("switch_0", "set_switch_1", value=0.7)
+        assert (dimmed.phase, dimmed.message) == (CommandPhase.SUCCEEDED, "0.7")
         put(simulators, "safetymonitor/0/issafe", IsSafe=False)
         await bench.until_state("safetymonitor_0/issafe", "unsafe")
         put(simulators, "safetymonitor/0/issafe", IsSafe=True)
+
+
+async def test_a_device_that_was_late_once_is_found_when_it_is_asked_again(
+    observatory: tuple[int, AlpacaStandIn], tmp_path: Path
+) -> None:
+    port, stand_in = observatory
+    stand_in.silent.add("dome/0/shutterstatus")
+    async with gateway_for(
+        port, tmp_path, BARE.replace("port: %d", "port: %d, timeout: 1")
+    ) as bench:
+        await bench.hub.until(lambda: stand_in.asked["dome/0/shutterstatus"], "it is asked")
+        assert not bench.site.devices
+        stand_in.silent.clear()
+        await bench.until_state("dome_0/shutterstatus", "closed")
+        assert {"dome_0", "safetymonitor_0", "camera_0"} < set(bench.site.devices)
 
 
 def _break_error(stand_in: AlpacaStandIn) -> None:

@@ -38,7 +38,7 @@ def test_what_rests_elsewhere_has_failed_after_it_has_settled() -> None:
     end = goal.evaluate_values({"slewing": False, "atpark": False}, 2 * SETTLE_NS)
     assert end is not None
     assert end.phase is Phase.FAILED
-    assert "atpark is False" in end.message
+    assert "Parked: no" in end.message
 
 
 @pytest.mark.parametrize(("asked", "there"), [(0.0, 359.5), (359.6, 0.2), (90.0, 90.9)])
@@ -69,6 +69,23 @@ def test_a_switch_is_asked_for_by_its_number() -> None:
     end = goal.evaluate_values({"getswitch?Id=3": True}, 0)
     assert end is not None
     assert end.phase is Phase.SUCCEEDED
+
+
+@pytest.mark.parametrize(
+    ("target", "fields", "values", "words"),
+    [
+        ("dome/0/openshutter", {}, {"shutterstatus": 0}, "Shutter: open"),
+        ("camera/0/setccdtemperature", {"SetCCDTemperature": -10.0},
+         {"setccdtemperature": -10.0}, "Set point: -10 °C"),
+        ("covercalibrator/0/opencover", {}, {"coverstate": 3}, "Cover: open"),
+        ("switch/0/setswitch", {"Id": 3, "State": True}, {"getswitch": True}, "on"),
+        ("switch/0/setswitchvalue", {"Id": 3, "Value": 0.5}, {"getswitchvalue": 0.5}, "0.5"),
+    ],
+)  # fmt: skip
+def test_what_was_reached_is_told_in_the_words_of_the_page(target, fields, values, words) -> None:
+    end = AlpacaGoal(target, fields, 0).evaluate_values(values, 0)
+    assert end is not None
+    assert (end.phase, end.message) == (Phase.SUCCEEDED, words)
 
 
 def test_binning_and_gain_are_set_when_the_camera_says_so() -> None:

@@ -20,6 +20,7 @@ from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.role_proposal import roles_of
 from talaia.model.roles import CommandRole, SignalRole
+from talaia.model.site import ArgumentType
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
 
@@ -48,6 +49,14 @@ def test_the_simulators_become_a_description_that_runs(simulators: int) -> None:
     # Its ten gains have names, and one is chosen by its place.
     gain = camera["gain"].arguments["gain"]
     assert (gain.minimum, gain.maximum) == (0, 9)
+    wheel = again.devices["filterwheel_0"].commands["select"]
+    assert wheel.description == "0 Red, 1 Green, 2 Blue, 3 Clear, 4 Luminance"
+    # The second goes from 0 to 1 as well, in steps of a tenth: no switch, but a dimmer.
+    power, dimmer = (again.devices["switch_0"].commands[f"set_switch_{at}"] for at in (0, 1))
+    assert power.role is CommandRole.POWER_SWITCH
+    assert power.arguments["on"].type is ArgumentType.BOOLEAN
+    value = dimmer.arguments["value"]
+    assert (value.type, value.minimum, value.maximum) == (ArgumentType.NUMBER, 0.0, 1.0)
 
 
 # What a person may ask of instruments by hand, whatever they are reached by.

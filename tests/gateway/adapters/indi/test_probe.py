@@ -64,6 +64,17 @@ async def test_connected_drivers_are_described_with_names_and_units_and_run_as_t
     assert "goto" in site.devices["telescope_simulator"].commands
 
 
+async def test_settings_that_a_driver_calls_alike_say_what_each_of_them_sets(
+    indi: Callable[..., object],
+) -> None:
+    async with indi("indi_simulator_focus") as server:
+        found = await seen(server.port, connect=True)
+    site = propose_description(found, "sky", "Sky", "UTC").site
+    names = [command.name for command in site.devices["focuser_simulator"].commands.values()]
+    assert len(set(names)) == len(names)
+    assert {"Set Backlash (Enabled, Disabled)", "Set Backlash (Steps)"} <= set(names)
+
+
 async def test_a_server_that_is_not_there_is_told_with_its_address() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

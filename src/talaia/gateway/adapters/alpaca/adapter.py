@@ -45,6 +45,8 @@ __all__ = ["AlpacaAdapter"]
 log = logging.getLogger(__name__)
 # Pace at which held-back values are given out.
 _TURN_S = 0.1
+# After so many times what is waited for an answer; who hangs is not asked all the time.
+_LOOK_AGAIN = 3.0
 
 
 class AlpacaAdapter(JsonAdapter):
@@ -192,24 +194,41 @@ class AlpacaAdapter(JsonAdapter):
 
     async def _find_devices(self, server: AlpacaServer) -> None:
         """Tell once of what the server has and the description does not name."""
+        again_s, said = _LOOK_AGAIN * self._settings.timeout, ""
+        while True:
+            try:
+                found = await self._ask_for_others(server)
+            except ServerNotReached:
+                raise
+            except (FetchFailed, AlpacaRefused) as error:
+                # Those that are described go on. Who hangs, or was late once, is asked again.
+                if str(error) != said:
+                    said = str(error)
+                    log.warning(
+                        "looking for Alpaca devices at %s ended: %s; trying again every %g s",
+                        server.where,
+                        error,
+                        again_s,
+                    )
+                await asyncio.sleep(again_s)
+                continue
+            if found:
+                self._status.found(found)
+            return
+
+    async def _ask_for_others(self, server: AlpacaServer) -> dict[str, Device]:
+        """Ask every device that the description does not name what it is, by words for them."""
         named = {part for parts in self._parts.values() for part in parts}
         found: dict[str, Device] = {}
-        try:
-            for one in await list_devices(server, self._settings.devices):
-                if one.device in named:
-                    continue
-                if self._settings.connect:
-                    await _connect_device(server, one.device)
-                answers = await ask_device(server, one)
-                word = unique_word(one.device.replace("/", "_"), {*self._scope.devices, *found})
-                found[word] = device_of(answers, self._scope.name)
-        except ServerNotReached:
-            raise
-        except (FetchFailed, AlpacaRefused) as error:
-            # Those that are described go on; who hangs is asked again after the next connection.
-            log.warning("looking for Alpaca devices at %s ended: %s", server.where, error)
-        if found:
-            self._status.found(found)
+        for one in await list_devices(server, self._settings.devices):
+            if one.device in named:
+                continue
+            if self._settings.connect:
+                await _connect_device(server, one.device)
+            answers = await ask_device(server, one)
+            word = unique_word(one.device.replace("/", "_"), {*self._scope.devices, *found})
+            found[word] = device_of(answers, self._scope.name)
+        return found
 
     def _report_devices(self, part: str) -> None:
         for device, parts in self._parts.items():

@@ -97,7 +97,8 @@ def switch_questions(count: object) -> list[str]:
     """Name what the switches of a device are asked for, by how many it says it has."""
     if isinstance(count, bool) or not isinstance(count, int):
         return []
-    parts = ("getswitchname", "canwrite", "minswitchvalue", "maxswitchvalue", "getswitchvalue")
+    limits = ("minswitchvalue", "maxswitchvalue", "switchstep")
+    parts = ("getswitchname", "canwrite", *limits, "getswitchvalue")
     return [f"{part}?Id={at}" for at in range(min(count, MOST_SWITCHES)) for part in parts]
 
 
@@ -188,8 +189,16 @@ def _command_of(found: FoundDevice, row: StandardMethod) -> Command:
         },
         timeout=row.timeout,
         confirm=row.confirm,
-        description=row.description,
+        description=_filter_words(found) or row.description,
     )
+
+
+def _filter_words(found: FoundDevice) -> str:
+    """Say which filter stands at which place of a wheel; empty for another device."""
+    names = found.answers.get("names")
+    if found.type != "filterwheel" or not isinstance(names, list):
+        return ""
+    return ", ".join(f"{at} {_shown(str(name))}" for at, name in enumerate(names))[:200]
 
 
 def _argument_of(found: FoundDevice, row: ArgumentRow) -> Argument:
@@ -225,13 +234,17 @@ def _limit(found: FoundDevice, limit: float | str | None) -> float | None:
 def _add_switch(
     found: FoundDevice, at: int, signals: dict[str, Signal], commands: dict[str, Command]
 ) -> None:
-    """Describe one of a device's switches: a truth where it goes from 0 to 1, else a number."""
+    """Describe one of a device's switches: a truth from 0 to 1 at once, else a number.
+
+    A dimmer goes from 0 to 1 as well, in steps (ISwitchV2: of a truth the step is 1).
+    """
     value = f"getswitchvalue?Id={at}"
     if value not in found.answers:
         return
     name = _shown(str(found.answers.get(f"getswitchname?Id={at}") or "")) or f"Switch {at}"
     low, high = (_limit(found, f"{end}switchvalue?Id={at}") for end in ("min", "max"))
-    boolean = (low, high) == (0.0, 1.0)
+    step = _limit(found, f"switchstep?Id={at}")
+    boolean = (low, high) == (0.0, 1.0) and (step is None or step >= 1.0)
     signals[f"switch_{at}"] = Signal(
         name=name,
         type=SignalType.STATE if boolean else SignalType.NUMBER,

@@ -11,6 +11,7 @@ import math
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from talaia.clock import SECOND
+from talaia.gateway.adapters.alpaca.standard_signals import STANDARD_SIGNALS, SignalRow
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
@@ -200,6 +201,7 @@ class AlpacaGoal:
     def __init__(self, target: str, fields: Mapping[str, Scalar], now_ns: int) -> None:
         """Judge a method with the parameters that it was called with."""
         self.row = row_of(target)
+        self._type = target.partition("/")[0]
         self._fields = fields
         self._rest_ns: int | None = None  # Since when it rests elsewhere.
         self._began_ns = now_ns
@@ -237,7 +239,9 @@ class AlpacaGoal:
             self._rest_ns = now_ns
         if now_ns - self._rest_ns < SETTLE_NS:
             return CommandOutcome(CommandPhase.RUNNING, "", self._progress(now_ns))
-        rests = ", ".join(f"{want.property} is {found.get(want.property)!r}" for want in missing)
+        rests = ", ".join(
+            _words_of_value(self._type, want.property, found.get(want.property)) for want in missing
+        )
         return CommandOutcome(CommandPhase.FAILED, f"it rests elsewhere than asked for: {rests}")
 
     def _progress(self, now_ns: int) -> float:
@@ -266,11 +270,27 @@ class AlpacaGoal:
 
     def _words_of(self, found: Mapping[str, object]) -> str:
         shown = [
-            f"{want.property} {value:g}" if isinstance(value, float) else f"{want.property} {value}"
+            _words_of_value(self._type, want.property, value)
             for want in self.row.wanted
-            if (value := found.get(want.property)) is not None
+            if (value := found.get(want.property)) not in (None, ABSENT)
         ]
         return ", ".join(shown)[:200]
+
+
+def _words_of_value(device_type: str, name: str, value: object) -> str:
+    """Say what a property is, as pages call it: ``Shutter: open``, ``Set point: -10 °C``."""
+    rows = STANDARD_SIGNALS.get(device_type, ())
+    row = next((row for row in rows if row.source == name), SignalRow(name, ""))
+    if value is None or value is ABSENT:
+        shown = "unknown"
+    elif isinstance(value, int) and value in range(len(row.states)):
+        shown = row.states[value]
+    elif isinstance(value, bool):
+        shown = "on" if value else "off"
+    else:
+        number = f"{value:g}" if isinstance(value, float) else str(value)
+        shown = f"{number} {row.unit}".rstrip()
+    return f"{row.name}: {shown}" if row.name else shown
 
 
 def _same(found: object, wanted: Scalar) -> bool:

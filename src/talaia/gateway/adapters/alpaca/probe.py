@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["is_here", "probe_alpaca"]
 
 _CONNECT_S = 60.0
+# A driver that was only just started takes its time, and a person is there who waits.
+_ANSWER_S = 15.0
 _MOST_SHOWN = 200
 
 
@@ -56,7 +58,8 @@ def probe_alpaca(host: str, port: int, *, connect: bool = False) -> Found:
 
 
 async def _probe_server(host: str, port: int, *, connect: bool) -> Found:
-    server = AlpacaServer(AlpacaConnection(host=host, port=port, here=is_here(host)))
+    connection = AlpacaConnection(host=host, port=port, here=is_here(host), timeout=_ANSWER_S)
+    server = AlpacaServer(connection)
     began = time.monotonic()
     try:
         listed = await list_devices(server)
@@ -102,6 +105,8 @@ async def _look_at(
     except AlpacaRefused:
         # It is told with what it answers all the same.
         connected = False
+    except FetchFailed as error:
+        raise FetchFailed(f"{one.device}: {error}") from error
     return await ask_device(server, one), connected
 
 

@@ -7,7 +7,10 @@ given only where the driver has all that it sets, and at most `MAX_COMMANDS` plu
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
+
+import msgspec
 
 from talaia.gateway.adapters.indi.description.labels import (
     is_describable,
@@ -33,6 +36,8 @@ __all__ = ["MAX_COMMANDS", "commands_of"]
 MAX_COMMANDS = 60
 # A form with more fields than that is no command any more.
 _MAX_ARGUMENTS = 12
+# How the field begins that takes one of several labels.
+_ONE_OF = "One of "
 
 
 def commands_of(device: IndiDevice) -> dict[str, Command]:
@@ -61,7 +66,23 @@ def commands_of(device: IndiDevice) -> dict[str, Command]:
             and is_property_shown(held, device)
         ):
             _add_setting(made, held)
-    return made
+    return _distinguish_names(made)
+
+
+def _distinguish_names(commands: dict[str, Command]) -> dict[str, Command]:
+    """Add to names that several commands have what each of them sets.
+
+    Drivers call a property and its switch alike: "Backlash" is on or off, and so many steps.
+    """
+    counts = Counter(command.name for command in commands.values())
+    named = {}
+    for word, command in commands.items():
+        what = ", ".join(argument.name for argument in command.arguments.values())
+        if counts[command.name] > 1 and what:
+            name = f"{command.name} ({what.removeprefix(_ONE_OF)})"[:100]
+            command = msgspec.structs.replace(command, name=name)
+        named[word] = command
+    return named
 
 
 def _has_all_of(device: IndiDevice, row: CommandRow) -> bool:
@@ -207,7 +228,7 @@ def _add_setting(made: dict[str, Command], held: StoredVector) -> None:
     if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:
         words = ", ".join(shown_name(element.label or element.name) for element in elements)
         arguments["choice"] = Argument(
-            type=ArgumentType.TEXT, field=CHOICE, name=f"One of {words}"[:100], max_length=64
+            type=ArgumentType.TEXT, field=CHOICE, name=f"{_ONE_OF}{words}"[:100], max_length=64
         )
     else:
         for element in elements[:_MAX_ARGUMENTS]:

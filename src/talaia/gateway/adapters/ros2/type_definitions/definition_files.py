@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Protocol
 from rosbags.interfaces import MessageDefinitionFormat
 
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
-    TYPE_IDS,
     BadDefinition,
     PartDefinition,
     TypeDefinition,
+    collect_parts,
 )
 from talaia.gateway.adapters.ros2.type_definitions.message_text import messages_in_bundle, parts_in
 from talaia.gateway.adapters.ros2.type_definitions.robot_description import definition_in_json
@@ -31,6 +31,10 @@ _ENDINGS = {
     "srv": ("_Request", "_Response"),
     "action": ("_Goal", "_Result", "_Feedback"),
 }
+
+
+class _NotInText(Exception):
+    """A part has no ``.msg``, ``.srv`` or ``.action`` file."""
 
 
 class DefinitionSource(Protocol):
@@ -116,28 +120,28 @@ class FolderDefinitions:
 
     def find(self, type_name: str) -> Iterable[TypeDefinition]:
         """See `DefinitionSource.find`."""
-        parts: dict[str, PartDefinition] = {}
-        wanted = [type_name]
-        while wanted:
-            name = wanted.pop()
-            if name in parts:
-                continue
-            read = self._read_parts(name)
-            # A workspace has its own packages alone, and theirs hold ROS's common ones.
-            if read is None and name != type_name and self._beside is not None:
-                read = self._beside._read_parts(name)  # noqa: SLF001 - of this class
+        try:
+            parts = collect_parts(type_name, lambda name: self._read_needed(name, of=type_name))
+        except _NotInText:
             # One part without a text: the whole is described beside it, if it is installed.
-            if read is None:
-                described = self._read_json(type_name)
-                return [] if described is None else [described]
-            parts |= read
-            wanted += [
-                field.type.base
-                for part in read.values()
-                for field in part.fields
-                if field.type.base not in TYPE_IDS
-            ]
+            described = self._read_json(type_name)
+            return [] if described is None else [described]
         return [TypeDefinition(type_name, parts, self._source).checked()]
+
+    def _read_needed(self, name: str, *, of: str) -> Mapping[str, PartDefinition]:
+        """Read what a type is made of.
+
+        Raises:
+            _NotInText: there is no text of it.
+
+        """
+        read = self._read_parts(name)
+        # A workspace has its own packages alone, and theirs hold ROS's common ones.
+        if read is None and name != of and self._beside is not None:
+            read = self._beside._read_parts(name)  # noqa: SLF001 - of this class
+        if read is None:
+            raise _NotInText
+        return read
 
     def _read_parts(self, name: str) -> Mapping[str, PartDefinition] | None:
         package, middle, short = name.split("/")

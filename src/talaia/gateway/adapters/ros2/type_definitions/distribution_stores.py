@@ -10,12 +10,12 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
-    TYPE_IDS,
     FieldForm,
     FieldType,
     MessageField,
     PartDefinition,
     TypeDefinition,
+    collect_parts,
 )
 
 if TYPE_CHECKING:
@@ -42,7 +42,8 @@ class DistributionDefinitions:
             if store is None or type_name not in store.fielddefs:
                 continue
             source = f"the definitions of ROS 2 {name.capitalize()}"
-            yield TypeDefinition(type_name, _parts(store, type_name), source).checked()
+            parts = collect_parts(type_name, functools.partial(_read_part, store))
+            yield TypeDefinition(type_name, parts, source).checked()
 
 
 @functools.cache
@@ -52,28 +53,19 @@ def _store(distribution: str) -> Typestore | None:
     return None if found is None else get_typestore(found)
 
 
-def _parts(store: Typestore, type_name: str) -> dict[str, PartDefinition]:
-    parts: dict[str, PartDefinition] = {}
-    wanted = [type_name]
-    while wanted:
-        name = wanted.pop()
-        if name in parts or name not in store.fielddefs:
-            continue
-        constants, fields = store.fielddefs[name]
-        parts[name] = PartDefinition(
-            tuple(
-                MessageField(field, _type_of(desc)) for field, desc in fields if field != _FILLER
-            ),
-            {
-                constant: value
-                for constant, _, value in constants
-                if isinstance(value, int) and not isinstance(value, bool)
-            },
-        )
-        wanted += [
-            field.type.base for field in parts[name].fields if field.type.base not in TYPE_IDS
-        ]
-    return parts
+def _read_part(store: Typestore, name: str) -> dict[str, PartDefinition]:
+    if name not in store.fielddefs:
+        return {}
+    constants, fields = store.fielddefs[name]
+    part = PartDefinition(
+        tuple(MessageField(field, _type_of(desc)) for field, desc in fields if field != _FILLER),
+        {
+            constant: value
+            for constant, _, value in constants
+            if isinstance(value, int) and not isinstance(value, bool)
+        },
+    )
+    return {name: part}
 
 
 def _type_of(described: FieldDesc) -> FieldType:

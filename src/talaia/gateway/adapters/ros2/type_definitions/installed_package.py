@@ -14,6 +14,7 @@ from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     MessageField,
     PartDefinition,
     TypeDefinition,
+    collect_parts,
 )
 
 __all__ = ["constants_of", "installed_definition", "type_of_word"]
@@ -33,25 +34,22 @@ def installed_definition(type_name: str) -> TypeDefinition | None:
         BadDefinition: a field's type is none that can be decoded here.
 
     """
-    parts: dict[str, PartDefinition] = {}
-    wanted = [type_name]
-    while wanted:
-        name = wanted.pop()
-        if name in parts:
-            continue
-        # Parts of other packages are installed with it; a broken installation says so.
+    if _class_named(type_name) is None:
+        return None
+
+    def read_part(name: str) -> dict[str, PartDefinition]:
         kind = _class_named(name)
+        # Parts of other packages are installed with it; a broken installation says so.
         if kind is None:
-            if name == type_name:
-                return None
             raise BadDefinition(f"{type_name} is made of {name}, which is not installed")
         fields = tuple(
             MessageField(field, type_of_word(declared))
             for field, declared in kind.get_fields_and_field_types().items()
             if field != _FILLER
         )
-        parts[name] = PartDefinition(fields, constants_of(kind))
-        wanted += [field.type.base for field in fields if field.type.base not in TYPE_IDS]
+        return {name: PartDefinition(fields, constants_of(kind))}
+
+    parts = collect_parts(type_name, read_part)
     package = type_name.split("/", 1)[0]
     return TypeDefinition(type_name, parts, f"the installed package {package}").checked()
 

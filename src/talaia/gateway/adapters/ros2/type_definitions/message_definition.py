@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.gateway.errors import GatewayError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 __all__ = [
     "TYPE_IDS",
@@ -26,6 +26,7 @@ __all__ = [
     "MessageField",
     "PartDefinition",
     "TypeDefinition",
+    "collect_parts",
     "is_type_name",
     "type_hash",
 ]
@@ -169,6 +170,33 @@ class TypeDefinition(NamedTuple):
                 f"{owner}.{field.name}: an array of {kind.size} {kind.base}; "
                 f"at most {_MAX_ELEMENTS} can be decoded"
             )
+
+
+def collect_parts(
+    type_name: str, read_parts: Callable[[str], Mapping[str, PartDefinition]]
+) -> dict[str, PartDefinition]:
+    """Read a type and all that it is made of, each once.
+
+    Args:
+        type_name: of the type.
+        read_parts: gives what stands where a type is defined, by names; nothing where none is.
+
+    """
+    parts: dict[str, PartDefinition] = {}
+    wanted = [type_name]
+    while wanted:
+        name = wanted.pop()
+        if name in parts:
+            continue
+        read = read_parts(name)
+        parts |= read
+        wanted += [
+            field.type.base
+            for part in read.values()
+            for field in part.fields
+            if field.type.base not in TYPE_IDS
+        ]
+    return parts
 
 
 def is_type_name(name: str) -> bool:
