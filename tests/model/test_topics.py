@@ -6,7 +6,13 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.model.checks.site_checks import check_site
-from talaia.model.topics import TopicRight, TopicRule, matches_topic, rule_of
+from talaia.model.topics import (
+    TopicRight,
+    TopicRule,
+    calibrated_cameras,
+    matches_topic,
+    rule_of,
+)
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
 
@@ -87,3 +93,29 @@ def test_rules_are_written_and_read_back() -> None:
     )
     assert not check_site(site)
     assert load_site(write_description(site)) == site
+
+
+def test_a_calibration_speaks_of_the_described_pictures_in_its_namespace() -> None:
+    site = load_site(
+        """
+talaia: 1
+site: a
+name: A
+ros2: {}
+devices:
+  base:
+    name: Base
+    streams:
+      front:
+        name: Front
+        source: {topic: /front/image_raw/compressed, type: sensor_msgs/msg/CompressedImage}
+      rear: {name: Rear, source: {topic: /rear/image_raw, type: sensor_msgs/msg/Image}}
+      house: {name: House, source: {topic: /images, type: sensor_msgs/msg/Image}}
+"""
+    )
+    info = "sensor_msgs/msg/CameraInfo"
+    assert calibrated_cameras(site, "/front/camera_info", info) == ("base/front",)
+    assert calibrated_cameras(site, "/rear/camera_info", info) == ("base/rear",)
+    assert calibrated_cameras(site, "/camera_info", info) == ("base/house",)
+    assert calibrated_cameras(site, "/rear/sub/camera_info", info) == ()
+    assert calibrated_cameras(site, "/rear/odom", "nav_msgs/msg/Odometry") == ()

@@ -21,6 +21,7 @@ __all__ = [
     "TopicRule",
     "blurred_cameras",
     "blurred_topics",
+    "calibrated_cameras",
     "carries_pictures",
     "is_latched_by_convention",
     "matches_topic",
@@ -112,11 +113,39 @@ def blurred_topics(site: Site) -> dict[str, str]:
         topic = topic_of(stream.source)
         if not topic:
             continue
-        above, _, last = topic.rpartition("/")
-        base = above if last in _TRANSPORTS and above else topic
+        base = _untransported(topic)
         for name in (base, *(f"{base}/{transport}" for transport in sorted(_TRANSPORTS))):
             found.setdefault(name, address.partition("/")[0])
     return found
+
+
+def _untransported(topic: str) -> str:
+    """Give the topic of pictures that a plug-in of image_transport has made another form of."""
+    above, _, last = topic.rpartition("/")
+    return above if last in _TRANSPORTS and above else topic
+
+
+def calibrated_cameras(site: Site, topic: str, type_name: str) -> tuple[str, ...]:
+    """Give the described cameras, ``device/stream``, whose pictures a calibration speaks of.
+
+    By ROS's convention these are the pictures in the calibration's own namespace:
+    ``/front/image_raw`` beside ``/front/camera_info``.
+
+    Args:
+        site: the description.
+        topic: absolute name.
+        type_name: of its messages; there are none unless it is a calibration.
+
+    """
+    if type_name != "sensor_msgs/msg/CameraInfo":
+        return ()
+    space = topic.rpartition("/")[0]
+    return tuple(
+        f"{device_id}/{stream_id}"
+        for device_id, device in site.devices.items()
+        for stream_id, stream in device.streams.items()
+        if (read := topic_of(stream.source)) and _untransported(read).rpartition("/")[0] == space
+    )
 
 
 # Asked for each message that is recorded.

@@ -44,10 +44,14 @@ async def test_bar_shows_an_alarm_on_every_page_until_it_is_acknowledged(hub, ch
     row = page.locator("li[data-alarm=low]")
     await expect(row).to_contain_text("active, acknowledged")
     await expect(row).to_contain_text("Bring it home.")
+    await expect(row.get_by_text("critical", exact=True)).to_be_visible()
     # What cannot be judged is not shown as well.
     await expect(page.locator("li[data-alarm=lost]")).to_contain_text("cannot be judged")
     await row.get_by_role("button", name="More").click()
     await expect(row).to_contain_text("acknowledged by operator")
+    # How bad it would be is no word beside an alarm that is over.
+    await gateway.samples(("power/voltage", time.time_ns() // 1000, 12.0))
+    await expect(row.get_by_text("critical", exact=True)).to_have_count(0)
     await page.get_by_role("link", name="Logbook", exact=True).click()
     await expect(page.get_by_text("Battery low: Voltage is 10 V, below 11 V")).to_be_visible()
     await page.get_by_label("What", exact=True).select_option("Connections")

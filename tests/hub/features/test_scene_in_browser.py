@@ -8,11 +8,14 @@ import math
 
 import numpy as np
 import pytest
+from described_robot import found_of, read_robot
 from patience import PATIENCE_S, until_answered
 from playwright.async_api import async_playwright, expect
 from rosbags.typesys import Stores, get_typestore
 from scipy.spatial.transform import Rotation
 
+from talaia.model.discovery.generate_description import propose_description
+from talaia.model.yaml_text.write import write_description
 from talaia.sim.vehicle.description.floor_map import RESOLUTION
 from talaia.sim.vehicle.description.urdf import make_urdf
 from talaia.sim.vehicle.world import World
@@ -50,7 +53,19 @@ KINDS = {
     "/robot_description": "std_msgs/msg/String",
     "/map": "nav_msgs/msg/OccupancyGrid",
 }
-NUMBERS = {topic: number for number, topic in enumerate(KINDS, 1)}
+# Heard only once somebody has switched the camera on.
+CAMERA = {
+    "/front/camera_info": "sensor_msgs/msg/CameraInfo",
+    "/front/image_raw/compressed": "sensor_msgs/msg/CompressedImage",
+}
+TOPICS = KINDS | CAMERA
+NUMBERS = {topic: number for number, topic in enumerate(TOPICS, 1)}
+# By its columns: where x, y and z of a camera's frame point in that of the base (REP-103).
+OPTICAL = Rotation.from_matrix([[0, 0, 1], [-1, 0, 0], [0, -1, 0]])
+CAMERA_AT = (0.07, 0.0, 0.37)
+WIDTH, HEIGHT, FOCAL = 64, 48, 40.0
+# Upper left, upper right, lower left, lower right.
+QUARTERS = ((220, 30, 30), (30, 200, 30), (30, 30, 220), (220, 200, 30))
 BASE, YAW = (0.6, 0.4), 0.7
 PIECE = 60_000
 STAMP = (1_780_000_000, 500_000_000)
@@ -74,6 +89,31 @@ def transform(parent: str, child: str, at, turn):
     )
 
 
+def camera_messages() -> dict[str, object]:
+    """Give a camera's calibration, and a picture with a colour for each quarter."""
+    from PIL import Image
+
+    picture = Image.new("RGB", (WIDTH, HEIGHT))
+    for at, colour in enumerate(QUARTERS):
+        picture.paste(colour, (WIDTH // 2 * (at % 2), HEIGHT // 2 * (at // 2), WIDTH, HEIGHT))
+    file = io.BytesIO()
+    picture.save(file, "png")
+    k = np.array([FOCAL, 0, (WIDTH - 1) / 2, 0, FOCAL, (HEIGHT - 1) / 2, 0, 0, 1])
+    info, packed = CAMERA
+    return {
+        info: TYPES[CAMERA[info]](
+            header=header("camera_optical_frame"), height=HEIGHT, width=WIDTH,
+            distortion_model="plumb_bob", d=np.zeros(5), k=k, r=np.eye(3).ravel(),
+            p=np.zeros(12), binning_x=0, binning_y=0,
+            roi=TYPES["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, do_rectify=False),
+        ),
+        packed: TYPES[CAMERA[packed]](
+            header=header("camera_optical_frame"), format="rgb8; png compressed",
+            data=np.frombuffer(file.getvalue(), np.uint8),
+        ),
+    }  # fmt: skip
+
+
 def house_messages(world: World, ranges) -> dict[str, object]:
     """Give what a robot in this house publishes, as an implementation of others serializes it."""
     tf = TYPES[KINDS["/tf"]]
@@ -91,7 +131,13 @@ def house_messages(world: World, ranges) -> dict[str, object]:
     step = math.radians(1)
     return {
         "/tf": tf([transform("odom", "base_link", (*BASE, 0.0), turn)]),
-        "/tf_static": tf([transform("base_link", "base_scan", (0, 0, 0.19), (0, 0, 0, 1))]),
+        "/tf_static": tf(
+            [
+                transform("base_link", "base_scan", (0, 0, 0.19), (0, 0, 0, 1)),
+                transform("base_link", "camera_optical_frame", CAMERA_AT, OPTICAL.as_quat()),
+            ]
+        ),
+        **camera_messages(),
         "/scan": TYPES[KINDS["/scan"]](
             header=header("base_scan"), angle_min=0.0, angle_max=359 * step, angle_increment=step,
             time_increment=0.0, scan_time=0.1, range_min=0.12, range_max=8.0, ranges=ranges,
@@ -113,13 +159,13 @@ class HouseRobot:
         self.changed = asyncio.Event()
         self.seq = 0
 
-    async def open(self, rules: str) -> None:
+    async def open(self, description: str) -> None:
         self.gateway = await self.hub.gateway()
-        await self.gateway.hello(SITE + rules)
+        await self.gateway.hello(description)
         self.media = await self.hub.camera()
         entries = [
             TopicEntry(number=NUMBERS[topic], topic=topic, type=kind, latched="scan" not in topic)
-            for topic, kind in KINDS.items()
+            for topic, kind in TOPICS.items()
         ]
         await self.media.say(TopicList(topics=entries))
         self.serving = asyncio.create_task(self._serve())
@@ -147,7 +193,7 @@ class HouseRobot:
                 await self.publish(topic)
 
     async def publish(self, topic: str) -> None:
-        raw = bytes(STORE.serialize_cdr(self.messages[topic], KINDS[topic]))
+        raw = bytes(STORE.serialize_cdr(self.messages[topic], TOPICS[topic]))
         self.seq += 1
         for at in range(0, len(raw), PIECE):
             await self.media.say(
@@ -177,8 +223,8 @@ async def space():
         await running.close()
 
 
-# The scene's element, within whatever shadows it stands.
-SCENE = """(() => {
+# What a topic shows in the scene's element, within whatever shadows that stands.
+DRAWN = """((topic) => {
   const look = (root) => {
     const found = root.querySelector('t-scene');
     if (found) return found;
@@ -188,8 +234,9 @@ SCENE = """(() => {
     }
     return null;
   };
-  return look(document)?.drawn('/scan') ?? { points: [], px: [], painted: 0 };
-})()"""
+  return look(document)?.drawn(topic) ?? { points: [], px: [], painted: 0 };
+})"""
+SCENE = f"{DRAWN}('/scan')"
 
 
 async def shown_scan(page):
@@ -214,7 +261,7 @@ async def test_the_scan_is_where_the_house_is_and_a_goal_goes_by_the_command_pat
 ) -> None:
     world, ranges, messages = house
     robot = HouseRobot(hub, messages)
-    await robot.open(OPEN)
+    await robot.open(SITE + OPEN)
     page = await sign_in(space, hub, "operator", to="/sites/agv/scene")
     await robot.until(lambda asked: asked == set(KINDS))
     await page.get_by_role("button", name="From above").click()
@@ -235,6 +282,8 @@ async def test_the_scan_is_where_the_house_is_and_a_goal_goes_by_the_command_pat
     assert min(near) == 100
     picture = await page.locator("canvas").screenshot(path=tmp_path / "scene.png")
     assert seen_share(picture, places) > 0.8
+    await picture_stands_in_its_frustum(page, robot)
+    await page.get_by_role("button", name="From above").click()
     await goal_is_sent(page, robot)
     assert page.errors == []
     # Elsewhere the robot is heard by nobody.
@@ -257,6 +306,39 @@ def seen_share(picture: bytes, places) -> float:
         for x, y in inside
     ]
     return sum(found) / len(found)
+
+
+async def picture_stands_in_its_frustum(page, robot) -> None:
+    """Judge where a camera's picture is by another implementation of turns, and by its colours."""
+    info = next(iter(CAMERA))
+    await page.get_by_role("button", name="In space").click()
+    await page.locator(f"[data-topic='{info}']").check()
+    await robot.until(lambda asked: asked == set(TOPICS))
+    await until_answered(lambda: page.evaluate(f"{DRAWN}('{info}').points.length === 4"))
+    found = await page.evaluate(f"{DRAWN}('{info}')")
+    corners = np.array(found["points"])
+    ahead = 0.6
+    x, y = ahead * WIDTH / 2 / FOCAL, ahead * HEIGHT / 2 / FOCAL
+    # Upper left and right, lower left and right: x is right, y down, z ahead of the camera.
+    seen = np.array([(-x, -y, ahead), (x, -y, ahead), (-x, y, ahead), (x, y, ahead)])
+    turn = Rotation.from_euler("z", YAW)
+    expected = turn.apply(OPTICAL.apply(seen) + CAMERA_AT) + np.array([*BASE, 0.0])
+    assert np.abs(corners - expected).max() < 0.002
+    places = np.array([(place["x"], place["y"]) for place in found["px"]])
+    for at, colour in enumerate(QUARTERS):
+        right, down = 0.25 + 0.5 * (at % 2), 0.25 + 0.5 * (at // 2)
+        shares = np.array([(1 - right) * (1 - down), right * (1 - down), (1 - right) * down])
+        place = shares @ places[:3] + right * down * places[3]
+        await until_answered(lambda place=place, colour=colour: shows_colour(page, place, colour))
+
+
+async def shows_colour(page, place, colour) -> bool:
+    """Tell whether a place (px) of the scene has a colour: bright, or faded since it is old."""
+    from PIL import Image
+
+    picture = Image.open(io.BytesIO(await page.locator("canvas").screenshot())).convert("RGB")
+    pixel = np.array(picture.getpixel((int(place[0]), int(place[1]))), int)
+    return (pixel > pixel.min() + 25).tolist() == (np.array(colour) > 100).tolist()
 
 
 async def goal_is_sent(page, robot) -> None:
@@ -287,7 +369,7 @@ async def test_who_may_not_follow_topics_is_told_so_and_the_robot_is_not_heard(
     space, hub, house
 ) -> None:
     robot = HouseRobot(hub, house[2])
-    await robot.open(SHUT)
+    await robot.open(SITE + SHUT)
     page = await sign_in(space, hub, "operator", to="/sites/agv/scene")
     await expect(page.get_by_role("heading", name="Nothing to see in space")).to_be_visible()
     await expect(page.get_by_text("gives you the right")).to_be_visible()
@@ -298,12 +380,15 @@ async def test_who_may_not_follow_topics_is_told_so_and_the_robot_is_not_heard(
 async def test_without_webgl_the_scene_is_seen_from_above_and_says_why(space, hub, house) -> None:
     _, ranges, messages = house
     robot = HouseRobot(hub, messages)
-    await robot.open(OPEN)
+    # As `talaia init` describes a robot with Nav2, with nothing written by hand: its owner has all
+    # of its topics.
+    found = found_of(read_robot("chosen", "nav2"))
+    await robot.open(write_description(propose_description(found, "agv", "Robot", "UTC").site))
     script = """const get = HTMLCanvasElement.prototype.getContext;
       HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
         return kind.startsWith('webgl') ? null : get.call(this, kind, ...more);
       };"""
-    page = await sign_in(space, hub, "operator", script=script, to="/sites/agv/scene")
+    page = await sign_in(space, hub, "admin", script=script, to="/sites/agv/scene")
     await robot.until(lambda asked: asked == set(KINDS))
     await expect(page.get_by_text("it has no WebGL")).to_be_visible()
     points, _ = await shown_scan(page)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from talaia.hub.anomaly.runner import detector_of
+from talaia.hub.anomaly.selection import wanted_detectors
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.role_proposal import roles_of
 from talaia.model.twins.twin_topics import device_text, twin_drive
@@ -82,3 +84,11 @@ def test_a_twin_is_driven_within_the_robots_limits_and_has_no_stop() -> None:
     assert driven.topic == "/twin/cmd_vel"
     assert (driven.max_speed, driven.max_turn) == (real.max_speed, real.max_turn)
     assert not driven.stop.topic
+
+
+def test_what_the_robot_differs_from_its_twin_by_is_watched_by_a_detector() -> None:
+    wishes = {wish.address: wish for wish in wanted_detectors(load_site(TEXT))[0]}
+    (watch,) = wishes["twin/pose_error"].watches
+    detector = detector_of(watch, wishes["twin/pose_error"].unit)
+    assert [detector.see(at, error) for at, error in enumerate((0.02, 0.29, 0.5))] == [0, 0, 1]
+    assert "0.3 m" in detector.why()

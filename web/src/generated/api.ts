@@ -2399,6 +2399,7 @@ export interface TopicShape {
   readonly right: TopicRight;
   readonly device: string;
   readonly rate: number;
+  readonly camera?: string;
 }
 
 /** The raw topics of a site that you may tap. */

@@ -7,6 +7,7 @@ import type { TopicBytes } from "../generated/wire.js";
 import { MessageReader } from "./cdr.js";
 import { readCloud, type PointCloud } from "./cloud.js";
 import { FrameTree } from "./frame-tree.js";
+import { readCameraInfo, rectifiedInfo, type CameraInfo } from "./camera-model.js";
 import { readMarker, readMarkers, type Marker } from "./markers.js";
 import {
   readGrid, readGridUpdate, readJoints, readOdometry, readPath, readPoseArray, readScan, readStampedPose, readString, readTransforms,
@@ -21,7 +22,18 @@ export type LayerContent =
   | { readonly shape: "grid"; readonly grid: OccupancyGrid }
   | { readonly shape: "line"; readonly points: readonly Vector[]; readonly pose: Transform | null }
   | { readonly shape: "poses"; readonly poses: readonly Transform[] }
-  | { readonly shape: "markers"; readonly markers: readonly LivingMarker[] };
+  | { readonly shape: "markers"; readonly markers: readonly LivingMarker[] }
+  | { readonly shape: "camera"; readonly info: CameraInfo; readonly picture: ScenePicture | null };
+
+/** The newest picture of a camera. */
+export interface ScenePicture {
+  readonly image: ImageBitmap;
+  /** When it was taken (µs). */
+  readonly timeUs: number;
+  /** By the model's clock. */
+  readonly heardMs: number;
+  readonly rectified: boolean;
+}
 
 export interface LivingMarker {
   readonly marker: Marker;
@@ -51,6 +63,8 @@ export class SceneModel {
   private count = 0;
   private readonly trails = new Map<string, Vector[]>();
   private readonly markers = new Map<string, Map<string, LivingMarker>>();
+  private readonly calibrations = new Map<string, CameraInfo>();
+  private readonly pictures = new Map<string, ScenePicture>();
 
   /** @param nowMs what time it is for the scene (ms): that of now, or that of the moment that it shows */
   constructor(readonly nowMs: () => number = () => performance.now()) {}
@@ -115,6 +129,10 @@ export class SceneModel {
         show(pose, { shape: "poses", poses: pose.poses });
         return;
       }
+      case "camera":
+        this.calibrations.set(topic, readCameraInfo(reader));
+        this.showCamera(topic, nowMs);
+        return;
       case "marker":
       case "markers": {
         const markers = kind === "marker" ? [readMarker(reader)] : readMarkers(reader);
@@ -124,8 +142,19 @@ export class SceneModel {
     }
   }
 
+  /** Shows a camera's newest picture, as the calibration of `topic` places it; null: there is none that is true any more. */
+  setPicture(topic: string, picture: ScenePicture | null): void {
+    const before = this.pictures.get(topic);
+    if (before !== undefined && before.image !== picture?.image) before.image.close();
+    if (picture === null) this.pictures.delete(topic);
+    else this.pictures.set(topic, picture);
+    this.showCamera(topic, picture?.heardMs ?? this.nowMs());
+  }
+
   /** Forgets what a topic said: it is not shown any more. */
   forget(topic: string): void {
+    this.calibrations.delete(topic);
+    this.setPicture(topic, null);
     this.layers.delete(topic);
     this.trails.delete(topic);
     this.markers.delete(topic);
@@ -133,6 +162,7 @@ export class SceneModel {
 
   /** Forgets all but the robot's form: another moment is shown. */
   reset(): void {
+    for (const topic of [...this.pictures.keys(), ...this.calibrations.keys()]) this.forget(topic);
     this.tree.clear();
     this.layers.clear();
     this.trails.clear();
@@ -143,6 +173,16 @@ export class SceneModel {
   /** Where a layer stands in the frame that stands still; null: nothing joins them. */
   placeOf(layer: MessageHeader, fixed: string): Transform | null {
     return layer.frame === "" ? IDENTITY : this.tree.find(fixed, layer.frame, layer.timeUs);
+  }
+
+  private showCamera(topic: string, heardMs: number): void {
+    const known = this.calibrations.get(topic);
+    if (known === undefined) return;
+    const picture = this.pictures.get(topic) ?? null;
+    const info = picture?.rectified === true ? rectifiedInfo(known) : known;
+    // It stands where the camera was when the picture was taken.
+    const timeUs = picture?.timeUs ?? info.timeUs;
+    this.layers.set(topic, { topic, timeUs, frame: info.frame, content: { shape: "camera", info, picture }, heardMs: picture?.heardMs ?? heardMs, number: ++this.count });
   }
 
   private updateGrid(topic: string, reader: MessageReader, nowMs: number): void {
@@ -171,6 +211,15 @@ export class SceneModel {
     }
     return [...known.values()];
   }
+}
+
+/** Whether a picture of it becomes another one as time passes, though nothing comes: markers that end, pictures that fade. */
+export function changesByItself({ layers }: Pick<SceneModel, "layers">): boolean {
+  for (const { content } of layers.values()) {
+    if (content.shape === "camera" && content.picture !== null) return true;
+    if (content.shape === "markers" && content.markers.some(({ endsMs }) => endsMs !== Infinity)) return true;
+  }
+  return false;
 }
 
 /** Points of a layer where they are in the frame that stands still. */

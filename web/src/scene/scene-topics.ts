@@ -2,7 +2,7 @@
 
 import { msg } from "@lit/localize";
 
-export type LayerKind = "scan" | "cloud" | "grid" | "path" | "odometry" | "poses" | "pose" | "marker" | "markers";
+export type LayerKind = "scan" | "cloud" | "grid" | "path" | "odometry" | "poses" | "pose" | "marker" | "markers" | "camera";
 /** What is not drawn itself, and says where things are and what the robot looks like. */
 export type BasisKind = "transforms" | "joints" | "robot" | "grid update";
 
@@ -27,13 +27,15 @@ const KINDS: Readonly<Record<string, SceneKind>> = {
   "geometry_msgs/msg/PoseArray": { kind: "poses", rate: 5, name: msg("Poses") },
   "geometry_msgs/msg/PoseStamped": { kind: "pose", rate: 10, name: msg("Pose") },
   "geometry_msgs/msg/PoseWithCovarianceStamped": { kind: "pose", rate: 10, name: msg("Pose") },
+  // It hardly ever changes: the pictures come by themselves.
+  "sensor_msgs/msg/CameraInfo": { kind: "camera", rate: 2, name: msg("Camera") },
   "visualization_msgs/msg/Marker": { kind: "marker", rate: 20, name: msg("Marker") },
   "visualization_msgs/msg/MarkerArray": { kind: "markers", rate: 20, name: msg("Markers") },
 };
 const ROBOT: SceneKind = { kind: "robot", rate: 1, name: msg("Robot model") };
 const BASIS: readonly string[] = ["transforms", "joints", "grid update"];
-/** Costmaps cover the map; clouds and markers may be many: a person switches them on. */
-const OFF_AT_FIRST: readonly string[] = ["cloud", "markers", "marker", "poses"];
+/** Costmaps cover the map; clouds and markers may be many, and pictures cost the line: a person switches them on. */
+const OFF_AT_FIRST: readonly string[] = ["cloud", "markers", "marker", "poses", "camera"];
 
 /** The kind of a topic; null of one that a scene does not show. */
 export function sceneKind(topic: string, type: string): SceneKind | null {

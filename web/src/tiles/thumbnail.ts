@@ -5,7 +5,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../elements/base/base-style.js";
 import { MediaSocket, mediaPath, socketUrl } from "../wire/media-socket.js";
-import { JpegPlayer } from "./camera/jpeg-player.js";
+import { JpegPlayer } from "../elements/camera/jpeg-player.js";
 import "../elements/base/icon.js";
 
 @customElement("t-thumbnail")

@@ -6,7 +6,7 @@ import type { TopicBytes } from "../../src/generated/wire.js";
 import { readCloud } from "../../src/scene/cloud.js";
 import { MessageError, MessageReader } from "../../src/scene/cdr.js";
 import { cloudColours, ramp } from "../../src/scene/colours.js";
-import { placedPoints, SceneModel } from "../../src/scene/scene-model.js";
+import { changesByItself, placedPoints, SceneModel } from "../../src/scene/scene-model.js";
 import { chooseFixedFrame, chooseRobotFrame, isShownAtFirst, isSwitched, sceneKind, type SceneKind } from "../../src/scene/scene-topics.js";
 
 const RECORDED = JSON.parse(readFileSync(new URL("recorded.json", import.meta.url), "utf8")) as Record<string, string>;
@@ -15,6 +15,7 @@ const TYPES: Readonly<Record<string, string>> = {
   scan: "sensor_msgs/msg/LaserScan",
   path: "nav_msgs/msg/Path",
   cloud: "sensor_msgs/msg/PointCloud2",
+  camera_info: "sensor_msgs/msg/CameraInfo",
   markers: "visualization_msgs/msg/MarkerArray",
   joints_ros1: "sensor_msgs/msg/JointState",
 };
@@ -66,6 +67,35 @@ describe("a scene's model", () => {
     apply(model, "markers", "/markers", 9000);
     const content = model.layers.get("/markers")?.content;
     expect(content?.shape === "markers" && content.markers.map(({ marker, endsMs }) => [marker.key, endsMs])).toEqual([["n/7", 11_500], ["n/8", 11_500]]);
+  });
+
+  it("is drawn anew as time passes only where something ends by itself", () => {
+    const model = new SceneModel();
+    for (const name of ["scan", "path", "tf"]) apply(model, name);
+    expect(changesByItself(model)).toBe(false);
+    apply(model, "markers");
+    expect(changesByItself(model)).toBe(true);
+    model.forget("/markers");
+    expect(changesByItself(model)).toBe(false);
+  });
+
+  it("shows a camera's picture from where it was taken, and gives back one that is not shown any more", () => {
+    const model = new SceneModel();
+    const closed: number[] = [];
+    const image = (number: number): ImageBitmap => ({ width: 1, height: 1, close: () => closed.push(number) });
+    model.setPicture("/camera_info", { image: image(1), timeUs: 5, heardMs: 900, rectified: true });
+    // Without a calibration nobody knows where it belongs.
+    expect(model.layers.has("/camera_info")).toBe(false);
+    apply(model, "camera_info");
+    expect(model.layers.get("/camera_info")).toMatchObject({ frame: "camera_optical_frame", timeUs: 5, heardMs: 900, content: { info: { d: [], k: [480, 0, 320, 0, 490, 240, 0, 0, 1] } } });
+    model.setPicture("/camera_info", { image: image(2), timeUs: 6, heardMs: 950, rectified: false });
+    expect(model.layers.get("/camera_info")).toMatchObject({ timeUs: 6, content: { info: { distortion: "plumb_bob", k: [500, 0, 319.5, 0, 510, 239.5, 0, 0, 1] } } });
+    expect([closed, changesByItself(model)]).toEqual([[1], true]);
+    model.setPicture("/camera_info", null);
+    expect(model.layers.get("/camera_info")).toMatchObject({ content: { picture: null } });
+    expect([closed, changesByItself(model)]).toEqual([[1, 2], false]);
+    model.reset();
+    expect(model.layers.size).toBe(0);
   });
 
   it("keeps a robot's joints as ROS 1 wrote them, and refuses what is no such message", () => {

@@ -12,6 +12,8 @@ from talaia.sim.vehicle.scene import HULL_GROUP, Finish, SceneBuilder
 __all__ = [
     "BODY",
     "CAMERA",
+    "CAMERA_AT",
+    "CAMERA_DOWN",
     "CAMERA_FIELD",
     "LIDAR_HEIGHT",
     "RADIUS",
@@ -24,6 +26,8 @@ CAMERA = "front"
 CAMERA_FIELD = 56.0
 """Vertical field of view of the camera (degrees)."""
 CAMERA_AT = (0.07, 0.0, 0.37)
+CAMERA_DOWN = math.radians(1)
+"""So far below the horizon it looks (rad)."""
 RADIUS = 0.14
 """The base is round, so that turning on the spot never hits anything (m)."""
 LIDAR_HEIGHT = 0.19
@@ -74,8 +78,8 @@ def add_vehicle(stage: SceneBuilder) -> None:
         name=CAMERA,
         pos=CAMERA_AT,
         fovy=CAMERA_FIELD,
-        # Looks along x with z up, one degree down.
-        xyaxes=(0, -1, 0, math.sin(math.radians(1)), 0, math.cos(math.radians(1))),
+        # Looks along x with z up, and a little down.
+        xyaxes=(0, -1, 0, math.sin(CAMERA_DOWN), 0, math.cos(CAMERA_DOWN)),
     )
     if stage.looks:
         _add_visuals(stage, body)

@@ -63,6 +63,7 @@ async def test_everyone_is_told_of_the_topics_that_they_may_tap(hub) -> None:
             "right": "view",
             "device": "",
             "rate": 0.0,
+            "camera": "",
         }
     ]
     admin = {found["topic"]: found for found in (await listed(hub, "admin"))["topics"]}

@@ -30,6 +30,11 @@ export interface SceneOptions {
   readonly showFrames: boolean;
 }
 
+/** Whether a picture that was drawn by one shows what it would by the other. */
+export function sameOptions(a: SceneOptions, b: SceneOptions): boolean {
+  return a.fixed === b.fixed && a.follow === b.follow && a.cloudBy === b.cloudBy && a.showRobot === b.showRobot && a.showFrames === b.showFrames;
+}
+
 export interface MeasuredLine {
   readonly from: Vector;
   readonly to: Vector;

@@ -1,18 +1,21 @@
 /** The scene from above, on a plain canvas: where a browser has no WebGL. */
 
 import { FrameSchedule } from "../base/frame-schedule.js";
+import { isCalibrated, picturePlane } from "../../scene/camera-model.js";
 import { cloudColours } from "../../scene/colours.js";
 import type { OccupancyGrid } from "../../scene/messages.js";
 import type { FloorPose } from "../../scene/pose-command.js";
 import { placedPoints, type SceneLayer, type SceneModel } from "../../scene/scene-model.js";
 import { applied, composed, yawOf, type Transform, type Vector } from "../../scene/transform.js";
-import type { MeasuredLine, SceneColours, SceneDrawing, SceneOptions } from "./drawing.js";
+import { sameOptions, type MeasuredLine, type SceneColours, type SceneDrawing, type SceneOptions } from "./drawing.js";
 import { gridPixels } from "./grid-pixels.js";
 
 /** px of a metre: at first, at the least and at the most. */
 const SCALE = { start: 60, least: 2, most: 1000 } as const;
 const ROBOT_PX = 9;
 const ARROW_M = 0.3;
+/** How far a camera's sight is drawn: its picture lies on edge from above. */
+const SIGHT_M = 0.6;
 
 export class FlatView implements SceneDrawing {
   painted = 0;
@@ -53,8 +56,9 @@ export class FlatView implements SceneDrawing {
   }
 
   setOptions(options: SceneOptions): void {
+    const same = sameOptions(options, this.options);
     this.options = options;
-    this.schedule();
+    if (!same) this.schedule();
   }
 
   resize(width: number, height: number, ratio: number): void {
@@ -185,6 +189,16 @@ export class FlatView implements SceneDrawing {
         }
         pen.stroke();
         return;
+      case "camera": {
+        if (!isCalibrated(layer.content.info)) return;
+        const [left, right] = picturePlane(layer.content.info, SIGHT_M).corners;
+        pen.strokeStyle = colours.accent;
+        pen.lineWidth = 2;
+        pen.beginPath();
+        for (const corner of [left, right]) this.stroke(place.at, applied(place, corner));
+        pen.stroke();
+        return;
+      }
       case "markers":
         // Of no use from above without their forms.
         return;

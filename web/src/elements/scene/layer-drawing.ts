@@ -10,6 +10,7 @@ import type { OccupancyGrid } from "../../scene/messages.js";
 import type { LayerContent } from "../../scene/scene-model.js";
 import type { Transform, Vector } from "../../scene/transform.js";
 import type { SceneColours, SceneOptions } from "./drawing.js";
+import { drawFrustum } from "./frustum-layer.js";
 import { gridPixels } from "./grid-pixels.js";
 import { drawPoints } from "./point-layer.js";
 
@@ -30,6 +31,8 @@ export function drawLayer(content: LayerContent, paints: Paints): Object3D {
       return new Line(geometryOf(flat(content.points)), new LineBasicMaterial({ color: paints.path }));
     case "poses":
       return new LineSegments(geometryOf(flat(content.poses.flatMap(arrowLines))), new LineBasicMaterial({ color: paints.poses }));
+    case "camera":
+      return drawFrustum(content, paints);
     case "markers": {
       const group = new Group();
       for (const { marker } of content.markers) {

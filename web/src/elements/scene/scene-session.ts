@@ -2,13 +2,22 @@
 
 import { msg, str } from "@lit/localize";
 import type { TopicShape } from "../../generated/api.js";
-import { MessageError } from "../../scene/cdr.js";
+import { isCalibrated } from "../../scene/camera-model.js";
+import { MessageError, MessageReader } from "../../scene/cdr.js";
+import { choosePicture, readPackedPicture, readPlainPicture, type PictureSource } from "../../scene/picture-messages.js";
 import { isShownAtFirst, isSwitched, sceneKind, type SceneKind } from "../../scene/scene-topics.js";
 import { SceneModel } from "../../scene/scene-model.js";
-import { ByteTopics, type ByteListener, type ByteTopicState, type OpenBytes } from "../../topics/byte-topics.js";
+import type { TopicBytes } from "../../generated/wire.js";
+import { ByteTopics, type ByteListener, type ByteWish, type ByteTopicState, type OpenBytes } from "../../topics/byte-topics.js";
+import { CameraPictures } from "./camera-pictures.js";
 
 /** Points of a cloud that are drawn without a pause on a small computer. */
 const POINTS = 100_000;
+/** Pictures a second of a raw topic: each pixel of a plain one goes over the line. */
+const PICTURE_RATES = { packed: 10, plain: 2 } as const;
+
+/** A topic as the hub lists it, or a recording. */
+export type SceneTopicEntry = Pick<TopicShape, "topic" | "type" | "problem"> & { readonly camera?: string };
 
 export interface SceneTopic {
   readonly topic: string;
@@ -22,27 +31,40 @@ export class SceneSession {
   private readonly chosen = new Map<string, boolean>();
   private known: readonly { readonly topic: string; readonly kind: SceneKind }[] = [];
   private readonly problems = new Map<string, string>();
+  private readonly cameras: CameraPictures;
+  /** Of each calibration: whose pictures it places; null: it has none. */
+  private sources: ReadonlyMap<string, PictureSource | null> = new Map<string, PictureSource | null>();
   private key = "";
 
   constructor(
     site: string,
     private readonly listener: { readonly onChange: () => void; readonly onState: () => void },
-    open?: OpenBytes,
-    nowMs?: () => number,
+    { open, nowMs, openSocket }: { readonly open?: OpenBytes | undefined; readonly nowMs?: (() => number) | undefined; readonly openSocket?: ((url: string) => WebSocket) | undefined } = {},
   ) {
     this.model = new SceneModel(nowMs);
+    this.cameras = new CameraPictures(
+      site,
+      {
+        onPicture: (topic, picture) => {
+          this.model.setPicture(topic, picture);
+          this.listener.onChange();
+        },
+        onTrouble: (topic, why) => {
+          if ((this.problems.get(topic) ?? "") === why) return;
+          this.problems.set(topic, why);
+          this.listener.onState();
+        },
+      },
+      openSocket,
+    );
     const heard: ByteListener = {
       onBytes: (topic, message) => {
+        this.showPictures(topic, message);
         const found = this.known.find((followed) => followed.topic === topic);
         if (found === undefined) return;
-        try {
+        this.read(topic, found.kind, () => {
           this.model.applyMessage(topic, found.kind, message, this.model.nowMs() - message.age_ms);
-          this.problems.delete(topic);
-        } catch (error) {
-          if (!(error instanceof MessageError || error instanceof RangeError)) throw error;
-          this.problems.set(topic, msg(str`${found.kind.name}: its messages are not what they should be: ${error.message}`));
-          this.listener.onState();
-        }
+        });
         this.listener.onChange();
       },
       onState: listener.onState,
@@ -58,14 +80,21 @@ export class SceneSession {
   }
 
   /** The topics that there are; with `only`, no others of those that are switched. */
-  setTopics(topics: readonly Pick<TopicShape, "topic" | "type" | "problem">[], only: readonly string[]): void {
-    const key = JSON.stringify([topics.map(({ topic, type, problem }) => [topic, type, problem]), only]);
+  setTopics(topics: readonly SceneTopicEntry[], only: readonly string[]): void {
+    const key = JSON.stringify([topics.map(({ topic, type, problem, camera = "" }) => [topic, type, problem, camera]), only]);
     if (key === this.key) return;
     this.key = key;
     this.known = topics.flatMap(({ topic, type, problem }) => {
       const kind = problem === "" ? sceneKind(topic, type) : null;
       return kind === null || (only.length > 0 && isSwitched(kind) && !only.includes(topic)) ? [] : [{ topic, kind }];
     });
+    const entries = new Map(topics.map((entry) => [entry.topic, entry]));
+    this.sources = new Map(
+      this.known.flatMap(({ topic, kind }) => {
+        const entry = entries.get(topic);
+        return kind.kind === "camera" && entry !== undefined ? [[topic, choosePicture(entry, topics)] as const] : [];
+      }),
+    );
     this.follow();
   }
 
@@ -86,14 +115,56 @@ export class SceneSession {
 
   /** Why a topic cannot be shown; empty where it can. */
   problemOf(topic: string): string {
-    return this.problems.get(topic) ?? this.bytes.stateOf(topic)?.why ?? "";
+    const own = this.problems.get(topic) ?? this.bytes.stateOf(topic)?.why ?? "";
+    const source = this.sources.get(topic);
+    if (own !== "" || source === undefined) return own;
+    if (source === null) return msg("No pictures beside it that you may see: they would be in the same namespace");
+    const layer = this.model.layers.get(topic);
+    if (layer?.content.shape === "camera" && !isCalibrated(layer.content.info)) return msg("This camera is not calibrated: it does not say where its pixels look");
+    return source.from === "topic" ? (this.bytes.stateOf(source.topic)?.why ?? "") : "";
   }
 
   close(): void {
     this.bytes.close();
+    this.cameras.close();
+    this.model.reset();
   }
 
   private follow(): void {
-    this.bytes.followAll(this.topics.filter(({ kind, shown }) => shown || !isSwitched(kind)).map(({ topic, kind }) => ({ topic, rate: kind.rate, points: POINTS })));
+    const shown = this.topics.filter((topic) => topic.shown || !isSwitched(topic.kind));
+    const wishes = new Map<string, ByteWish>(shown.map(({ topic, kind }) => [topic, { topic, rate: kind.rate, points: POINTS }]));
+    const streams = new Map<string, string>();
+    for (const { topic } of shown) {
+      const source = this.sources.get(topic);
+      if (source?.from === "stream") streams.set(topic, source.stream);
+      if (source?.from === "topic") wishes.set(source.topic, { topic: source.topic, rate: PICTURE_RATES[source.packed ? "packed" : "plain"], points: POINTS });
+    }
+    this.bytes.followAll([...wishes.values()]);
+    this.cameras.followStreams(streams);
+  }
+
+  /** A picture is shown by each calibration that speaks of it. */
+  private showPictures(topic: string, message: TopicBytes): void {
+    for (const { topic: key, kind, shown } of this.sources.size === 0 ? [] : this.topics) {
+      const source = this.sources.get(key);
+      if (source?.from !== "topic" || source.topic !== topic || !shown) continue;
+      const heardMs = this.model.nowMs() - message.age_ms;
+      this.read(key, kind, () => {
+        const reader = new MessageReader(message.data, message.encoding);
+        void this.cameras.showMessage(key, source.packed ? readPackedPicture(reader) : readPlainPicture(reader), heardMs, source.rectified);
+      });
+    }
+  }
+
+  /** Does what reads a message; what is none is said beside its topic. */
+  private read(topic: string, { name }: Pick<SceneKind, "name">, act: () => void): void {
+    try {
+      act();
+      this.problems.delete(topic);
+    } catch (error) {
+      if (!(error instanceof MessageError || error instanceof RangeError)) throw error;
+      this.problems.set(topic, msg(str`${name}: its messages are not what they should be: ${error.message}`));
+      this.listener.onState();
+    }
   }
 }

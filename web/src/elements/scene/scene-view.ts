@@ -13,9 +13,10 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Marker } from "../../scene/markers.js";
 import type { FloorPose } from "../../scene/pose-command.js";
-import type { SceneLayer, SceneModel } from "../../scene/scene-model.js";
+import { changesByItself, type SceneLayer, type SceneModel } from "../../scene/scene-model.js";
 import { composed, type Transform, type Vector } from "../../scene/transform.js";
-import type { MeasuredLine, SceneColours, SceneDrawing, SceneOptions } from "./drawing.js";
+import { sameOptions, type MeasuredLine, type SceneColours, type SceneDrawing, type SceneOptions } from "./drawing.js";
+import { fadeFrustum, picturePart, redrawFrustum } from "./frustum-layer.js";
 import { disposeObject, drawLayer } from "./layer-drawing.js";
 import { MeshStore } from "./meshes.js";
 import { redrawPoints, shownCount } from "./point-layer.js";
@@ -111,10 +112,12 @@ export class SceneView implements SceneDrawing {
     this.schedule();
   }
 
+  /** It is told every second: a picture that would be the same is not drawn, which takes long where a program draws. */
   setOptions(options: SceneOptions): void {
+    const same = sameOptions(options, this.options);
     this.repaint ||= options.cloudBy !== this.options.cloudBy;
     this.options = options;
-    this.schedule();
+    if (!same || changesByItself(this.model)) this.schedule();
   }
 
   resize(width: number, height: number, ratio: number): void {
@@ -193,9 +196,10 @@ export class SceneView implements SceneDrawing {
     return this.robot?.frame ?? "";
   }
 
-  /** Where a topic's points are in the scene (m), as they are drawn. */
+  /** Where a topic's points are in the scene (m), as they are drawn; of a camera those of its picture. */
   pointsOf(topic: string): readonly Vector[] {
-    const object = this.drawn.get(topic)?.object;
+    const whole = this.drawn.get(topic)?.object;
+    const object = whole === undefined ? undefined : (picturePart(whole) ?? whole);
     const geometry = (object as (Object3D & { readonly geometry?: BufferGeometry }) | undefined)?.geometry;
     const positions = geometry?.getAttribute("position");
     if (object === undefined || geometry === undefined || positions === undefined) return [];
@@ -274,6 +278,7 @@ export class SceneView implements SceneDrawing {
       const place = model.placeOf(layer, options.fixed);
       object.visible = place !== null;
       if (place !== null) placeObject(object, place);
+      if (layer.content.shape === "camera") fadeFrustum(object, nowMs);
       if (layer.content.shape === "markers") this.placeMarkers(object, layer.content.markers, nowMs);
     }
   }
@@ -284,7 +289,7 @@ export class SceneView implements SceneDrawing {
     if (known?.number === number) return known.object;
     this.news.push([topic, timeUs]);
     const paints = { ...this.colours, cloudBy: this.options.cloudBy };
-    if (known !== undefined && redrawPoints(known.object, content, paints)) {
+    if (known !== undefined && (redrawPoints(known.object, content, paints) || redrawFrustum(known.object, content))) {
       this.drawn.set(topic, { object: known.object, number });
       return known.object;
     }

@@ -10,7 +10,7 @@ import { TickerController } from "../../controllers/ticker.js";
 import { formatAge } from "../../format/duration.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import { fixedText } from "../../format/number.js";
-import type { TopicShape, TopicTable } from "../../generated/api.js";
+import type { TopicTable } from "../../generated/api.js";
 import type { CloudColour } from "../../scene/cloud.js";
 import type { FrameRow } from "../../scene/frame-tree.js";
 import type { FloorPose } from "../../scene/pose-command.js";
@@ -28,7 +28,7 @@ import { control } from "../forms/input-style.js";
 import type { SceneDrawing } from "./drawing.js";
 import { sceneColours } from "./scene-colours.js";
 import { lengthOf, ScenePointer, type ScenePreview } from "./scene-pointer.js";
-import { SceneSession, type SceneTopic } from "./scene-session.js";
+import { SceneSession, type SceneTopic, type SceneTopicEntry } from "./scene-session.js";
 import { sceneStyle } from "./scene-style.js";
 import "../feedback/banner.js";
 import "../feedback/empty.js";
@@ -82,7 +82,7 @@ export class SceneElement extends LitElement {
   @state() private trouble = "";
   private readonly table = new LoadController<TopicTable>(this);
   private readonly watched = new StoreController(this);
-  private known: { readonly topics: readonly Pick<TopicShape, "topic" | "type" | "problem">[] } | undefined;
+  private known: { readonly topics: readonly SceneTopicEntry[] } | undefined;
   /** Of a past moment: no recording holds it. */
   private unrecorded = false;
   private resetJumps = -1;
@@ -139,7 +139,11 @@ export class SceneElement extends LitElement {
         this.requestUpdate();
       },
     };
-    this.session ??= new SceneSession(site, listener, this.past === null ? (this.openTopic ?? bytesOver(this.sockets)) : openPastBytes(this.past, this.onPastReset), this.past?.nowMs);
+    this.session ??= new SceneSession(site, listener, {
+      open: this.past === null ? (this.openTopic ?? bytesOver(this.sockets)) : openPastBytes(this.past, this.onPastReset),
+      nowMs: this.past?.nowMs,
+      openSocket: this.sockets,
+    });
     this.session.setTopics(this.known.topics, this.topics);
   }
 
@@ -362,8 +366,10 @@ export class SceneElement extends LitElement {
   private readonly onPastReset = (topic: string): void => {
     const { session, past } = this;
     if (session === null || past === null) return;
-    if (past.jumps === this.resetJumps) session.model.forget(topic);
-    else session.reset();
+    if (past.jumps === this.resetJumps) {
+      session.model.forget(topic);
+      this.drawing?.schedule();
+    } else session.reset();
     this.resetJumps = past.jumps;
   };
 

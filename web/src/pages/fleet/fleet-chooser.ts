@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
@@ -14,6 +14,8 @@ import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 
+/** Rows at first, and more each time the end comes into view. */
+const STEP = 60;
 const NO_TROUBLES: ReadonlyMap<string, SiteTrouble> = new Map();
 
 /** @fires t-choose-sites detail are the ids of all sites that are chosen now */
@@ -86,6 +88,25 @@ export class FleetChooser extends LitElement {
   @property({ attribute: false }) chosen: ReadonlySet<string> = new Set();
   @state() private words = "";
   @state() private tag = "";
+  @state() private shown = STEP;
+  @query(".end") private readonly end!: HTMLElement | null;
+  private readonly watcher = new IntersectionObserver(
+    (entries) => {
+      if (entries.some(({ isIntersecting }) => isIntersecting)) this.shown += STEP;
+    },
+    { rootMargin: "800px" },
+  );
+
+  override disconnectedCallback(): void {
+    super.disconnectedCallback();
+    this.watcher.disconnect();
+  }
+
+  override updated(): void {
+    // Watched anew each time: an end that has stayed in view is told of once more.
+    this.watcher.disconnect();
+    if (this.end !== null) this.watcher.observe(this.end);
+  }
 
   override render(): TemplateResult {
     const { rows } = this;
@@ -100,8 +121,19 @@ export class FleetChooser extends LitElement {
         <t-button ?disabled=${found.length === 0} @click=${this.chooseFound}>${msg(str`Choose all ${found.length}`)}</t-button>
         <t-button ?disabled=${this.chosen.size === 0} @click=${this.chooseNone}>${msg("Choose none")}</t-button>
       </div>
-      ${found.length === 0 ? html`<t-empty heading=${msg("No site fits")} icon="devices"></t-empty>` : groups.map(({ name, rows: members }) => this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), members, names))}
+      ${found.length === 0 ? html`<t-empty heading=${msg("No site fits")} icon="devices"></t-empty>` : this.renderGroups(groups, names)}
     `;
+  }
+
+  /** Rows near the view alone: what a row is made of takes time a thousand times. */
+  private renderGroups(groups: readonly FleetGroup[], names: ReadonlyMap<string, string>): TemplateResult {
+    let left = this.shown;
+    const drawn = groups.map(({ name, rows }) => {
+      const members = rows.slice(0, Math.max(0, left));
+      left -= members.length;
+      return members.length === 0 ? nothing : this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), members, names);
+    });
+    return html`${drawn}${left <= 0 ? html`<div class="end"></div>` : nothing}`;
   }
 
   private foundGroups(): readonly FleetGroup[] {
@@ -134,7 +166,9 @@ export class FleetChooser extends LitElement {
   };
 
   private readonly onWords = (event: Event): void => {
-    if (event.target instanceof HTMLInputElement) this.words = event.target.value;
+    if (!(event.target instanceof HTMLInputElement)) return;
+    this.words = event.target.value;
+    this.shown = STEP;
   };
 
   private readonly onTag = (event: Event): void => {

@@ -8,20 +8,23 @@ import type { TopicBytes } from "../../generated/wire.js";
 import type { OpenBytes } from "../../topics/byte-topics.js";
 import { HubApi } from "../../wire/hub-api.js";
 import type { GalleryEntry } from "./entry.js";
-import { MADE_ODOMETRY, MADE_SCAN } from "./made-up/messages.js";
+import { MADE_CAMERA, MADE_ODOMETRY, MADE_PICTURE, MADE_SCAN } from "./made-up/messages.js";
 
 const topicOf = (topic: string, type: string): TopicShape => ({ topic, type, latched: false, max_rate: 0, problem: "", described: true, right: "view", device: "", rate: 5 });
 const TOPICS: readonly TopicShape[] = [topicOf("/odom", "nav_msgs/msg/Odometry"), topicOf("/scan", "sensor_msgs/msg/LaserScan")];
+
+const CAMERA_TOPICS: readonly TopicShape[] = [...TOPICS, topicOf("/camera_info", "sensor_msgs/msg/CameraInfo"), topicOf("/image", "sensor_msgs/msg/Image")];
+const MADE: Readonly<Record<string, Uint8Array>> = { "/odom": MADE_ODOMETRY, "/scan": MADE_SCAN, "/camera_info": MADE_CAMERA, "/image": MADE_PICTURE };
 
 const message = (data: Uint8Array): TopicBytes => ({ t: "topic_bytes", number: 1, seq: 1, time_us: 0, publish_us: 0, age_ms: 0, encoding: "ros1", every: 1, data });
 
 /** @param broken its scans are none */
 function openMade(broken: boolean): OpenBytes {
-  return (path, heard) => {
-    const scan = path.includes("scan");
+  return (_path, heard, { topic }) => {
+    const data = MADE[topic] ?? MADE_ODOMETRY;
     const timer = setTimeout(() => {
       heard.onState("open", "");
-      heard.onBytes?.(message(scan ? (broken ? MADE_SCAN.subarray(0, 40) : MADE_SCAN) : MADE_ODOMETRY));
+      heard.onBytes?.(message(broken && topic === "/scan" ? data.subarray(0, 40) : data));
     });
     return {
       close: () => {
@@ -45,6 +48,7 @@ function hubWith(answer: () => Promise<Response>): (event: Event) => void {
 
 const answering = (topics: readonly TopicShape[]): ((event: Event) => void) => hubWith(() => Promise.resolve(Response.json({ online: true, topics })));
 const WITH_TOPICS = answering(TOPICS);
+const WITH_CAMERA = answering(CAMERA_TOPICS);
 const WITH_NONE = answering([]);
 const FAILING = hubWith(() => Promise.resolve(Response.json({ code: "broken", message: "The hub cannot answer now." }, { status: 500 })));
 const WAITING = hubWith(() => new Promise<Response>(() => undefined));
@@ -61,6 +65,7 @@ export const entries: readonly GalleryEntry[] = [
     wide: true,
     states: [
       { name: "a scan", show: () => renderScene(WITH_TOPICS, openMade(false)) },
+      { name: "a camera, to be switched on", show: () => renderScene(WITH_CAMERA, openMade(false)) },
       { name: "in a tile", show: () => renderScene(WITH_TOPICS, openMade(false), true, true) },
       { name: "nothing came yet", show: () => renderScene(WITH_TOPICS, openSilent) },
       { name: "messages that are none", show: () => renderScene(WITH_TOPICS, openMade(true)) },

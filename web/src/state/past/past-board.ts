@@ -45,6 +45,8 @@ const NO_RECORDINGS: PastTopicSource = {
 /** Stretches of recordings weigh more than samples: so much play time (s) is asked for ahead, and so much time at the most (s). */
 const TOPICS_AHEAD_S = 2;
 const MOST_TOPICS_AHEAD_S = 12;
+/** Questions of a kind while a hand moves the moment about: the last place waits behind what is under way for those before. */
+const MOST_WHILE_DRAGGED = 1;
 
 interface Replay {
   readonly site: string;
@@ -67,6 +69,7 @@ export class PastBoard extends Store {
   private tickedMs = -Infinity;
   private loadSoon = false;
   private wasSettled = false;
+  private dragged = false;
   private ended = false;
   private closed = false;
 
@@ -223,6 +226,7 @@ export class PastBoard extends Store {
 
   private jumpTo(us: number): void {
     const now = this.time.nowMs();
+    this.dragged = this.jumped > 0 && !this.isSettled;
     this.head.seek(us, now);
     this.jumped += 1;
     this.jumpedMs = now;
@@ -260,9 +264,10 @@ export class PastBoard extends Store {
   private load(): void {
     const { us } = this;
     const aheadUs = this.playing ? AHEAD_S * SECOND_US * this.speed : 0;
-    this.values.chunks.load(us, us);
-    this.feed.load(0);
-    this.topics.load(this.playing ? Math.min(MOST_TOPICS_AHEAD_S, TOPICS_AHEAD_S * this.speed) * SECOND_US : 0);
+    const most = this.dragged && !this.isSettled ? MOST_WHILE_DRAGGED : undefined;
+    this.values.chunks.load(us, us, most);
+    this.feed.load(0, most);
+    this.topics.load(this.playing ? Math.min(MOST_TOPICS_AHEAD_S, TOPICS_AHEAD_S * this.speed) * SECOND_US : 0, most);
     if (aheadUs === 0) return;
     this.values.chunks.load(us, us + aheadUs);
     this.feed.load(aheadUs);

@@ -63,11 +63,15 @@ export class PastChunks {
     this.wanted = [...new Set(channels)].sort();
   }
 
-  /** Asks for what of a stretch is not known; what is too much at once waits for the next call. */
-  load(fromUs: number, toUs: number): void {
+  /**
+   * Asks for what of a stretch is not known; what is too much at once waits for the next call.
+   *
+   * @param most questions that may run at a time
+   */
+  load(fromUs: number, toUs: number, most = MOST_RUNNING): void {
     if (this.failure !== null) return;
     const untilUs = Math.min(toUs, this.nowUs());
-    for (let i = this.indexOf(fromUs); i <= this.indexOf(untilUs); i += 1) this.loadChunk(i, untilUs);
+    for (let i = this.indexOf(fromUs); i <= this.indexOf(untilUs); i += 1) this.loadChunk(i, untilUs, most);
   }
 
   /** Everything wanted of a stretch is known, as far as time has come. */
@@ -108,14 +112,14 @@ export class PastChunks {
     return Math.floor(us / this.form.lengthUs);
   }
 
-  private loadChunk(index: number, neededUs: number): void {
+  private loadChunk(index: number, neededUs: number, most: number): void {
     const { lengthUs } = this.form;
     const endUs = (index + 1) * lengthUs;
     let chunk = this.chunks.get(index);
     const grown = chunk !== undefined && chunk.untilUs < Math.min(endUs, neededUs);
     const missing = this.wanted.filter((channel) => (grown || chunk?.columns.has(channel) !== true) && chunk?.asked.has(channel) !== true);
     if (chunk !== undefined) this.markUsed(index, chunk);
-    if (missing.length === 0 || this.running >= MOST_RUNNING) return;
+    if (missing.length === 0 || this.running >= most) return;
     chunk ??= { columns: new Map(), asked: new Set(), untilUs: 0 };
     this.markUsed(index, chunk);
     void this.askFor(chunk, index, missing);

@@ -10,8 +10,8 @@ import { MINUTE_US, SECOND_US } from "../../series/zone-clock.js";
 import { samplesOf } from "./history-samples.js";
 import { PastChunks, type PastColumn, type PastSource } from "./past-chunks.js";
 
-/** A window never needs more pixels than a wide chart has. */
-const WIDTH = 1200;
+/** Pixels of a wide tile: twice as many points come for each line, and all of them before a moment is shown. */
+const WIDTH = 800;
 const NO_TIMES = new Float64Array();
 
 interface Line {
@@ -84,10 +84,13 @@ export class PastFeed {
 
   readonly currentWindow = (): TimeSpan => ({ fromUs: this.us() - this.lengthUs, toUs: this.us() });
 
-  /** @param aheadUs so much after the moment is asked for, too */
-  load(aheadUs: number): void {
+  /**
+   * @param aheadUs so much after the moment is asked for, too
+   * @param most questions that may run at a time
+   */
+  load(aheadUs: number, most?: number): void {
     const us = this.us();
-    this.chunks.load(us - this.lengthUs, us);
+    this.chunks.load(us - this.lengthUs, us, most);
     if (aheadUs > 0) this.chunks.load(us, us + aheadUs);
   }
 

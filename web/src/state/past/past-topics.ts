@@ -129,15 +129,19 @@ export class PastTopics {
     });
   }
 
-  /** Asks for what is not known of the moment, and of so much after it (µs). */
-  load(aheadUs: number): void {
+  /**
+   * Asks for what is not known of the moment, and of so much after it (µs).
+   *
+   * @param most questions that may run at a time
+   */
+  load(aheadUs: number, most = MOST_RUNNING): void {
     const us = this.us();
     if (this.momentWanted && !this.isMomentKnown(us)) void this.askMoment(us);
     // After a jump who follows is told what came shortly before.
     for (const form of ["trees", "bytes"] as const) {
       // The moment itself first.
-      this.loadStretch(form, indexOf(us));
-      for (let i = indexOf(us - RECENT_US[form]); i <= indexOf(us + aheadUs); i += 1) this.loadStretch(form, i);
+      this.loadStretch(form, indexOf(us), most);
+      for (let i = indexOf(us - RECENT_US[form]); i <= indexOf(us + aheadUs); i += 1) this.loadStretch(form, i, most);
     }
   }
 
@@ -218,14 +222,14 @@ export class PastTopics {
     following.listener.onState(state);
   }
 
-  private loadStretch(form: PastForm, index: number): void {
+  private loadStretch(form: PastForm, index: number, most: number): void {
     const wanted = new Map([...this.followings].filter((following) => following.form === form).map(({ wish }) => [wish.topic, wish]));
     if (wanted.size === 0 || index < 0) return;
     const stretches = this.stretches[form];
     let stretch = stretches.get(index);
     if (stretch !== undefined) markUsed(stretches, index, stretch);
     const missing = [...wanted.values()].filter(({ topic }) => stretch?.topics.has(topic) !== true && stretch?.asked.has(topic) !== true);
-    if (missing.length === 0 || this.running >= MOST_RUNNING || (stretch?.failure ?? null) !== null) return;
+    if (missing.length === 0 || this.running >= most || (stretch?.failure ?? null) !== null) return;
     stretch ??= { topics: new Map(), asked: new Set(), failure: null, bytes: 0 };
     markUsed(stretches, index, stretch);
     void this.askFor(form, index, stretch, missing);

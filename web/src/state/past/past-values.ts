@@ -1,13 +1,14 @@
 /** What every signal was at a past moment: the same as the live values are, for a board that looks back. */
 
 import { firstIndexFrom } from "../../series/binary-search.js";
-import { MINUTE_US } from "../../series/zone-clock.js";
+import { SECOND_US } from "../../series/zone-clock.js";
 import type { Reading, ReadingSource } from "../live-values.js";
 import { PastChunks, type PastColumn, type PastSource } from "./past-chunks.js";
 
 /** Every sample of up to 50 a second comes; of faster ones the least and the greatest of each 20 ms. */
-const WIDTH = 3000;
-const CHUNK_US = MINUTE_US;
+const WIDTH = 1000;
+/** Short: who goes elsewhere waits for the whole of one. */
+const CHUNK_US = 20 * SECOND_US;
 
 export class PastValues implements ReadingSource {
   readonly isPast = true;

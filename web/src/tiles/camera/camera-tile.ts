@@ -19,7 +19,7 @@ import "./blur-button.js";
 import "./film-button.js";
 import { H264Player, supportsH264 } from "./h264-player.js";
 import { BoxSync, type CurrentBoxes } from "./box-sync.js";
-import { JpegPlayer } from "./jpeg-player.js";
+import { JpegPlayer } from "../../elements/camera/jpeg-player.js";
 import { CameraMarks } from "./camera-marks.js";
 import { ModelOverlays } from "./model-overlays.js";
 import { ObjectDetection } from "./object-detection.js";

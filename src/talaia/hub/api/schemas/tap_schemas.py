@@ -23,6 +23,11 @@ class TopicShape(BaseModel):
     rate: float = Field(
         description="how often it comes (Hz), while somebody follows it; 0: not known"
     )
+    camera: str = Field(
+        default="",
+        description="of a calibration (CameraInfo): the described camera, device/stream, whose"
+        " pictures it speaks of; empty: none that you may see",
+    )
 
 
 class TopicTable(BaseModel):

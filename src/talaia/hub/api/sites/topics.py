@@ -14,7 +14,8 @@ from talaia.hub.api.schemas.tap_schemas import (
     TopicShape,
     TopicTable,
 )
-from talaia.model.topics import TopicRight
+from talaia.hub.auth.permissions import sees_stream
+from talaia.model.topics import TopicRight, calibrated_cameras
 
 if TYPE_CHECKING:
     from talaia.hub.live.taps.tap_fanout import TapFanout
@@ -41,8 +42,10 @@ class TopicPages:
 
         While its gateway is away, those that it listed last.
         """
+        live, grants = live_of(request), who_of(request).grants
+        description = live.description
         return TopicTable(
-            online=live_of(request).online,
+            online=live.online,
             topics=[
                 TopicShape(
                     topic=found.topic,
@@ -54,8 +57,16 @@ class TopicPages:
                     right=found.rule.right if found.rule else TopicRight.TAP,
                     device=found.rule.device if found.rule else "",
                     rate=found.rate,
+                    camera=next(
+                        (
+                            address
+                            for address in calibrated_cameras(description, found.topic, found.type)
+                            if sees_stream(grants, description, *address.split("/", 1))
+                        ),
+                        "",
+                    ),
                 )
-                for found in self._taps.topics(site, who_of(request).grants)
+                for found in self._taps.topics(site, grants)
             ],
         )
 

@@ -9,7 +9,12 @@ import numpy as np
 from sqlalchemy import select
 
 from talaia.hub.history.blocks.block import EMPTY, concatenate_samples, in_order
-from talaia.hub.history.queries.window import FARTHEST_US, StoredWindow, kept_bodies
+from talaia.hub.history.queries.window import (
+    FARTHEST_US,
+    StoredWindow,
+    kept_bodies,
+    overlapping_of_channels,
+)
 from talaia.hub.history.queries.window_query import window_of
 from talaia.hub.store import history_tables as tables
 
@@ -92,13 +97,13 @@ def _newest_blocks(
     window = asked[0].window
     # All of the block that ends last is in the window, and the newest is its last sample ...
     wanted = _last_whole(connection, [one.window.channel for one in asked], window)
+    # ... or it is in a block that goes on beyond the window's end.
+    reach = [one.window._replace(from_us=window.to_us) for one in asked]
+    cut = None if window.to_us >= FARTHEST_US else overlapping_of_channels(connection, reach)
     for one in asked:
         ends = wanted.setdefault(one.window.channel, {})
-        if window.to_us < FARTHEST_US:
-            # ... or it is in a block that goes on beyond the window's end.
-            reach = one.window._replace(from_us=window.to_us)
-            cut = select(_block.c.id, _block.c.last_us).where(*reach.overlap_conditions())
-            ends.update({row.id: row.last_us for row in connection.execute(cut)})
+        if cut is not None:
+            ends.update({row.id: row.last_us for row in cut[one.window.channel]})
         if one.tail.time_us.size and all(end <= one.tail.time_us[-1] for end in ends.values()):
             ends.clear()
     every = sorted({number for numbers in wanted.values() for number in numbers})

@@ -24,6 +24,7 @@ from talaia.hub.history.queries.downsample import (
     pixel_width,
     steps_of,
 )
+from talaia.hub.history.queries.listed_blocks import list_together
 from talaia.hub.history.queries.newest import read_newest
 from talaia.hub.history.queries.series import HistoryGap, Series, empty_series
 from talaia.hub.history.queries.window import (
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.blocks.rollup import RollupPiece
     from talaia.hub.history.limits import HistoryLimits
+    from talaia.hub.history.queries.listed_blocks import ListedBlocks
     from talaia.hub.history.writing.block_index import BlockIndex
 
 __all__ = ["Reader"]
@@ -91,6 +93,13 @@ class Reader:
         ]
         with self._engine.begin() as connection:
             gaps = gaps_of(connection, site, *_clamp_window(from_us, to_us))
+            listed = list_together(
+                connection,
+                [found[0] for _, found in asked if found is not None],
+                most=self._most_samples(width),
+                most_bodies=self._limits.cached,
+                cache=self._cache,
+            )
             return [
                 empty_series(address, gaps)
                 if found is None
@@ -102,9 +111,14 @@ class Reader:
                     width=width,
                     gaps=gaps,
                     steps=address in steps,
+                    listed=listed,
                 )
                 for address, found in asked
             ]
+
+    def _most_samples(self, width: int) -> int:
+        """Give how many samples of a channel are read as they are; more are read as rollups."""
+        return max(self._limits.raw, 2 * width)
 
     def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
@@ -124,11 +138,18 @@ class Reader:
         width: int,
         gaps: list[HistoryGap],
         steps: bool,
+        listed: ListedBlocks | None,
     ) -> Series:
         tail = in_order(held).between_times(window.from_us, window.to_us)
         span_us = window.to_us - window.from_us + 1
-        most = max(self._limits.raw, 2 * width)
-        blocks = overlapping_blocks(connection, window, most)
+        most = self._most_samples(width)
+        blocks: Sequence[Any] | None
+        if listed is None:
+            blocks = overlapping_blocks(connection, window, most)
+        else:
+            blocks = listed.rows[window.channel]
+            if sum(row.samples for row in blocks) > most:
+                blocks = None
         tier = 0
         if blocks is None:
             tier = tier_for(pixel_width(span_us, width) or span_us)
@@ -151,7 +172,12 @@ class Reader:
         if blocks is None:
             blocks = overlapping_blocks(connection, window, FARTHEST_US) or ()
         samples, unread = read_samples(
-            connection, blocks, window=window, most_texts=self._limits.texts, cache=self._cache
+            connection,
+            blocks,
+            window=window,
+            most_texts=self._limits.texts,
+            cache=self._cache,
+            known={} if listed is None else listed.bodies,
         )
         gaps = [*gaps, *unread]
         samples = in_order(concatenate_samples([samples, tail])).between_times(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import func, literal, or_, select, union_all
@@ -14,7 +15,7 @@ from talaia.hub.history.queries.series import HistoryGap
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from sqlalchemy import ColumnElement, Connection
 
@@ -29,6 +30,7 @@ __all__ = [
     "kept_bodies",
     "outside_rollups",
     "overlapping_blocks",
+    "overlapping_of_channels",
     "read_blocks",
     "read_samples",
 ]
@@ -88,6 +90,38 @@ def overlapping_blocks(
     return connection.execute(query).all() if count_in_blocks(connection, window) <= most else None
 
 
+def overlapping_of_channels(
+    connection: Connection, windows: Sequence[StoredWindow], most: int | None = None
+) -> dict[int, list[Any]] | None:
+    """List the blocks that overlap the windows of several channels, by channel, in one question.
+
+    Args:
+        connection: to the database.
+        windows: of different channels; all are of the same stretch of time.
+        most: None is given if there are so many blocks or more in all.
+
+    """
+    first = windows[0]
+    longest_us = max(window.longest_us for window in windows)
+    before = {window.channel: window.before_block for window in windows}
+    whole = first._replace(longest_us=longest_us, before_block=max(before.values()))
+    # All but the channel's own condition, which stands first.
+    query = (
+        select(_block.c.channel_id, _block.c.id, _block.c.first_us, _block.c.last_us)
+        .add_columns(_block.c.samples)
+        .where(_block.c.channel_id.in_(before), *whole.overlap_conditions()[1:])
+        .order_by(_block.c.first_us, _block.c.id)
+    )
+    rows = connection.execute(query.limit(most)).all()
+    if most is not None and len(rows) >= most:
+        return None
+    found: dict[int, list[Any]] = {channel: [] for channel in before}
+    for row in rows:
+        if row.id < before[row.channel_id]:
+            found[row.channel_id].append(row)
+    return found
+
+
 def read_samples(
     connection: Connection,
     found: Sequence[Any],
@@ -95,10 +129,12 @@ def read_samples(
     window: StoredWindow,
     most_texts: int,
     cache: BlockCache | None = None,
+    known: Mapping[int, BlockSamples] = MappingProxyType({}),
 ) -> tuple[BlockSamples, list[HistoryGap]]:
     """Read blocks that overlap a window, and tell which stretches could not be read, and why.
 
-    Samples come in the order of their blocks, which is that in which they came.
+    Samples come in the order of their blocks, which is that in which they came. Those of ``known``
+    were read already.
     """
     blocks = sorted(found, key=lambda row: row.last_us)
     read: dict[int, BlockSamples] = {}
@@ -107,7 +143,10 @@ def read_samples(
     while blocks and (size < most_texts or not any(part.texts for part in read.values())):
         some = blocks[-_BODIES_AT_ONCE:]
         del blocks[-_BODIES_AT_ONCE:]
-        read.update(kept_bodies(connection, [row.id for row in some], window.run, cache))
+        missing = [row.id for row in some if row.id not in known]
+        read.update({row.id: known[row.id] for row in some if row.id in known})
+        if missing:
+            read.update(kept_bodies(connection, missing, window.run, cache))
         size = sum(part.time_us.size for part in read.values())
         unread += [
             HistoryGap(row.first_us, row.last_us, "a part of the database is damaged")

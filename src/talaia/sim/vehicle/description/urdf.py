@@ -17,10 +17,12 @@ from talaia.sim.vehicle.drives.kinematics import (
     WHEELBASE,
     DriveKind,
 )
+from talaia.sim.vehicle.vehicle import CAMERA_AT, CAMERA_DOWN
 
 __all__ = ["make_urdf"]
 
 _LIDAR_AT = 0.19
+_CAMERA_LINK_AT = (0.035, 0.0, 0.375)
 
 
 def _cylinder(radius: float, length: float, xyz: str, material: str, *, rpy: str = "0 0 0") -> str:
@@ -33,12 +35,19 @@ def _cylinder(radius: float, length: float, xyz: str, material: str, *, rpy: str
 
 
 def _joint(
-    name: str, kind: str, child: str, xyz: str, *, more: str = "", parent: str = "base_link"
+    name: str,
+    kind: str,
+    child: str,
+    xyz: str,
+    *,
+    rpy: str = "0 0 0",
+    more: str = "",
+    parent: str = "base_link",
 ) -> str:
     return f"""  <joint name="{name}" type="{kind}">
     <parent link="{parent}"/>
     <child link="{child}"/>
-    <origin xyz="{xyz}" rpy="0 0 0"/>{more}
+    <origin xyz="{xyz}" rpy="{rpy}"/>{more}
   </joint>
 """
 
@@ -119,6 +128,20 @@ def _arm() -> str:
     return text
 
 
+def _optical_joint() -> str:
+    """Make the joint to the frame of the pictures: x right, y down, z ahead (REP-103)."""
+    roll = -math.pi / 2 - CAMERA_DOWN
+    x, y, z = (at - mast for at, mast in zip(CAMERA_AT, _CAMERA_LINK_AT, strict=True))
+    return _joint(
+        "camera_optical_joint",
+        "fixed",
+        "camera_optical_frame",
+        f"{x:.6f} {y:.6f} {z:.6f}",
+        rpy=f"{roll:.9f} 0 {-math.pi / 2:.9f}",
+        parent="camera_link",
+    )
+
+
 def make_urdf(drive: DriveKind = DriveKind.DIFFERENTIAL, *, arm: bool = False) -> str:
     """Give the form of a vehicle with these wheels; the frame of its base is ``base_link``."""
     decks = "".join(
@@ -142,9 +165,11 @@ def make_urdf(drive: DriveKind = DriveKind.DIFFERENTIAL, *, arm: bool = False) -
       <material name="deck"/>
     </visual>
   </link>
+  <link name="camera_optical_frame"/>
 {_wheels(drive)}{_arm() if arm else ""}\
 {_joint("scan_joint", "fixed", "base_scan", f"0 0 {_LIDAR_AT}")}\
 {_joint("imu_joint", "fixed", "imu_link", "0 0 0.05")}\
-{_joint("camera_joint", "fixed", "camera_link", "0.035 0 0.375")}\
+{_joint("camera_joint", "fixed", "camera_link", " ".join(map(str, _CAMERA_LINK_AT)))}\
+{_optical_joint()}\
 </robot>
 """

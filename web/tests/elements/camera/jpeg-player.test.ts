@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { CameraPicture } from "../../../src/generated/wire.js";
-import { JpegPlayer } from "../../../src/tiles/camera/jpeg-player.js";
+import { JpegPlayer } from "../../../src/elements/camera/jpeg-player.js";
 
 const shot = (seq: number): CameraPicture => ({
   t: "shot", seq, time_us: 0, hub_us: 0, width: 1, height: 1, format: "jpeg", key: true, codec: "", small: false, data: new Uint8Array(),

@@ -1,0 +1,52 @@
+/** Meshes of a robot: each fetched once, from the hub alone, and no more of them than a page can hold. */
+
+import { describe, expect, it } from "vitest";
+import { Mesh } from "three";
+import { MeshStore } from "../../../src/elements/scene/meshes.js";
+
+const TRIANGLE = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n";
+
+function storeOver(answer: (url: string) => Response): { readonly store: MeshStore; readonly asked: string[] } {
+  const asked: string[] = [];
+  const store = new MeshStore("yard", (url) => {
+    asked.push(url as string);
+    return Promise.resolve(answer(url as string));
+  });
+  return { store, asked };
+}
+
+describe("a robot's meshes", () => {
+  it("are fetched once each, however many links have them, and each link has a copy of its own", async () => {
+    const { store, asked } = storeOver(() => new Response(TRIANGLE));
+    const [first, second] = await Promise.all([store.load("package://arm/a.stl"), store.load("package://arm/a.stl")]);
+    expect(asked).toEqual(["/api/sites/yard/assets?uri=package%3A%2F%2Farm%2Fa.stl"]);
+    expect(first).toBeInstanceOf(Mesh);
+    expect(second).not.toBe(first);
+    expect(Reflect.get(second, "geometry")).toBe(Reflect.get(first, "geometry"));
+  });
+
+  it("come from no other address than the hub's", async () => {
+    const { store, asked } = storeOver(() => new Response(TRIANGLE));
+    for (const uri of ["https://elsewhere.example/a.stl", "file:///etc/passwd", "//elsewhere.example/a.stl"]) await expect(store.load(uri)).rejects.toThrow("only meshes of packages");
+    expect(asked).toEqual([]);
+  });
+
+  it("are no more than 500 files", async () => {
+    const { store, asked } = storeOver(() => new Response(TRIANGLE));
+    await Promise.all(Array.from({ length: 500 }, (_, at) => store.load(`package://arm/${String(at)}.stl`)));
+    await expect(store.load("package://arm/one-more.stl")).rejects.toThrow("more than 500 meshes");
+    expect(asked).toHaveLength(500);
+  });
+
+  it("are no more than 256 MiB together", async () => {
+    const large = { ok: true, arrayBuffer: () => Promise.resolve({ byteLength: 200 * 1024 * 1024 }) } as unknown as Response;
+    const { store } = storeOver(() => large);
+    await expect(store.load("package://arm/a.xyz")).rejects.toThrow("are not read");
+    await expect(store.load("package://arm/b.xyz")).rejects.toThrow("more than 256 MiB of meshes");
+  });
+
+  it("that the hub does not have are said by name", async () => {
+    const { store } = storeOver(() => new Response("", { status: 404 }));
+    await expect(store.load("package://arm/a.stl")).rejects.toThrow("package://arm/a.stl: the hub does not have it");
+  });
+});
