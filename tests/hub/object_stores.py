@@ -8,7 +8,6 @@ import importlib.util
 import os
 import sys
 import threading
-import time
 from contextlib import asynccontextmanager
 from http.client import HTTPConnection, HTTPException
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -133,6 +132,7 @@ class FaultyLine:
         # Under a certificate where one is given.
         self.away = False
         self.slow_s = 0.0
+        self._ended = threading.Event()
         self.refusal: tuple[int, str] | None = None
         self.cut = 0
         self.etag = self.lose = self.spoil = False
@@ -162,6 +162,7 @@ class FaultyLine:
         return self
 
     def __exit__(self, *_exc: object) -> None:
+        self._ended.set()
         self._server.shutdown()
         self._thread.join()
         self._server.server_close()
@@ -170,7 +171,7 @@ class FaultyLine:
         """Ask the store, and answer with what it says, or with something else."""
         body = request.rfile.read(int(request.headers.get("Content-Length", 0)))
         self.asked.append((request.command, request.path))
-        time.sleep(self.slow_s)
+        self._ended.wait(self.slow_s)
         if self.away:
             request.close_connection = True
             return

@@ -97,12 +97,14 @@ class NumberedGateway:
 
     async def count(self) -> None:
         """Take a sample every period, linked or not, for ever."""
-        await asyncio.sleep(random.SystemRandom().random() * PERIOD_S)
+        # Not all of them at the same moment.
+        pause_s = random.SystemRandom().random() * PERIOD_S
         while True:
+            await asyncio.sleep(pause_s)
             self._kept.append((self.next, time.time_ns() // 1000))
             self.next += 1
             self._news.set()
-            await asyncio.sleep(PERIOD_S)
+            pause_s = PERIOD_S
 
     async def _link(self) -> None:
         async with connect(

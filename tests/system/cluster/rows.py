@@ -52,6 +52,13 @@ async def lead_changes(world: ClusterWorld, findings: Findings) -> AsyncIterator
     findings.figures["another led after, s"].append((time.monotonic_ns() - at) / 1e9)
 
 
+async def cut_from_bus(hub: Member, load: Load, chance: random.Random) -> None:
+    """Let a hub hear no other one for some seconds, in which an alarm comes up."""
+    with hub.bus.dark():
+        await load.raise_alarm()
+        await lasts_for(chance.uniform(3.0, 5.0))
+
+
 async def k1(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
     """`kill -9` the hub that leads: another one does, and everybody comes to it."""
     async with driven(world, chance, findings) as load:
@@ -68,7 +75,6 @@ async def k2(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
         busiest, *_ = await world.others()
         busiest.kill()
         await load.raise_alarm()
-        await lasts_for(1.0)
         busiest.start()
 
 
@@ -87,9 +93,7 @@ async def k4(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
     async with driven(world, chance, findings) as load:
         lead = await world.lead()
         led = lead.times_led
-        with lead.bus.dark():
-            await load.raise_alarm()
-            await lasts_for(chance.uniform(3.0, 5.0))
+        await cut_from_bus(lead, load, chance)
         if lead.times_led != led or not lead.runs:
             findings.breach("lead", "a hub that has the database does not lead on")
 
@@ -98,9 +102,7 @@ async def k5(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
     """A hub that waits is cut from NATS: who came to it comes to the others."""
     async with driven(world, chance, findings) as load:
         busiest, *_ = await world.others()
-        with busiest.bus.dark():
-            await load.raise_alarm()
-            await lasts_for(chance.uniform(3.0, 5.0))
+        await cut_from_bus(busiest, load, chance)
 
 
 async def k6(world: ClusterWorld, chance: random.Random, findings: Findings) -> None:
@@ -120,7 +122,6 @@ async def k7(world: ClusterWorld, chance: random.Random, findings: Findings) -> 
         node = world.nats.node_of((await world.lead()).name)
         node.kill()
         await load.raise_alarm()
-        await lasts_for(1.0)
         node.start()
 
 
