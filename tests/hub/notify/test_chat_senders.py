@@ -13,20 +13,16 @@ from urllib.parse import unquote
 import pytest
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.alarms.rules import Rule
-from talaia.hub.alarms.state_machine import Raise, State, apply_event
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.notify.delivery_worker import DeliveryWorker
 from talaia.hub.notify.message import AlarmMessage
 from talaia.hub.notify.senders import Outcome, Sender
-from talaia.hub.store.accounts.people import People
-from talaia.hub.store.alarms.alarm_states import AlarmChange, AlarmStore
 from talaia.hub.store.alarms.notification_channels import NotifyStore, Way, WayKind
-from talaia.hub.store.alarms.notification_outbox import About, NotificationOutbox
+from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
 from talaia.hub.store.database import Database
-from talaia.model.alarms.alarm import Severity
 
 from .peers import Peer, certified, served
+from .raised_alarm import raise_alarm
 
 SAID = AlarmMessage("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
 LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
@@ -205,21 +201,8 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     database = Database(f"sqlite:///{tmp_path}/talaia.db")
     await database.migrate()
     clock = HandClock()
-    user = await People(database, clock).add_person("op", "x", "operator")
     store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), NotificationOutbox(database)
-    way = await store.put_way(
-        None, "chat", kind=WayKind.CHAT, settings={}, secrets={"url": TELEGRAM}, now_us=0
-    )
-    await store.add_rule(
-        Rule(
-            id=0, user=user, site="*", way=way, target="", least=Severity.INFO, over=True,
-            quiet_from=0, quiet_to=0, quiet_least=Severity.INFO, zone="UTC", group_s=0,
-        )
-    )  # fmt: skip
-    now = clock.wall_ns() // 1000
-    state, happened = apply_event(State(), Raise(now, "Voltage is 10 V"))
-    about = About("agv", "low", "power", Severity.CRITICAL, "Battery low", "AGV", "")
-    await AlarmStore(database).commit_changes([AlarmChange(about, state, happened)], now)
+    await raise_alarm(database, clock, store, WayKind.CHAT, secrets={"url": TELEGRAM})
 
     async def told() -> None: ...
 

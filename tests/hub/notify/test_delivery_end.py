@@ -5,16 +5,13 @@ import asyncio
 from contextlib import suppress
 
 from talaia.clock import HandClock
-from talaia.hub.alarms.rules import Rule
-from talaia.hub.alarms.state_machine import Raise, State, apply_event
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.notify.delivery_worker import DeliveryWorker
 from talaia.hub.notify.senders import DeliveryResult, Outcome
-from talaia.hub.store.accounts.people import People
-from talaia.hub.store.alarms.alarm_states import AlarmChange, AlarmStore
 from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
-from talaia.hub.store.alarms.notification_outbox import About, NotificationOutbox
-from talaia.model.alarms.alarm import Severity
+from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
+
+from .raised_alarm import raise_alarm
 
 
 class SlowServer:
@@ -31,20 +28,9 @@ class SlowServer:
 
 async def test_a_message_under_way_is_brought_to_its_end_before_the_hub_ends(database) -> None:
     clock, server = HandClock(), SlowServer()
-    user = await People(database, clock).add_person("op", "x", "operator")
     store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), NotificationOutbox(database)
     # By mail: nobody at the other end could tell that it comes a second time.
-    way = await store.put_way(None, "mail", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
-    await store.add_rule(
-        Rule(
-            id=0, user=user, site="*", way=way, target="", least=Severity.INFO, over=True,
-            quiet_from=0, quiet_to=0, quiet_least=Severity.INFO, zone="UTC", group_s=0,
-        )
-    )  # fmt: skip
-    now = clock.wall_ns() // 1000
-    state, happened = apply_event(State(), Raise(now, "Voltage is 10 V"))
-    about = About("agv", "low", "power", Severity.CRITICAL, "Battery low", "AGV", "")
-    await AlarmStore(database).commit_changes([AlarmChange(about, state, happened)], now)
+    await raise_alarm(database, clock, store, WayKind.MAIL, secrets={})
 
     async def told() -> None: ...
 

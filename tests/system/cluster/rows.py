@@ -19,7 +19,14 @@ from zlib import crc32
 import websockets
 from patience import lasts_for
 
-from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FileOffer, FilePiece
+from talaia.wire.frames import (
+    FILES_FROM_GATEWAY,
+    FILES_FROM_HUB,
+    PIECE,
+    FileOffer,
+    FilePiece,
+    FileProgress,
+)
 
 from ..faults.doing import back, pause
 from ..faults.ledgers import Findings
@@ -233,6 +240,8 @@ async def _send_file(socket: websockets.ClientConnection, name: str, body: bytes
     while True:
         await socket.send(FILES_FROM_GATEWAY.encode(asked))
         has = FILES_FROM_HUB.decode(await socket.recv())
+        if not isinstance(has, FileProgress):
+            raise ConnectionError("the hub says good-bye")
         if has.done:
             return
         data = body[has.have : has.have + PIECE]

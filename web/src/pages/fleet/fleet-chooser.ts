@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query, state } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
@@ -10,12 +10,11 @@ import { control } from "../../elements/forms/input-style.js";
 import type { SiteSummary } from "../../generated/api.js";
 import type { SiteTrouble } from "../../tiles/site-trouble.js";
 import { fleetGroups, tagsOf, uniqueNames, type FleetGroup } from "../home/fleet-list.js";
+import { ShownRowsController } from "../home/shown-rows.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 
-/** Rows at first, and more each time the end comes into view. */
-const STEP = 60;
 const NO_TROUBLES: ReadonlyMap<string, SiteTrouble> = new Map();
 
 /** @fires t-choose-sites detail are the ids of all sites that are chosen now */
@@ -88,25 +87,7 @@ export class FleetChooser extends LitElement {
   @property({ attribute: false }) chosen: ReadonlySet<string> = new Set();
   @state() private words = "";
   @state() private tag = "";
-  @state() private shown = STEP;
-  @query(".end") private readonly end!: HTMLElement | null;
-  private readonly watcher = new IntersectionObserver(
-    (entries) => {
-      if (entries.some(({ isIntersecting }) => isIntersecting)) this.shown += STEP;
-    },
-    { rootMargin: "800px" },
-  );
-
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    this.watcher.disconnect();
-  }
-
-  override updated(): void {
-    // Watched anew each time: an end that has stayed in view is told of once more.
-    this.watcher.disconnect();
-    if (this.end !== null) this.watcher.observe(this.end);
-  }
+  private readonly shown = new ShownRowsController(this, () => this.renderRoot.querySelector(".end"));
 
   override render(): TemplateResult {
     const { rows } = this;
@@ -127,7 +108,7 @@ export class FleetChooser extends LitElement {
 
   /** Rows near the view alone: what a row is made of takes time a thousand times. */
   private renderGroups(groups: readonly FleetGroup[], names: ReadonlyMap<string, string>): TemplateResult {
-    let left = this.shown;
+    let left = this.shown.count;
     const drawn = groups.map(({ name, rows }) => {
       const members = rows.slice(0, Math.max(0, left));
       left -= members.length;
@@ -168,7 +149,7 @@ export class FleetChooser extends LitElement {
   private readonly onWords = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
     this.words = event.target.value;
-    this.shown = STEP;
+    this.shown.restart();
   };
 
   private readonly onTag = (event: Event): void => {

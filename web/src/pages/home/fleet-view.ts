@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query as queried, state } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base, plainList } from "../../elements/base/base-style.js";
@@ -12,12 +12,11 @@ import type { SiteSummary } from "../../generated/api.js";
 import { alarmsContext } from "../../state/contexts.js";
 import { NO_TROUBLE, troublesOf, type SiteTrouble } from "../../tiles/site-trouble.js";
 import { fleetGroups, FLEET_ORDERS, isFleetOrder, tagsOf, uniqueNames, type FleetQuery } from "./fleet-list.js";
+import { ShownRowsController } from "./shown-rows.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/button.js";
 import "../../tiles/fleet-card.js";
 
-/** Cards at first, and more each time the end comes into view. */
-const STEP = 60;
 /** Which order was chosen stays in the browser. */
 const KEY = "talaia.fleet-order";
 
@@ -68,27 +67,9 @@ export class FleetView extends LitElement {
 
   @property({ attribute: false }) rows: readonly SiteSummary[] = [];
   @state() private query: FleetQuery = { words: "", tag: "", order: keptOrder() };
-  @state() private shown = STEP;
-  @queried(".end") private readonly end!: HTMLElement | null;
+  private readonly shown = new ShownRowsController(this, () => this.renderRoot.querySelector(".end"));
 
   private readonly alarms = new ContextStoreController(this, alarmsContext);
-  private readonly watcher = new IntersectionObserver(
-    (entries) => {
-      if (entries.some(({ isIntersecting }) => isIntersecting)) this.shown += STEP;
-    },
-    { rootMargin: "800px" },
-  );
-
-  override disconnectedCallback(): void {
-    super.disconnectedCallback();
-    this.watcher.disconnect();
-  }
-
-  override updated(): void {
-    // Watched anew each time: an end that has stayed in view is told of once more.
-    this.watcher.disconnect();
-    if (this.end !== null) this.watcher.observe(this.end);
-  }
 
   override render(): TemplateResult {
     const { rows, query } = this;
@@ -112,7 +93,7 @@ export class FleetView extends LitElement {
 
   private renderGroups(groups: ReturnType<typeof fleetGroups>, troubles: ReadonlyMap<string, SiteTrouble>): unknown {
     const names = uniqueNames(this.rows);
-    let left = this.shown;
+    let left = this.shown.count;
     const sections = groups.map(({ name, rows }) => {
       const drawn = rows.slice(0, Math.max(0, left));
       left -= drawn.length;
@@ -155,7 +136,7 @@ export class FleetView extends LitElement {
 
   private changeQuery(change: Partial<FleetQuery>): void {
     this.query = { ...this.query, ...change };
-    this.shown = STEP;
+    this.shown.restart();
   }
 }
 
