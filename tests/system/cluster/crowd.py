@@ -18,6 +18,7 @@ import random
 import sys
 import time
 from collections import deque
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,16 @@ class Silence:
         return max(self._longest_s, time.monotonic() - self._heard_s)
 
 
+async def _stay_linked(link: Callable[[], Awaitable[None]]) -> None:
+    """Dial whenever the link is lost, as a gateway does."""
+    backoff = Backoff(random.SystemRandom().random)
+    while True:
+        began = time.monotonic()
+        with contextlib.suppress(*_LOSSES):
+            await link()
+        await asyncio.sleep(backoff.after(time.monotonic() - began))
+
+
 class NumberedGateway:
     """A gateway whose samples are their own numbers."""
 
@@ -88,12 +99,7 @@ class NumberedGateway:
 
     async def run(self) -> None:
         """Stay linked, for ever."""
-        backoff = Backoff(random.SystemRandom().random)
-        while True:
-            began = time.monotonic()
-            with contextlib.suppress(*_LOSSES):
-                await self._link()
-            await asyncio.sleep(backoff.after(time.monotonic() - began))
+        await _stay_linked(self._link)
 
     async def count(self) -> None:
         """Take a sample every period, linked or not, for ever."""
@@ -192,13 +198,13 @@ class Onlooker:
 
     async def run(self) -> None:
         """Stay, for ever."""
-        backoff = Backoff(random.SystemRandom().random)
-        while True:
-            began = time.monotonic()
-            with contextlib.suppress(*_LOSSES):
-                await self._look()
+        await _stay_linked(self._look_until_lost)
+
+    async def _look_until_lost(self) -> None:
+        try:
+            await self._look()
+        finally:
             self.socket = None
-            await asyncio.sleep(backoff.after(time.monotonic() - began))
 
     async def _look(self) -> None:
         origin = self._address.replace("ws://", "http://")
