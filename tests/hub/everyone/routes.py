@@ -518,7 +518,7 @@ def _opened(protocol: str, **ask: object) -> Callable[..., Awaitable[Ask]]:
     """Open a client protocol for pages of the hub's own origin, and ask the same of everyone."""
 
     async def make(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
-        opened = {"open": True, "origins": [world.hub.origin]}
+        opened = {"open": True, "origins": [world.hub.origin, world.another.origin]}
         answer = await (await world.admin()).put(f"/api/client-protocols/{protocol}", json=opened)
         assert answer.status_code == 204, answer.text
         return Ask(**ask)
