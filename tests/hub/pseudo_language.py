@@ -15,8 +15,15 @@ from patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 WEB = ROOT / "web"
+_STAR = re.compile(r"^([^|\n]+)\|", re.MULTILINE)
+# Which of them are up depends on the hour.
+STARS = frozenset(
+    word
+    for name in _STAR.findall((WEB / "src/sky/bright-stars.ts").read_text(encoding="utf-8"))
+    for word in name.split()
+)
 # What stands on a page without being a text of it, each with the reason.
-NAMES = frozenset(
+NAMES = STARS | frozenset(
     {
         # The product, a button that is called so everywhere, and what is on keys.
         "Talaia", "STOP", "Esc", "Shift", "Space", "Enter",
@@ -31,9 +38,6 @@ NAMES = frozenset(
         # Units, coordinates and zones.
         "kPa", "MPa", "mbar", "bar", "psi", "inHg", "nmi", "arcmin", "rad", "mag", "mas", "min",
         "Dec", "CET", "CEST", "GMT",
-        # Stars.
-        "Sirius", "Vega", "Capella", "Rigel", "Procyon", "Betelgeuse", "Altair", "Aldebaran",
-        "Pollux", "Fomalhaut", "Deneb",
         # Dates are those of Catalan, whose place the language takes.
         "del", "nov", "des", "gen", "febr", "març", "abr", "maig", "juny", "jul", "set", "oct",
         # What the hub says: the word of a version, an alarm that it makes by itself, a name that

@@ -249,9 +249,9 @@ class LinkService:
         if changed:
             self._describing.notify_followers(live)
         self._reporting.publish_site(live)
-        self._reporting.report_event(
-            live, "gateway connected", message=f"it runs version {hello.version}"
-        )
+        # Founding gateways name none.
+        version = f"it runs version {hello.version}" if hello.version else ""
+        self._reporting.report_event(live, "gateway connected", message=version)
         if changed and before is not None:
             self._reporting.report_event(
                 live, "description changed", message=f"catalogue {hello.catalogue}"
