@@ -9,11 +9,11 @@ from __future__ import annotations
 import array
 import json
 import sys
-import threading
 import time
 from pathlib import Path
 
 import rclpy
+from executor_thread import run_in_thread
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -147,13 +147,10 @@ def main() -> None:
     peer = Peer()
     executor = MultiThreadedExecutor(2)
     executor.add_node(peer.node)
-    spinning = threading.Thread(target=executor.spin)
-    spinning.start()
-    say(ready=True)
-    for line in sys.stdin:
-        peer.obey(json.loads(line))
-    executor.shutdown()
-    spinning.join()
+    with run_in_thread(executor):
+        say(ready=True)
+        for line in sys.stdin:
+            peer.obey(json.loads(line))
     peer.node.destroy_node()
     rclpy.try_shutdown()
 

@@ -6,8 +6,8 @@ Started as a script. What it is told to do, it says when it has done it.
 from __future__ import annotations
 
 import json
+import pathlib
 import sys
-import threading
 from array import array
 from collections.abc import Callable
 from typing import Any
@@ -15,13 +15,18 @@ from typing import Any
 import rclpy
 from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import Float64
+
+# A script finds what lies beside it; this lies two folders above.
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2]))
+
+from executor_thread import run_in_thread
 
 # Each in a line of its own: rclpy lets no line of code change its level.
 LEVELS: dict[str, Callable[[Any, str], None]] = {
@@ -88,36 +93,26 @@ def main() -> None:
     executor = SingleThreadedExecutor()
     executor.add_node(lidar)
     executor.add_node(talker)
-
-    def spin() -> None:
-        try:
-            executor.spin()
-        except ExternalShutdownException:
-            return
-
-    spinning = threading.Thread(target=spin)
-    spinning.start()
-    say(ready=True)
-    for line in sys.stdin:
-        order = json.loads(line)
-        match order["do"]:
-            case "fail":
-                lidar.fails = order["fails"]
-            case "log":
-                logger = (lidar if order.get("node") == "lidar" else talker).get_logger()
-                for number in range(order["count"]):
-                    LEVELS[order["level"]](logger, order["text"].format(number))
-            case "clock":
-                clock.publish(Clock(clock=Time(sec=order["sec"])))
-            case "heat":
-                message = Temperature(temperature=order["value"])
-                message.header.stamp.sec = order["sec"]
-                heat.publish(message)
-            case "level":
-                level.publish(Float64(data=order["value"]))
-        say(did=order["do"])
-    executor.shutdown()
-    spinning.join()
+    with run_in_thread(executor):
+        say(ready=True)
+        for line in sys.stdin:
+            order = json.loads(line)
+            match order["do"]:
+                case "fail":
+                    lidar.fails = order["fails"]
+                case "log":
+                    logger = (lidar if order.get("node") == "lidar" else talker).get_logger()
+                    for number in range(order["count"]):
+                        LEVELS[order["level"]](logger, order["text"].format(number))
+                case "clock":
+                    clock.publish(Clock(clock=Time(sec=order["sec"])))
+                case "heat":
+                    message = Temperature(temperature=order["value"])
+                    message.header.stamp.sec = order["sec"]
+                    heat.publish(message)
+                case "level":
+                    level.publish(Float64(data=order["value"]))
+            say(did=order["do"])
     rclpy.try_shutdown()
 
 

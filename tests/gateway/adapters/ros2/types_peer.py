@@ -6,8 +6,8 @@ Started as a script, with every package there; the test keeps some of them from 
 from __future__ import annotations
 
 import json
+import pathlib
 import sys
-import threading
 import time
 
 import rclpy
@@ -17,7 +17,7 @@ from nav_msgs.msg import Path
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -28,6 +28,11 @@ from test_msgs.msg import BoundedSequences, MultiNested, WStrings
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, made_class
+
+# A script finds what lies beside it; this lies two folders above.
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2]))
+
+from executor_thread import run_in_thread
 
 # Of no version of any type.
 WRONG_HASH = "RIHS01_" + "ab" * 32
@@ -178,20 +183,10 @@ def main() -> None:
     executor = MultiThreadedExecutor(2)
     executor.add_node(peer.node)
     executor.add_node(peer.silent)
-
-    def spin() -> None:
-        try:
-            executor.spin()
-        except ExternalShutdownException:
-            return
-
-    spinning = threading.Thread(target=spin)
-    spinning.start()
-    say(ready=True)
-    for line in sys.stdin:
-        peer.obey(json.loads(line))
-    executor.shutdown()
-    spinning.join()
+    with run_in_thread(executor):
+        say(ready=True)
+        for line in sys.stdin:
+            peer.obey(json.loads(line))
     rclpy.try_shutdown()
 
 
