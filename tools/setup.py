@@ -185,6 +185,8 @@ def python_packages(wanted: str) -> int:
         "install",
         "-q",
         "--disable-pip-version-check",
+        # An old pip would install what comes as sources without saying what it was.
+        "--use-pep517",
     ]
     if subprocess.run([*pip, "--require-hashes", "-r", str(lock)], check=False).returncode:
         return fail("the locked packages could not be installed", "see pip's message above")
