@@ -6,6 +6,7 @@ import os
 import signal
 
 import pytest
+from patience import PATIENCE_S
 
 from talaia.resource_usage import describe_usage, report_usage_on_signal
 
@@ -33,8 +34,9 @@ async def test_the_signal_writes_it_to_the_log_and_ends_nothing(
     try:
         with caplog.at_level(logging.INFO):
             os.kill(os.getpid(), signal.SIGUSR1)
-            while not caplog.messages:  # noqa: ASYNC110 - the signal is on its way
-                await asyncio.sleep(0)
+            async with asyncio.timeout(PATIENCE_S):
+                while not caplog.messages:  # noqa: ASYNC110 - the signal is on its way
+                    await asyncio.sleep(0)
     finally:
         loop.remove_signal_handler(signal.SIGUSR1)
     assert caplog.messages[0].startswith("usage: tasks ")

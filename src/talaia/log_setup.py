@@ -65,7 +65,8 @@ def set_up_log(
     # What libraries say to their own developers is too much, and holds values that are nobody's to
     # read: a database's says each one that it stores.
     logging.basicConfig(level=max(logging.INFO, _NUMBERS[level]), handlers=[handler])
-    logging.getLogger("talaia").setLevel(_NUMBERS[level])
+    if _NUMBERS[level] < logging.INFO:
+        logging.getLogger("talaia").setLevel(_NUMBERS[level])
 
 
 def add_log_field(name: str, value: str) -> None:
