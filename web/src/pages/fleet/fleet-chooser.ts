@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base, plainList, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
@@ -87,7 +87,8 @@ export class FleetChooser extends LitElement {
   @property({ attribute: false }) chosen: ReadonlySet<string> = new Set();
   @state() private words = "";
   @state() private tag = "";
-  private readonly shown = new ShownRowsController(this, () => this.renderRoot.querySelector(".end"));
+  @query(".end") private readonly end!: HTMLElement | null;
+  private readonly shown = new ShownRowsController(this, () => this.end);
 
   override render(): TemplateResult {
     const { rows } = this;

@@ -2,7 +2,7 @@
 
 import { msg, str } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property, query as queried, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base, plainList } from "../../elements/base/base-style.js";
@@ -67,7 +67,8 @@ export class FleetView extends LitElement {
 
   @property({ attribute: false }) rows: readonly SiteSummary[] = [];
   @state() private query: FleetQuery = { words: "", tag: "", order: keptOrder() };
-  private readonly shown = new ShownRowsController(this, () => this.renderRoot.querySelector(".end"));
+  @queried(".end") private readonly end!: HTMLElement | null;
+  private readonly shown = new ShownRowsController(this, () => this.end);
 
   private readonly alarms = new ContextStoreController(this, alarmsContext);
 
