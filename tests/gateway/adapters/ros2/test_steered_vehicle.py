@@ -15,7 +15,6 @@ from fake_hub import fake_hub
 from gateway_bench import addresses_of, running, take_lease
 from patience import PATIENCE_S
 
-from talaia.ros_installation import use_ros
 from talaia.sim.ros_domain import domain_environment
 from talaia.wire.frames import DriveFrame, LeaseOp, LeaseRequest
 
@@ -71,8 +70,6 @@ async def vehicle(domain: int, log: Path) -> AsyncIterator[None]:
 async def test_a_gateway_steers_the_simulated_vehicle_which_stands_when_nobody_holds_on(
     ros_domain: int, tmp_path: Path
 ) -> None:
-    # Before anything is started: a process may have to begin anew for ROS.
-    use_ros(ordered=True)
     log = tmp_path / "actuations.jsonl"
     async with (
         vehicle(ros_domain, log),
