@@ -8,38 +8,27 @@ compose file has for its container.
 from __future__ import annotations
 
 import asyncio
-import os
 import re
-import shutil
 import ssl
 from contextlib import AsyncExitStack
 from pathlib import Path
 
 import httpx
-import pytest
 import websockets
 import yaml
 from async_program import start_program
 from patience import PATIENCE_S, until_answered
 from ports import free_port
+from server_programs import server_or_skip
 
 from talaia.cli.main import main
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER
 
 from .conftest import Peer
-from .several_hubs import ADA, nats_program
+from .several_hubs import ADA
 
 # From here the balancer dials, so that whoever asks a hub by itself is not taken for one.
 BALANCER = "127.0.0.2"
-
-
-def haproxy_program() -> str:
-    """Find HAProxy, or skip."""
-    program = shutil.which("haproxy") or shutil.which("haproxy", path="/usr/sbin:/usr/bin")
-    if program is None:
-        said = "haproxy is missing (apt install haproxy)"
-        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") == "1" else pytest.skip)(said)
-    return program
 
 
 def any_certificate() -> ssl.SSLContext:
@@ -96,7 +85,7 @@ class GeneratedHubs:
         state = ("127.0.0.1:8222", f"127.0.0.1:{free_port()}")
         self._rewrite("secrets/nats.conf", nats, state, ("/run/secrets", f"{self.folder}/secrets"))
         words = self._own_words("nats", self.services["nats"]["command"])
-        await self._start_other("nats", nats_program(), *words)
+        await self._start_other("nats", server_or_skip("nats-server"), *words)
         dialled = [(f"hub-{at}:8443", f"127.0.0.1:{self.ports[f'hub-{at}']}") for at in (1, 2, 3)]
         self._rewrite(
             "haproxy.cfg",
@@ -106,7 +95,7 @@ class GeneratedHubs:
             *dialled,
         )
         config = str(self.folder / "haproxy.cfg")
-        await self._start_other("haproxy", haproxy_program(), "-db", "-f", config)
+        await self._start_other("haproxy", server_or_skip("haproxy"), "-db", "-f", config)
 
     async def start_hub(self, name: str) -> None:
         """Start a hub as the compose file has it."""

@@ -6,16 +6,15 @@ from __future__ import annotations
 import asyncio
 import os
 import re
-import shutil
 import signal
 from contextlib import AsyncExitStack, asynccontextmanager
 
 import httpx
-import pytest
 import websockets
 from async_program import start_program
 from patience import PATIENCE_S, until_answered
 from ports import free_port
+from server_programs import server_or_skip
 from shared_trust import usual_trust
 
 from talaia.hub.auth.key_file import read_or_make_key
@@ -25,15 +24,6 @@ from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
 from .conftest import Gateway, Peer
 
 ADA = {"name": "ada", "password": "three unrelated words"}
-
-
-def nats_program() -> str:
-    """Find NATS's server, or skip."""
-    program = shutil.which("nats-server") or shutil.which("nats-server", path="/usr/sbin:/usr/bin")
-    if program is None:
-        said = "nats-server is missing (apt install nats-server)"
-        (pytest.fail if os.environ.get("TALAIA_REQUIRE_ALL") == "1" else pytest.skip)(said)
-    return program
 
 
 class Nats:
@@ -53,7 +43,7 @@ class Nats:
 
     async def start(self) -> None:
         quiet = asyncio.subprocess.DEVNULL
-        words = [nats_program(), "-a", "127.0.0.1", "-p", str(self.port)]
+        words = [server_or_skip("nats-server"), "-a", "127.0.0.1", "-p", str(self.port)]
         self._process = await asyncio.create_subprocess_exec(*words, stdout=quiet, stderr=quiet)
 
     async def kill(self) -> None:

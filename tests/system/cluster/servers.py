@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -16,6 +15,7 @@ from pathlib import Path
 import httpx
 from hub.object_stores import BUCKET, SIGNED
 from ports import free_port
+from server_programs import find_server
 
 from talaia.cli.child_processes import _follow_parent
 from talaia.deploy.several_hubs import write_balancer_config
@@ -32,7 +32,7 @@ def find_program(name: str) -> str:
         PermissionError: it is not installed.
 
     """
-    program = shutil.which(name, path=f"{os.environ.get('PATH', '')}:/usr/sbin:/usr/bin")
+    program = find_server(name)
     if program is None:
         raise PermissionError(f"{name} (apt install {name})")
     return program

@@ -8,6 +8,7 @@ import { TopicFlow } from "../series/topic-flow.js";
 import { socketsContext } from "../state/contexts.js";
 import type { PastBoard } from "../state/past/past-board.js";
 import type { PastTopicState } from "../state/past/past-topics.js";
+import { PageRest } from "../topics/page-rest.js";
 import { pastProblem } from "../topics/past-bytes.js";
 import { sharedTopicsOver, type HeardMessage } from "../topics/shared-topics.js";
 import type { TopicLink } from "../topics/topic-socket.js";
@@ -22,9 +23,6 @@ import type { TopicLink } from "../topics/topic-socket.js";
  */
 export type TopicState = "loading" | "waiting" | "live" | "stale" | "ended" | "away" | "lost" | "error" | "forbidden" | "unrecorded";
 
-/** A page that is hidden for so long (ms) lets the robot rest. */
-const HIDDEN_MS = 5000;
-
 export class TopicFollower implements ReactiveController {
   update: TopicUpdate | null = null;
   /** Newest message, and what it says. */
@@ -37,7 +35,14 @@ export class TopicFollower implements ReactiveController {
   private asked: { readonly site: string; readonly topic: string; readonly rate: number; readonly past: PastBoard | null } | null = null;
   private recorded: PastTopicState | null = null;
   private stopFollowing: (() => void) | null = null;
-  private timer: ReturnType<typeof setTimeout> | undefined;
+  private readonly rest = new PageRest({
+    onRest: () => {
+      this.stop();
+    },
+    onSeen: () => {
+      this.open();
+    },
+  });
   private readonly sockets: ContextConsumer<typeof socketsContext, ReactiveControllerHost & HTMLElement>;
 
   /**
@@ -105,12 +110,12 @@ export class TopicFollower implements ReactiveController {
   }
 
   hostConnected(): void {
-    document.addEventListener("visibilitychange", this.onVisibility);
+    this.rest.watch();
     this.open();
   }
 
   hostDisconnected(): void {
-    document.removeEventListener("visibilitychange", this.onVisibility);
+    this.rest.close();
     this.stop();
   }
 
@@ -143,8 +148,6 @@ export class TopicFollower implements ReactiveController {
   }
 
   private stop(): void {
-    clearTimeout(this.timer);
-    this.timer = undefined;
     this.stopFollowing?.();
     this.stopFollowing = null;
   }
@@ -185,14 +188,4 @@ export class TopicFollower implements ReactiveController {
     this.onMessage(tree, nowMs);
     this.host.requestUpdate();
   }
-
-  private readonly onVisibility = (): void => {
-    clearTimeout(this.timer);
-    this.timer = undefined;
-    if (document.hidden) {
-      this.timer = setTimeout(() => {
-        this.stop();
-      }, HIDDEN_MS);
-    } else this.open();
-  };
 }

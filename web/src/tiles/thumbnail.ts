@@ -4,8 +4,8 @@ import { msg } from "@lit/localize";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../elements/base/base-style.js";
-import { MediaSocket, mediaPath, socketUrl } from "../wire/media-socket.js";
-import { JpegPlayer } from "../elements/camera/jpeg-player.js";
+import { JpegStream } from "../elements/camera/jpeg-stream.js";
+import { mediaPath } from "../wire/media-socket.js";
 import "../elements/base/icon.js";
 
 @customElement("t-thumbnail")
@@ -53,8 +53,7 @@ export class Thumbnail extends LitElement {
 
   private inView = false;
   private opened = "";
-  private socket: MediaSocket | null = null;
-  private player: JpegPlayer | null = null;
+  private pictures: JpegStream | null = null;
   private readonly watcher = new IntersectionObserver((entries) => {
     this.inView = entries.at(-1)?.isIntersecting ?? false;
     this.requestUpdate();
@@ -88,37 +87,24 @@ export class Thumbnail extends LitElement {
   }
 
   private open(path: string): void {
-    const player = new JpegPlayer({
-      // The bytes are a view on one frame of the socket, which is ours alone.
-      decode: ({ data }) => createImageBitmap(new Blob([data as Uint8Array<ArrayBuffer>])),
-      draw: (bitmap) => {
+    this.pictures = new JpegStream(path, {
+      onPicture: (bitmap) => {
         this.draw(bitmap);
       },
-      failed: () => undefined,
-    });
-    this.player = player;
-    this.socket = new MediaSocket(
-      { url: socketUrl(path, location) },
-      {
-        onShot: (shot, shown) => {
-          player.receivePicture(shot, shown);
-        },
-        onTrouble: (why) => {
-          this.lose(why);
-        },
-        onState: (state, why) => {
-          // What was drawn is old now: an old picture is never shown as a new one.
-          if (state !== "open") this.lose(why);
-        },
+      onSpoilt: () => undefined,
+      onTrouble: (why) => {
+        this.lose(why);
       },
-    );
-    this.socket.setLowRate(true);
+      onLost: (why) => {
+        this.lose(why);
+      },
+    });
+    this.pictures.setLowRate(true);
   }
 
   private close(): void {
-    this.socket?.close();
-    this.player?.close();
-    [this.socket, this.player, this.opened] = [null, null, ""];
+    this.pictures?.close();
+    [this.pictures, this.opened] = [null, ""];
     this.drawn = false;
   }
 

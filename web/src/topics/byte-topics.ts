@@ -2,10 +2,8 @@
 
 import type { TopicBytes, TopicUpdate } from "../generated/wire.js";
 import { socketUrl } from "../wire/media-socket.js";
+import { PageRest, type PageVisibility } from "./page-rest.js";
 import { bytesPath, TopicSocket, type TopicLink, type TopicListener } from "./topic-socket.js";
-
-/** A page that is hidden for so long (ms) lets the robot rest. */
-const HIDDEN_MS = 5000;
 
 /** How a topic is followed: messages a second at the most, points of a cloud at the most. */
 export interface ByteWish {
@@ -35,13 +33,6 @@ export function bytesOver(openSocket: ((url: string) => WebSocket) | undefined):
   return openSocket === undefined ? undefined : (path, heard) => new TopicSocket({ url: socketUrl(path, location), openSocket }, heard);
 }
 
-/** What is told of visibility; a document. */
-interface PageVisibility {
-  readonly hidden: boolean;
-  addEventListener(type: "visibilitychange", listener: () => void): void;
-  removeEventListener(type: "visibilitychange", listener: () => void): void;
-}
-
 interface Followed {
   readonly wish: ByteWish;
   socket: Pick<TopicSocket, "close"> | null;
@@ -52,7 +43,7 @@ const BEFORE: ByteTopicState = { link: "connecting", update: null, why: "" };
 
 export class ByteTopics {
   private readonly followed = new Map<string, Followed>();
-  private timer: ReturnType<typeof setTimeout> | undefined;
+  private readonly rest: PageRest;
 
   constructor(
     private readonly site: string,
@@ -60,7 +51,21 @@ export class ByteTopics {
     private readonly page: PageVisibility = document,
     private readonly open: OpenBytes = (path, heard) => new TopicSocket({ url: socketUrl(path, location) }, heard),
   ) {
-    page.addEventListener("visibilitychange", this.onVisibility);
+    this.rest = new PageRest(
+      {
+        onRest: () => {
+          for (const followed of this.followed.values()) {
+            followed.socket?.close();
+            followed.socket = null;
+          }
+        },
+        onSeen: () => {
+          for (const followed of this.followed.values()) if (followed.socket === null) this.connect(followed);
+        },
+      },
+      page,
+    );
+    this.rest.watch();
   }
 
   /** Follows these and no others; what stays the same goes on. */
@@ -85,8 +90,7 @@ export class ByteTopics {
   }
 
   close(): void {
-    clearTimeout(this.timer);
-    this.page.removeEventListener("visibilitychange", this.onVisibility);
+    this.rest.close();
     this.followAll([]);
   }
 
@@ -114,18 +118,4 @@ export class ByteTopics {
     };
     followed.socket = this.open(bytesPath(this.site, topic, followed.wish), listener, followed.wish);
   }
-
-  private readonly onVisibility = (): void => {
-    clearTimeout(this.timer);
-    if (this.page.hidden) {
-      this.timer = setTimeout(() => {
-        for (const followed of this.followed.values()) {
-          followed.socket?.close();
-          followed.socket = null;
-        }
-      }, HIDDEN_MS);
-      return;
-    }
-    for (const followed of this.followed.values()) if (followed.socket === null) this.connect(followed);
-  };
 }

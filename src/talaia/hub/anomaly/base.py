@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "LARGEST",
+    "SPREAD_OF_MEDIAN",
     "AnomalyDetector",
     "Floats",
     "clamp_value",
@@ -32,6 +33,8 @@ Floats = NDArray[np.float64]
 _NDARRAY = np.ndarray
 # Squares of such values, and sums of them, still fit into a float.
 LARGEST = 1e150
+# Spread of a normal distribution, in its median absolute deviation.
+SPREAD_OF_MEDIAN = 1.4826
 # A peak of late fades so much with each sample.
 _FADING = 0.98
 

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from talaia.hub.anomaly.base import (
+    SPREAD_OF_MEDIAN,
     AnomalyDetector,
     Floats,
     clamp_value,
@@ -23,8 +24,6 @@ __all__ = ["Baseline", "Quartiles", "Sorted"]
 _WINDOW = 500
 # With fewer it has no opinion.
 _LEAST = 30
-# Spread of a normal distribution, in its median absolute deviation.
-_MAD = 1.4826
 # So many spreads from the baseline score one half.
 _USUAL = 6.0
 # A day in quarters of an hour.
@@ -123,7 +122,8 @@ class Baseline(AnomalyDetector, kw_only=True):
             self.usual = self.recent.quantile(0.5) + self.drift + season
             # A signal that hardly moves would have next to no spread.
             smallest = 0.01 * abs(self.usual) + 1e-12
-            self.spread = max(_MAD * self.offsets.quantile(0.5), smallest) * self.tolerance
+            spread = SPREAD_OF_MEDIAN * self.offsets.quantile(0.5)
+            self.spread = max(spread, smallest) * self.tolerance
             spreads = abs(value - self.usual) / self.spread
             # Fades, so that a word of a person means what was just shown.
             self.peak = max(spreads, self.peak * 0.98)

@@ -3,11 +3,9 @@
 import { msg } from "@lit/localize";
 import type { PackedPicture, PlainPicture } from "../../scene/picture-messages.js";
 import type { ScenePicture } from "../../scene/scene-model.js";
-import { JpegPlayer } from "../camera/jpeg-player.js";
-import { MediaSocket, mediaPath, socketUrl } from "../../wire/media-socket.js";
-
-/** A page that is hidden for so long (ms) lets the robot rest. */
-const HIDDEN_MS = 5000;
+import { PageRest } from "../../topics/page-rest.js";
+import { mediaPath } from "../../wire/media-socket.js";
+import { decodePicture, JpegStream } from "../camera/jpeg-stream.js";
 
 export interface PictureListener {
   /** `key` is what the picture was asked for by; null: what was shown is not true any more. */
@@ -18,15 +16,24 @@ export interface PictureListener {
 
 interface OpenStream {
   readonly stream: string;
-  socket: MediaSocket | null;
-  player: JpegPlayer | null;
+  pictures: JpegStream | null;
 }
 
 export class CameraPictures {
   private readonly streams = new Map<string, OpenStream>();
   /** Keys whose picture is being decoded; what comes meanwhile is left out. */
   private readonly decoding = new Set<string>();
-  private timer: ReturnType<typeof setTimeout> | undefined;
+  private readonly rest = new PageRest({
+    onRest: () => {
+      for (const [key, open] of this.streams) {
+        this.disconnect(open);
+        this.listener.onPicture(key, null);
+      }
+    },
+    onSeen: () => {
+      for (const [key, { pictures }] of this.streams) if (pictures === null) this.connect(key);
+    },
+  });
   private closed = false;
 
   constructor(
@@ -34,7 +41,7 @@ export class CameraPictures {
     private readonly listener: PictureListener,
     private readonly openSocket?: (url: string) => WebSocket,
   ) {
-    document.addEventListener("visibilitychange", this.onVisibility);
+    this.rest.watch();
   }
 
   /** Shows the pictures of these streams and no others. */
@@ -42,7 +49,7 @@ export class CameraPictures {
     for (const [key, { stream }] of this.streams) if (wanted.get(key) !== stream) this.end(key);
     for (const [key, stream] of wanted) {
       if (this.streams.has(key)) continue;
-      this.streams.set(key, { stream, socket: null, player: null });
+      this.streams.set(key, { stream, pictures: null });
       if (!document.hidden) this.connect(key);
     }
   }
@@ -54,8 +61,7 @@ export class CameraPictures {
     try {
       const image =
         picture.form === "packed"
-          ? // The bytes are a view on one frame of the socket, which is ours alone.
-            await createImageBitmap(new Blob([picture.data as Uint8Array<ArrayBuffer>], { type: picture.mime }))
+          ? await decodePicture(picture.data, picture.mime)
           : await createImageBitmap(new ImageData(picture.pixels, picture.width, picture.height));
       if (this.closed) image.close();
       else this.listener.onPicture(key, { image, timeUs: picture.timeUs, heardMs, rectified });
@@ -68,48 +74,38 @@ export class CameraPictures {
 
   close(): void {
     this.closed = true;
-    clearTimeout(this.timer);
-    document.removeEventListener("visibilitychange", this.onVisibility);
+    this.rest.close();
     for (const key of [...this.streams.keys()]) this.end(key);
   }
 
   private connect(key: string): void {
     const open = this.streams.get(key);
     if (open === undefined) return;
-    const player = new JpegPlayer({
-      decode: ({ data }) => createImageBitmap(new Blob([data as Uint8Array<ArrayBuffer>])),
-      draw: (image, { time_us: timeUs }) => {
-        this.listener.onTrouble(key, "");
-        this.listener.onPicture(key, { image, timeUs, heardMs: performance.now(), rectified: false });
-      },
-      failed: () => {
-        this.listener.onTrouble(key, msg("A picture came that cannot be decoded."));
-      },
-    });
-    open.player = player;
-    open.socket = new MediaSocket(
-      { url: socketUrl(mediaPath(this.site, open.stream, ["jpeg"]), location), ...(this.openSocket === undefined ? {} : { openSocket: this.openSocket }) },
+    open.pictures = new JpegStream(
+      mediaPath(this.site, open.stream, ["jpeg"]),
       {
-        onShot: (shot, shown) => {
-          player.receivePicture(shot, shown);
+        onPicture: (image, timeUs) => {
+          this.listener.onTrouble(key, "");
+          this.listener.onPicture(key, { image, timeUs, heardMs: performance.now(), rectified: false });
+        },
+        onSpoilt: () => {
+          this.listener.onTrouble(key, msg("A picture came that cannot be decoded."));
         },
         onTrouble: (why) => {
           this.listener.onTrouble(key, why);
         },
-        onState: (state, why) => {
-          if (state === "open") return;
-          // What was drawn is old now: an old picture is never shown as a new one.
+        onLost: (why) => {
           this.listener.onPicture(key, null);
           this.listener.onTrouble(key, why);
         },
       },
+      this.openSocket,
     );
   }
 
   private disconnect(open: OpenStream): void {
-    open.socket?.close();
-    open.player?.close();
-    [open.socket, open.player] = [null, null];
+    open.pictures?.close();
+    open.pictures = null;
   }
 
   private end(key: string): void {
@@ -118,18 +114,4 @@ export class CameraPictures {
     this.disconnect(open);
     this.streams.delete(key);
   }
-
-  private readonly onVisibility = (): void => {
-    clearTimeout(this.timer);
-    if (document.hidden) {
-      this.timer = setTimeout(() => {
-        for (const [key, open] of this.streams) {
-          this.disconnect(open);
-          this.listener.onPicture(key, null);
-        }
-      }, HIDDEN_MS);
-      return;
-    }
-    for (const [key, { socket }] of this.streams) if (socket === null) this.connect(key);
-  };
 }

@@ -109,13 +109,9 @@ export class FleetChooser extends LitElement {
 
   /** Rows near the view alone: what a row is made of takes time a thousand times. */
   private renderGroups(groups: readonly FleetGroup[], names: ReadonlyMap<string, string>): TemplateResult {
-    let left = this.shown.count;
-    const drawn = groups.map(({ name, rows }) => {
-      const members = rows.slice(0, Math.max(0, left));
-      left -= members.length;
-      return members.length === 0 ? nothing : this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), members, names);
-    });
-    return html`${drawn}${left <= 0 ? html`<div class="end"></div>` : nothing}`;
+    const { drawn, ends } = this.shown.firstOf(groups);
+    const sections = drawn.map(({ group: { name }, rows }) => this.renderGroup(name || (groups.length > 1 ? msg("In no group") : msg("Sites")), rows, names));
+    return html`${sections}${ends ? html`<div class="end"></div>` : nothing}`;
   }
 
   private foundGroups(): readonly FleetGroup[] {

@@ -11,7 +11,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import type { SiteSummary } from "../../generated/api.js";
 import { alarmsContext } from "../../state/contexts.js";
 import { NO_TROUBLE, troublesOf, type SiteTrouble } from "../../tiles/site-trouble.js";
-import { fleetGroups, FLEET_ORDERS, isFleetOrder, tagsOf, uniqueNames, type FleetQuery } from "./fleet-list.js";
+import { fleetGroups, FLEET_ORDERS, isFleetOrder, tagsOf, uniqueNames, type FleetGroup, type FleetQuery } from "./fleet-list.js";
 import { ShownRowsController } from "./shown-rows.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/button.js";
@@ -92,19 +92,16 @@ export class FleetView extends LitElement {
     `;
   }
 
-  private renderGroups(groups: ReturnType<typeof fleetGroups>, troubles: ReadonlyMap<string, SiteTrouble>): unknown {
+  private renderGroups(groups: readonly FleetGroup[], troubles: ReadonlyMap<string, SiteTrouble>): unknown {
     const names = uniqueNames(this.rows);
-    let left = this.shown.count;
-    const sections = groups.map(({ name, rows }) => {
-      const drawn = rows.slice(0, Math.max(0, left));
-      left -= drawn.length;
-      if (drawn.length === 0) return nothing;
+    const { drawn, ends } = this.shown.firstOf(groups);
+    const sections = drawn.map(({ group: { name, rows: all }, rows }) => {
       const heading = name !== "" ? name : groups.length > 1 ? msg("In no group") : "";
       return html`<section>
-        ${heading === "" ? html`<h2 class="visually-hidden">${msg("Sites")}</h2>` : html`<h2>${heading} <span class="muted">${rows.length}</span></h2>`}
+        ${heading === "" ? html`<h2 class="visually-hidden">${msg("Sites")}</h2>` : html`<h2>${heading} <span class="muted">${all.length}</span></h2>`}
         <ul>
           ${repeat(
-            drawn,
+            rows,
             ({ site }) => site,
             (row) => {
               const { bad, warn } = troubles.get(row.site) ?? NO_TROUBLE;
@@ -114,7 +111,7 @@ export class FleetView extends LitElement {
         </ul>
       </section>`;
     });
-    return html`${sections}${left <= 0 ? html`<div class="end"></div>` : nothing}`;
+    return html`${sections}${ends ? html`<div class="end"></div>` : nothing}`;
   }
 
   private readonly onWords = (event: Event): void => {

@@ -1,6 +1,8 @@
 /** How many rows of a long list are drawn: more as the end of those that are there comes near the view. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
+import type { SiteSummary } from "../../generated/api.js";
+import type { FleetGroup } from "./fleet-list.js";
 
 /** Rows at first, and more each time. */
 const STEP = 60;
@@ -26,8 +28,15 @@ export class ShownRowsController implements ReactiveController {
     host.addController(this);
   }
 
-  get count(): number {
-    return this.shown;
+  /** The first rows of groups, as many as are drawn now: those of each group that has any, and whether an end is to stand behind them. */
+  firstOf(groups: readonly FleetGroup[]): { readonly drawn: readonly { readonly group: FleetGroup; readonly rows: readonly SiteSummary[] }[]; readonly ends: boolean } {
+    let left = this.shown;
+    const drawn = groups.flatMap((group) => {
+      const rows = group.rows.slice(0, Math.max(0, left));
+      left -= rows.length;
+      return rows.length === 0 ? [] : [{ group, rows }];
+    });
+    return { drawn, ends: left <= 0 };
   }
 
   /** Another list: from its beginning. */

@@ -20,6 +20,7 @@ import "./film-button.js";
 import { H264Player, supportsH264 } from "./h264-player.js";
 import { BoxSync, type CurrentBoxes } from "./box-sync.js";
 import { JpegPlayer } from "../../elements/camera/jpeg-player.js";
+import { decodePicture } from "../../elements/camera/jpeg-stream.js";
 import { CameraMarks } from "./camera-marks.js";
 import { ModelOverlays } from "./model-overlays.js";
 import { ObjectDetection } from "./object-detection.js";
@@ -318,8 +319,7 @@ export class CameraTile extends LitElement {
   private decodeJpeg(shot: CameraPicture): Promise<ImageBitmap> {
     const type = MIME[shot.format];
     if (type === undefined) return Promise.reject(new TypeError(shot.format));
-    // The bytes are a view on one frame of the socket, which is ours alone.
-    return createImageBitmap(new Blob([shot.data as Uint8Array<ArrayBuffer>], { type }));
+    return decodePicture(shot.data, type);
   }
 
   /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */

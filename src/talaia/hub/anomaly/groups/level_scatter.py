@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-# msgspec reads it at run time.
-from talaia.hub.anomaly.base import Floats  # noqa: TC001
+from talaia.hub.anomaly.base import SPREAD_OF_MEDIAN, Floats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,8 +32,6 @@ _KNOWN, _FARTHEST = 100, 5.0
 _FOLLOWS, _MOST = 2.0 / (5 + 1), 1e4
 # Rows that are learned from at once; so many times the first day counts.
 _BATCH, _DAYS = 64, 3
-# Of a normal step, its spread in medians of its amount.
-_SPREAD_OF_MEDIAN = 1.4826
 
 
 class LevelScatter(msgspec.Struct, kw_only=True):
@@ -154,7 +151,7 @@ def _find_edges(values: Floats, steps: Floats) -> Floats:
     middles = low + (high - low) * (np.arange(_LEVELS) + 0.5) / _LEVELS
     for _ in range(10):
         middles = _move_middles(values, middles)
-    apart = _APART * _SPREAD_OF_MEDIAN * float(np.median(steps))
+    apart = _APART * SPREAD_OF_MEDIAN * float(np.median(steps))
     while len(middles) > 1 and float(np.diff(middles).min()) < apart:
         # The two nearest are one.
         at = int(np.diff(middles).argmin())
