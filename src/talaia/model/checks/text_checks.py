@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.model.boards.board_checks import board_notes
 from talaia.model.checks.connection_checks import NO_CONNECTION
 from talaia.model.checks.extension_rules import NO_RULES
 from talaia.model.checks.identifiers import finding_of
@@ -111,6 +112,7 @@ def check_text(
         # What refers to a device that is there twice is told once there is one of it.
         found = [] if read.is_joined else check_site(site, rules)
         notes += unit_notes(site)
+        notes += board_notes(site)
         if known is not None:
             of_types = ros_type_findings(site, known)
             found += of_types.mistakes
