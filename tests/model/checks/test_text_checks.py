@@ -117,4 +117,4 @@ def test_what_a_board_shows_that_this_site_has_not_is_noted_and_no_mistake(
     text = text_of({"of": "robot", "change": {"devices:\n": f"{board}devices:\n"}})
     report = check_text(text, known=types)
     assert report.mistakes == []
-    assert told(report.notes) == "12:41: unknown signal 'base/sped'; did you mean 'base/speed'?"
+    assert told(report.notes) == "12:56: unknown signal 'base/sped'; did you mean 'base/speed'?"

@@ -62,13 +62,15 @@ def board_notes(site: Site) -> Iterator[Finding]:
         for index, tile in enumerate(board.tiles):
             for key, setting in tile.settings.items():
                 what = _ADDRESSES.get(key, "")
+                at = f"$.boards.{name}.tiles[{index}].settings.{key}"
+                listed = isinstance(setting, tuple)
                 words = setting if isinstance(setting, tuple) else (setting,)
-                for word in words if what else ():
+                for place, word in enumerate(words if what else ()):
                     # By the board's device, or by its role: that is found where it is shown.
                     if not isinstance(word, str) or word[:1] in ("$", "@", ""):
                         continue
                     if word not in known[what]:
-                        where = f"$.boards.{name}.tiles[{index}].settings.{key}"
+                        where = f"{at}[{place}]" if listed else at
                         yield finding_of(UnknownWord(where, what, word, known[what]))
 
 

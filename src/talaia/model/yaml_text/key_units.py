@@ -9,8 +9,8 @@ __all__ = ["number_remedy"]
 # At these the unit is the one of the signal that is named beside them.
 _OF_SIGNALS = {"above", "below", "until_above", "until_below", "minimum", "maximum", "deadband"}
 _SECONDS = """after alarm_every before clear_delay delay disagree_after dwell flip_after
-    frozen_after hand_over lasting link_lost longest longest_override max_age mount_within move_within
-    over poll repeat reset_after timeout ttl watchdog_after within"""
+    frozen_after hand_over lasting link_lost longest longest_override max_age mount_within
+    move_within over poll repeat reset_after timeout ttl watchdog_after within"""
 _UNITS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(_SECONDS.split(), ("s",)),
     **dict.fromkeys(("elevation", "margin", "resolution", "track_width", "wheelbase"), ("m",)),
