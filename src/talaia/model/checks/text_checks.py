@@ -9,7 +9,7 @@ from talaia.model.boards.board_checks import board_notes
 from talaia.model.checks.connection_checks import NO_CONNECTION
 from talaia.model.checks.extension_rules import NO_RULES
 from talaia.model.checks.identifiers import finding_of
-from talaia.model.checks.ros_type_checks import ros_type_findings
+from talaia.model.checks.ros_types.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.unit_checks import unit_notes
 from talaia.model.errors import DescriptionError
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding
-    from talaia.model.checks.ros_type_checks import KnownTypes
+    from talaia.model.checks.ros_types.ros_type_checks import KnownTypes
     from talaia.model.site import Site
 
 __all__ = ["Mistake", "TextReport", "check_text", "place_findings"]

@@ -11,7 +11,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.model.checks.identifiers import FIELD, Finding
-from talaia.model.checks.ros_value_checks import filled_findings, picture_findings
+from talaia.model.checks.ros_types.ros_value_checks import filled_findings, picture_findings
 from talaia.model.closed_lists import CommandKind, PositionFrame, SignalType
 from talaia.model.connections.ros import RosSource
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Command, Device, Signal, Site
 
-__all__ = ["FieldType", "KnownTypes", "RosTypeFindings", "ros_type_findings"]
+__all__ = ["KnownTypes", "RosFieldShape", "RosTypeFindings", "ros_type_findings"]
 
 _TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*\Z")
 _INDEX = re.compile(r"\[(\d+)\]")
@@ -35,7 +35,7 @@ _PLACE = {
 _ASKED = {CommandKind.SERVICE: "_Request", CommandKind.TOPIC: "", CommandKind.ACTION: "_Goal"}
 
 
-class FieldType(Protocol):
+class RosFieldShape(Protocol):
     """The type of a field; see `talaia.ros_type_library.FieldKind`."""
 
     @property
@@ -57,7 +57,7 @@ class FieldType(Protocol):
 class KnownTypes(Protocol):
     """What knows types; see `talaia.ros_type_library.RosTypeLibrary`."""
 
-    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, FieldType]]:
+    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, RosFieldShape]]:
         """Give the fields of each known version of a type, the installed one first."""
         ...
 
@@ -230,7 +230,7 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
 
 def _follow_path(
     known: KnownTypes,
-    fields: Mapping[str, FieldType],
+    fields: Mapping[str, RosFieldShape],
     owner: str,
     steps: list[str],
     *,
@@ -264,7 +264,7 @@ def _follow_path(
 
 
 def _whole_part_problem(
-    known: KnownTypes, kind: FieldType, step: str, owner: str
+    known: KnownTypes, kind: RosFieldShape, step: str, owner: str
 ) -> tuple[str, str] | None:
     """Tell of a part that is no one value; none where nothing knows what is in it."""
     fields = next(iter(known.versions_of(kind.base)), None) if "/" in kind.base else None
@@ -274,7 +274,7 @@ def _whole_part_problem(
     return problem, f"write which of it: {_list_names([f'{step}.{name}' for name in fields])}"
 
 
-def _index_problem(kind: FieldType, step: str) -> tuple[str, str] | None:
+def _index_problem(kind: RosFieldShape, step: str) -> tuple[str, str] | None:
     name, _, _ = step.partition("[")
     indices = [int(index) for index in _INDEX.findall(step)]
     if len(indices) > int(kind.many):

@@ -14,7 +14,7 @@ from talaia.model.connections.ros import RosSource
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from talaia.model.checks.ros_type_checks import FieldType, KnownTypes
+    from talaia.model.checks.ros_types.ros_type_checks import KnownTypes, RosFieldShape
     from talaia.model.site import Command, Site
 
 __all__ = ["filled_findings", "picture_findings"]
@@ -69,14 +69,14 @@ def filled_findings(
             yield Finding(at, problem, f"write: type: {kind}")
 
 
-def _parts_of(known: KnownTypes, leaf: FieldType, said: str) -> tuple[str, str]:
+def _parts_of(known: KnownTypes, leaf: RosFieldShape, said: str) -> tuple[str, str]:
     fields = next(iter(known.versions_of(leaf.base)), {})
     name = said.partition(" ")[0]
     which = ", ".join(f"{name}.{field}" for field in list(fields)[:8])
     return f"{said} is more than one value", f"write which of it: {which}" if which else ""
 
 
-def _leaf_of(known: KnownTypes, type_name: str, part: str, path: str) -> FieldType | None:
+def _leaf_of(known: KnownTypes, type_name: str, part: str, path: str) -> RosFieldShape | None:
     """Follow a path in the first version that has it; none where that is not known."""
     # A type or a path that is none has its own finding.
     if type_name.count("/") != 2 or not FIELD.match(path):
@@ -88,8 +88,8 @@ def _leaf_of(known: KnownTypes, type_name: str, part: str, path: str) -> FieldTy
 
 
 def _follow(
-    known: KnownTypes, fields: Mapping[str, FieldType], steps: list[str]
-) -> FieldType | None:
+    known: KnownTypes, fields: Mapping[str, RosFieldShape], steps: list[str]
+) -> RosFieldShape | None:
     kind = fields.get(steps[0].partition("[")[0])
     # An element of a list is what the list is of.
     if kind is None or (kind.many and "[" in steps[0] and len(steps) == 1):
