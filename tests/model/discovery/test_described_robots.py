@@ -140,6 +140,18 @@ def test_joints_have_units_of_their_kind_and_the_ends_of_the_model() -> None:
     assert (joints["torso_lift_effort"].unit, joints["head_pan_effort"].unit) == ("N", "N·m")
 
 
+def test_names_are_plain_and_no_two_signals_of_a_device_have_one() -> None:
+    # All of it is in the namespace of the robot, whose name stands above all of its devices.
+    _, made = described("chosen", "husky")
+    names = [device.name for device in made.site.devices.values()]
+    assert "Vehicle base" in names
+    assert not [name for name in names if name.startswith("A 200")]
+    assert len(set(names)) == len(names)
+    speeds = made.site.devices["a_200_0001_base"].signals
+    assert speeds["platform_speed"].name == "Platform speed (odom)"
+    assert speeds["platform_speed_2"].name == "Platform speed (filtered)"
+
+
 def test_what_flies_is_not_driven_and_says_why() -> None:
     for name in ("mavros", "crazyflie", "px4"):
         found, made = described("chosen", name)

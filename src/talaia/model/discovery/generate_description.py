@@ -21,6 +21,7 @@ from talaia.model.discovery.device_places import ODOMETRY, PICTURES, place_of, p
 from talaia.model.discovery.found_connections import connections_of, ros2_of
 from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
+from talaia.model.discovery.plain_names import with_plain_names
 from talaia.model.discovery.proposed_nodes import (
     MAX_OF_A_NODE,
     commands_of_node,
@@ -164,8 +165,8 @@ def propose_description(
             break
         left_out += [str(finding) for finding in wrong]
         proposed = _leave_out_findings(proposed, [finding.where.split(".") for finding in wrong])
-    stops = choices_of(found, proposed.devices)
-    devices = dict(proposed.devices)
+    devices = with_plain_names(found, proposed.devices)
+    stops = choices_of(found, devices)
     for choice in stops:
         device = devices[choice.device]
         if device.drive is not None:
