@@ -22,7 +22,7 @@ OBSERVATORY = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms=
 PAGES = {
     "/home": "h1",
     "/sites/agv/live": "t-live-tile, h2",
-    "/sites/agv/drive": "t-commands h2",
+    "/sites/agv/drive": "t-command-sections h2",
     "/sites/agv/devices/camera": "t-part-camera h2",
     "/sites/agv/history": "t-history-tools",
     "/sites/agv/logbook": "h1",
