@@ -7,7 +7,7 @@ export interface CommandGroups {
   /** What stops or makes safe: never behind a closed section. */
   readonly urgent: readonly CommandShape[];
   readonly first: readonly CommandShape[];
-  /** What a driver offers besides, as its settings. */
+  /** what it can be asked besides. */
   readonly more: readonly CommandShape[];
 }
 

@@ -10,6 +10,7 @@ import { StoreController } from "../../controllers/store-controller.js";
 import { base, quietText, raisedBox } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { control } from "../../elements/forms/input-style.js";
+import "../../elements/base/icon.js";
 import "../../elements/feedback/status.js";
 import type { CommandShape, DeviceShape } from "../../generated/api.js";
 import { plural } from "../../words/plural.js";
@@ -42,59 +43,55 @@ export class CommandSections extends LitElement {
       }
       .device {
         display: grid;
-        grid-template-columns: minmax(0, 1fr) auto;
-        align-items: start;
-        gap: 0 var(--t-space-4);
+        grid-template-columns: minmax(0, 1fr);
         padding: var(--t-space-2) var(--t-space-4);
         ${raisedBox}
       }
-      .device > details {
-        grid-area: 1 / 1;
+      .head {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: start;
+        gap: var(--t-space-2) var(--t-space-4);
       }
-      /* All of the width for what is in it, and the buttons stay beside the name. */
-      .device > details[open] {
-        grid-column: 1 / -1;
+      h2 {
+        flex: 1 1 14rem;
+        min-inline-size: 0;
+        align-self: center;
+        overflow-wrap: anywhere;
       }
-      .device > t-deeds {
-        grid-area: 1 / 2;
-        z-index: 1;
-      }
-      .device > details[open] > summary {
-        padding-inline-end: 12rem;
-      }
-      summary {
-        display: list-item;
+      .opens {
+        display: flex;
+        flex-wrap: wrap;
+        align-items: center;
+        gap: 0 var(--t-space-3);
+        inline-size: 100%;
         min-block-size: var(--t-touch);
-        align-content: center;
+        padding: 0;
+        border: 0;
+        background: none;
+        color: inherit;
+        font: inherit;
+        text-align: start;
         cursor: pointer;
       }
-      summary::marker {
+      .opens t-icon {
         color: var(--t-muted);
       }
-      summary h2 {
-        display: inline;
-        margin-inline-end: var(--t-space-3);
-        overflow-wrap: anywhere;
+      .opens[aria-expanded="true"] t-icon {
+        rotate: 180deg;
+      }
+      summary {
+        min-block-size: var(--t-touch);
+        align-content: center;
+        font-weight: var(--t-weight-strong);
+        cursor: pointer;
       }
       .list {
         padding-block: var(--t-space-2) var(--t-space-3);
       }
-      .more summary {
-        font-weight: var(--t-weight-strong);
-      }
       @media (max-width: 45rem) {
-        .device,
-        .device > details[open] {
-          grid-template-columns: minmax(0, 1fr);
-        }
-        .device > t-deeds {
-          grid-area: 2 / 1;
-          padding-block-end: var(--t-space-2);
-        }
-        .device > details[open] > summary {
-          padding-inline-end: 0;
-        }
-        .search input {
+        .search input,
+        .head t-deeds {
           flex: 1 1 100%;
         }
       }
@@ -141,21 +138,25 @@ export class CommandSections extends LitElement {
     const open = this.isSearched || (this.chosen.get(device.id) ?? first);
     const inside = group.first.length + group.more.length;
     return html`<section class="device" aria-label=${device.name}>
-      ${inside === 0
-        ? html`<div><h2>${device.name}</h2></div>`
-        : html`<details .open=${open} @toggle=${this.onToggle} data-device=${device.id}>
-            <summary><h2>${device.name}</h2><span class="quiet">${countText(inside)}</span>${this.renderUnderWay(device)}</summary>
-            ${open ? this.renderLists(group) : nothing}
-          </details>`}
-      ${urgent.length === 0
-        ? nothing
-        : html`<t-deeds
-            .site=${this.site}
-            .device=${device}
-            .line=${this.line}
-            .deeds=${urgent.map((command) => ({ command, args: {}, label: command.name, kind: "plain" }))}
-            .online=${this.online}
-          ></t-deeds>`}
+      <div class="head">
+        <h2>
+          ${inside === 0
+            ? device.name
+            : html`<button class="opens" type="button" aria-expanded=${open ? "true" : "false"} data-device=${device.id} ?disabled=${this.isSearched} @click=${this.onToggle}>
+                <t-icon name="down"></t-icon><span>${device.name}</span><span class="quiet">${countText(inside)}</span>${this.renderUnderWay(device)}
+              </button>`}
+        </h2>
+        ${urgent.length === 0
+          ? nothing
+          : html`<t-deeds
+              .site=${this.site}
+              .device=${device}
+              .line=${this.line}
+              .deeds=${urgent.map((command) => ({ command, args: {}, label: command.name, kind: "plain" }))}
+              .online=${this.online}
+            ></t-deeds>`}
+      </div>
+      ${open && inside > 0 ? this.renderLists(group) : nothing}
     </section>`;
   }
 
@@ -164,7 +165,7 @@ export class CommandSections extends LitElement {
       ${more.length === 0
         ? nothing
         : html`<details class="more">
-            <summary>${msg(str`Settings of its driver (${String(more.length)})`)}</summary>
+            <summary>${msg(str`More commands (${String(more.length)})`)}</summary>
             <div class="list">${this.renderList(device, more)}</div>
           </details>`}`;
   }
@@ -193,10 +194,8 @@ export class CommandSections extends LitElement {
   };
 
   private readonly onToggle = (event: Event): void => {
-    const section = event.currentTarget as HTMLDetailsElement;
-    // What a search opened is nobody's choice.
-    if (this.isSearched) return;
-    this.chosen.set(section.dataset["device"] ?? "", section.open);
+    const button = event.currentTarget as HTMLButtonElement;
+    this.chosen.set(button.dataset["device"] ?? "", button.getAttribute("aria-expanded") !== "true");
     this.requestUpdate();
   };
 }
