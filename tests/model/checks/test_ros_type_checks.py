@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import pytest
 
-from talaia.model.checks.ros_type_checks import ros_type_findings
+from talaia.model.checks.ros_types.ros_type_checks import ros_type_findings
 from talaia.model.checks.text_checks import check_text
 from talaia.model.yaml_text.load import load_site
 from talaia.ros_type_library import FieldKind

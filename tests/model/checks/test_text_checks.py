@@ -67,7 +67,7 @@ def test_there_are_a_hundred_mistakes_each_by_its_own_name() -> None:
     assert len(set(names)) == len(names) >= 100
 
 
-@pytest.mark.parametrize("name", ["robot", "dome"])
+@pytest.mark.parametrize("name", ["robot", "dome", "onvif", "hut"])
 def test_what_the_mistakes_are_made_in_is_right(name: str, types: RosTypeLibrary) -> None:
     report = check_text((HERE / f"right_{name}.yaml").read_text(), known=types)
     assert report.mistakes == []
@@ -104,3 +104,17 @@ def test_the_command_prints_the_same_places_for_people_and_for_editors(
         assert places == [line.split(": ")[0] for line in str(row["told"]).splitlines()]
         for place in places:
             assert f"--> {paths[number]}:{place}\n" in printed
+
+
+def test_what_a_board_shows_that_this_site_has_not_is_noted_and_no_mistake(
+    types: RosTypeLibrary,
+) -> None:
+    # Chosen above it, another site may have it; by its device and by its role nobody can tell.
+    board = (
+        "boards:\n  main:\n    name: Main\n    tiles:\n"
+        "      - {type: chart, settings: {signals: [base/speed, base/sped, $device/x, '@y']}}\n"
+    )
+    text = text_of({"of": "robot", "change": {"devices:\n": f"{board}devices:\n"}})
+    report = check_text(text, known=types)
+    assert report.mistakes == []
+    assert told(report.notes) == "12:56: unknown signal 'base/sped'; did you mean 'base/speed'?"

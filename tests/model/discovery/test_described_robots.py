@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import msgspec
 import pytest
 from described_robot import found_of, read_robot, robots_in
 
@@ -149,6 +150,26 @@ def test_what_flies_is_not_driven_and_says_why() -> None:
                 line.startswith(f"{topic}: by its other topics the robot flies")
                 for line in made.left_out
             )
+
+
+def test_what_flies_is_known_where_its_own_packages_are_not() -> None:
+    # As a laptop without them sees it: only what is of common types.
+    found, _ = described("chosen", "mavros")
+    common = tuple(one for one in found.topics if "mavros_msgs" not in one.type)
+    bare = msgspec.structs.replace(found, topics=common, services=(), actions=())
+    made = propose_description(bare, "robot", "Robot", "UTC")
+    assert drives_of(made) == []
+    # A boat's or a rover's autopilot, by another namespace: its attitude is no driving either.
+    renamed = tuple(
+        msgspec.structs.replace(one, topic=one.topic.replace("/mavros/", "/boat/"))
+        for one in common
+    )
+    made = propose_description(
+        msgspec.structs.replace(bare, topics=renamed), "robot", "Robot", "UTC"
+    )
+    assert drives_of(made) == ["/boat/setpoint_velocity/cmd_vel"]
+    told = "/boat/setpoint_attitude/cmd_vel: by its name how it rolls"
+    assert any(line.startswith(told) for line in made.left_out)
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from talaia.gateway.reload.refusals import (
     wrong_text,
 )
 from talaia.model.checks.identifiers import Finding
-from talaia.model.checks.ros_type_checks import ros_type_findings
+from talaia.model.checks.ros_types.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.derived_signals import with_counts

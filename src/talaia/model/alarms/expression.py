@@ -400,7 +400,8 @@ class _Reader:
         low, high = (1, 1) if word.text == "abs" else (2, _MAX_ARGUMENTS)
         if not low <= len(parts) <= high:
             wants = "one number" if high == 1 else f"{low} to {high} numbers"
-            raise ExpressionError(word.at, f"{word.text} takes {wants}")
+            remedy = f"write: {word.text}({'…' if high == 1 else '…, …'})"
+            raise ExpressionError(word.at, f"{word.text} takes {wants}", remedy)
         work = _CALLS[word.text]
         return ExpressionNode(
             ValueKind.NUMBER,

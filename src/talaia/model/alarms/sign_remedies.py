@@ -14,6 +14,9 @@ _REMEDIES = {
     # Powers, of which there are none: a unit to a power that a signal has could not be checked.
     "*": "multiply a value with itself for its square",
     "^": "multiply a value with itself for its square",
+    # As templates of other programs have them.
+    "{": "write a signal in one pair of braces: {device/signal}",
+    "}": "write a signal in one pair of braces: {device/signal}",
     "'": 'put texts in double quotes: "on"',
 }
 

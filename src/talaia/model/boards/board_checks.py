@@ -6,7 +6,8 @@ import re
 from typing import TYPE_CHECKING
 
 from talaia.model.boards.board import DESKTOP_COLUMNS, PHONE_COLUMNS
-from talaia.model.checks.identifiers import Finding, id_fits, name_fits
+from talaia.model.checks.identifiers import Finding, finding_of, id_fits, name_fits
+from talaia.model.errors import UnknownWord
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.boards.board import Board, BoardTile, TilePlace, TileSetting
     from talaia.model.site import Site
 
-__all__ = ["board_findings", "boards_findings"]
+__all__ = ["board_findings", "board_notes", "boards_findings"]
 
 # Each tile asks the hub for what it shows.
 MOST_TILES = 100
@@ -24,6 +25,12 @@ _MOST_WORDS = 64
 _LONGEST_TEXT = 4000
 _MOST_ROWS = 40
 _LOWEST = 2000
+# Settings of the pages' tiles that are addresses, and of what.
+_ADDRESSES = {
+    **dict.fromkeys(("signal", "signals", "x", "y", "colour"), "signal"),
+    **dict.fromkeys(("stream", "streams"), "camera"),
+    "command": "command",
+}
 _TYPE = re.compile(r"[a-z][a-z0-9_]{0,31}\Z")
 _ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}\Z")
 
@@ -42,6 +49,29 @@ def boards_findings(site: Site) -> Iterator[Finding]:
         if board.device and board.device not in site.devices:
             problem = f"there is no device {board.device!r}"
             yield Finding(f"{where}.device", problem, "name a device of the description")
+
+
+def board_notes(site: Site) -> Iterator[Finding]:
+    """Name what tiles show and this site has not: another site, chosen above them, may have it."""
+    known: dict[str, list[str]] = {"signal": [], "camera": [], "command": []}
+    for device_id, device in site.devices.items():
+        known["signal"] += [f"{device_id}/{signal_id}" for signal_id in device.signals]
+        known["camera"] += [f"{device_id}/{stream_id}" for stream_id in device.streams]
+        known["command"] += [f"{device_id}/{command_id}" for command_id in device.commands]
+    for name, board in site.boards.items():
+        for index, tile in enumerate(board.tiles):
+            for key, setting in tile.settings.items():
+                what = _ADDRESSES.get(key, "")
+                at = f"$.boards.{name}.tiles[{index}].settings.{key}"
+                listed = isinstance(setting, tuple)
+                words = setting if isinstance(setting, tuple) else (setting,)
+                for place, word in enumerate(words if what else ()):
+                    # By the board's device, or by its role: that is found where it is shown.
+                    if not isinstance(word, str) or word[:1] in ("$", "@", ""):
+                        continue
+                    if word not in known[what]:
+                        where = f"{at}[{place}]" if listed else at
+                        yield finding_of(UnknownWord(where, what, word, known[what]))
 
 
 def board_findings(where: str, board: Board) -> Iterator[Finding]:

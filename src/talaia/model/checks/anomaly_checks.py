@@ -165,7 +165,9 @@ def _check_members(site: Site, where: str, group: SignalGroup) -> Iterator[Findi
         count = sum(signal.primary and signal.type == "number" for signal in of_device)
     if not FEWEST_IN_GROUP <= count <= MOST_IN_GROUP:
         problem = f"expected {FEWEST_IN_GROUP} to {MOST_IN_GROUP} numbers, found {count}"
-        remedy = "of a device those of the first page count (primary)" if group.device else ""
+        remedy = f"name {FEWEST_IN_GROUP} or more: [device/name, device/other]"
+        if group.device:
+            remedy = "of a device those of the first page count (primary)"
         yield Finding(where, problem, remedy)
 
 

@@ -36,7 +36,7 @@ FIELD = re.compile(
     r"([A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)(\.[A-Za-z][A-Za-z0-9_]*(\[\d{1,6}\])*)*\Z"
 )
 _MAX_NAME = 100
-_MIDDLES = {"msg": "message", "srv": "service", "action": "action"}
+_MIDDLES = {"msg": "a message", "srv": "a service", "action": "an action"}
 
 
 class Finding(NamedTuple):
@@ -84,8 +84,9 @@ def name_fits(where: str, name: str) -> Iterator[Finding]:
     elif len(name) > _MAX_NAME:
         yield Finding(where, f"{expected}, found {len(name)}", "shorten it")
     elif unseen:
-        problem = f"{expected} that can all be seen, found U+{ord(unseen):04X}"
-        yield Finding(where, problem, "type it anew")
+        found = "a line end" if unseen == "\n" else f"U+{ord(unseen):04X}"
+        remedy = "write it in one line" if unseen == "\n" else "type it anew"
+        yield Finding(where, f"{expected} that can all be seen, found {found}", remedy)
 
 
 def is_unseen(letter: str) -> bool:
@@ -114,7 +115,7 @@ def type_fits(where: str, name: str, middle: str) -> Iterator[Finding]:
     if not name:
         yield Finding(where, "which ROS type has it?", f"write: type: {example}")
     elif match and match[1] != middle:
-        problem = f"expected the type of a {_MIDDLES[middle]}, found that of a {_MIDDLES[match[1]]}"
+        problem = f"expected the type of {_MIDDLES[middle]}, found that of {_MIDDLES[match[1]]}"
         yield Finding(where, f"{problem}, {name!r}", f"write it as {example}")
     elif not match:
         # As ROS 1, Python or C++ writes it: std_msgs/Bool, std_msgs.msg.Bool, std_msgs::msg::Bool.
@@ -129,6 +130,8 @@ def field_fits(where: str, field: str) -> Iterator[Finding]:
     if not FIELD.match(field):
         # As a path of files is written.
         near = field.strip("/ .").replace("/", ".").replace(" ", "")
+        # An element with a point before it, as in JavaScript's paths and ``jq``.
+        near = re.sub(r"\.\[?(\d{1,6})\]?(?=[.\[]|\Z)", r"[\1]", near)
         written = near if FIELD.match(near) else "pose.x or a[0]"
         yield Finding(where, f"{field!r} is not the path of a field", f"write it as {written}")
 

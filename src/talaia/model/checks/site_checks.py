@@ -190,10 +190,18 @@ def _unknown_zone(zone: str) -> Finding:
     # Nearer than for other words: Barcelona is not in Europe/Berlin.
     # Nor is CEST near to EST.
     near = get_close_matches(zone, known_zones(), n=1, cutoff=0.85) if "/" in zone else []
+    # In other capitals, or a city alone.
+    plain = zone.replace(" ", "_").casefold()
+    whole = [one for one in known_zones() if plain in (one.casefold(), _city_of(one))]
+    near = whole if len(whole) == 1 else near
     remedy = "write the region and a large city of the zone, as Europe/Madrid or America/New_York"
     if near:
         remedy = f"did you mean {near[0]!r}?"
     return Finding("$.zone", f"unknown time zone {zone!r}", remedy)
+
+
+def _city_of(zone: str) -> str:
+    return zone.rpartition("/")[2].casefold() if "/" in zone else ""
 
 
 def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.model.boards.board_checks import board_notes
 from talaia.model.checks.connection_checks import NO_CONNECTION
 from talaia.model.checks.extension_rules import NO_RULES
 from talaia.model.checks.identifiers import finding_of
-from talaia.model.checks.ros_type_checks import ros_type_findings
+from talaia.model.checks.ros_types.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.unit_checks import unit_notes
 from talaia.model.errors import DescriptionError
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding
-    from talaia.model.checks.ros_type_checks import KnownTypes
+    from talaia.model.checks.ros_types.ros_type_checks import KnownTypes
     from talaia.model.site import Site
 
 __all__ = ["Mistake", "TextReport", "check_text", "place_findings"]
@@ -111,6 +112,7 @@ def check_text(
         # What refers to a device that is there twice is told once there is one of it.
         found = [] if read.is_joined else check_site(site, rules)
         notes += unit_notes(site)
+        notes += board_notes(site)
         if known is not None:
             of_types = ros_type_findings(site, known)
             found += of_types.mistakes

@@ -127,5 +127,12 @@ class HttpRules(KindRules[HttpConnection, HttpSource]):
             yield self.no_positions(where)
         if not _REQUEST.match(source.get):
             problem = f"{source.get[:80]!r} is not what can be asked for"
-            yield Finding(f"{where}.get", problem, "write it as /api/weather?units=metric")
+            # Often the whole address, whose root stands at the connection.
+            behind = source.get.partition("://")[2].partition("/")[2] or source.get
+            near = f"/{behind}" if _REQUEST.match(f"/{behind}") else ""
+            as_written = near if near.strip("/") else "/api/weather?units=metric"
+            if not source.get:
+                problem = "which address of the server is meant?"
+            remedy = f"write it behind the server's root: get: {as_written}"
+            yield Finding(f"{where}.get", problem, remedy)
         yield from json_path_fits(f"{where}.path", source.path)

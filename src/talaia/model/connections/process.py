@@ -110,17 +110,43 @@ class ProcessRules(KindRules[ProcessConnection, ProcessSource]):
                 yield Finding(f"{where}.target", problem, "put spaces round it")
 
 
+# By what Python's own sentences have in them.
+_PATTERN_WORDS = (
+    ("unterminated subpattern", "a ( is not closed"),
+    ("unbalanced parenthesis", "a ) has no ( before it"),
+    ("unterminated character set", "a [ is not closed"),
+    ("nothing to repeat", "nothing stands before a *, + or ? that it could repeat"),
+    ("multiple repeat", "two of *, + and ? stand one behind the other"),
+    ("bad escape", "a \\ stands before a letter that has no meaning with it"),
+    ("bad character range", "a range such as a-z is the wrong way round"),
+    ("", "something in it has no meaning there"),
+)
+_AS_PATTERN = r"write as: Alt:(\S+), where ( ) stand round what is read"
+
+
 def _line_fits(where: str, line: str, *, empty: bool = False) -> Iterator[Finding]:
     try:
         words = shlex.split(line)
-    except ValueError as error:
-        yield Finding(where, f"cannot be cut into arguments: {error}", "close every quote")
+    # A quote, or a backslash with nothing behind it: all that the shell's rules know of.
+    except ValueError:
+        problem = "it cannot be cut into arguments: a quote in it is not closed"
+        if line.rstrip().endswith("\\"):
+            problem = "it cannot be cut into arguments: nothing stands behind the last \\"
+        yield Finding(where, problem, "close every quote, or put \\ before one that is a letter")
         return
     if not words and not empty:
         yield Finding(where, "there is no command", "write: dome_servcli client status")
     # A line end in it would hide arguments from whoever reads the description.
     if any(ord(letter) < 32 for letter in line):
         yield Finding(where, "there are control characters in it", "write it on one line")
+
+
+def _said_of(error: Exception) -> str:
+    """Say what is wrong with a pattern in words that no library has made."""
+    said = getattr(error, "msg", "")
+    place = getattr(error, "pos", None)
+    at = "" if place is None else f" (letter {place + 1})"
+    return next((words for part, words in _PATTERN_WORDS if part in said), "it is too long") + at
 
 
 def _pattern_fits(where: str, pattern: str) -> Iterator[Finding]:
@@ -130,8 +156,9 @@ def _pattern_fits(where: str, pattern: str) -> Iterator[Finding]:
         groups = re.compile(pattern).groups
     # `re` raises these, too, for what is nested or repeated beyond its bounds.
     except (re.error, RecursionError, OverflowError) as error:
-        yield Finding(where, f"is not a regular expression: {error}")
+        yield Finding(where, f"{pattern!r} is no pattern: {_said_of(error)}", _AS_PATTERN)
         return
     # With several groups it would be a guess which of them is the value.
     if groups != 1:
-        yield Finding(where, f"expected one group, found {groups}", r"write as: Alt:(\S+)")
+        problem = f"expected one pair of brackets round the value, found {groups or 'none'}"
+        yield Finding(where, problem, _AS_PATTERN)

@@ -255,4 +255,5 @@ def is_parameter_name(name: str) -> bool:
 def node_fits(where: str, node: str) -> Iterator[Finding]:
     """Judge the gateway's node name of the connection at ``where``."""
     if not _NODE.match(node):
-        yield Finding(f"{where}.node", f"{node!r} is not the name of a node", "as talaia_gateway")
+        problem = f"{node!r} is not the name of a node"
+        yield Finding(f"{where}.node", problem, "write one word, as talaia_gateway")

@@ -129,7 +129,11 @@ class ConnectionRules:
             return problem, "write both stream and sees, or leave it out"
         if key in own_keys(DerivedSource):
             return "only a signal is worked out from others", "leave it out"
-        return f"a connection of kind {cls.kind} knows no {key}", f"write as: {cls.example}"
+        remedy = f"write as: {cls.example}"
+        if key == "url" and cls.kind.startswith("ros"):
+            # A camera of the network beside a robot.
+            remedy = "for a camera's address name a connection of kind video or onvif"
+        return f"a connection of kind {cls.kind} knows no {key}", remedy
 
 
 class KindRules(ConnectionRules, Generic[ConnectionT, SourceT]):

@@ -49,6 +49,7 @@ LEAST_INT, GREATEST_INT = -(2**63), 2**64 - 1
 # More than any way to write 64 bits (in twos: 64 digits, underscores between them, and a prefix).
 MAX_DIGITS = 200
 _JOINED = "two mappings, read as one"
+_NO_NAME = "a list or a mapping stands where a name belongs"
 _NO_TAG = "leave it out; a text that begins with ! stands in quotes"
 _IN_QUOTES = "put it in quotes if it is a text"
 _TOO_LARGE = "the whole number is larger than 64 bits hold"
@@ -304,9 +305,7 @@ class _Document:
                 raise _yaml_error("merge keys (<<) are not read", at, "write out what is merged")
             key = self._read_value(at, depth + 1)
             if not isinstance(key, str | int | float | bool):
-                raise _yaml_error(
-                    "a list or a mapping stands where a name belongs", at, "write a word, then :"
-                )
+                raise _yaml_error(_NO_NAME, at, "write a word, then :; a text with { in quotes")
             if key not in made:
                 made[key] = self._read_value(self._next(), depth + 1)
                 continue

@@ -17,8 +17,12 @@ __all__ = ["list_words", "meant_word", "near_words", "quoted_text"]
 
 # More are no help to who reads them.
 _MOST_LISTED = 20
+# What is less alike is another word: ``icon`` was no slip of ``twin``.
+_LIKENESS = 0.62
 # Words that several entries share.
 _ABOVE, _BELOW = ("above",), ("below",)
+_RATE, _LASTING, _HOST, _PERSON = ("max_rate",), ("lasting", "delay"), ("host", "url"), ("person",)
+_LONGITUDE = ("longitude",)
 _NUMBER, _TEXT, _WHOLE = ("number",), ("text",), ("integer", "number")
 _MEANT: dict[str, tuple[str, ...]] = {
     # Signs and words of other languages for conditions.
@@ -66,8 +70,10 @@ _MEANT: dict[str, tuple[str, ...]] = {
     # Who sees it, and how bad it is.
     "private": ("view",),
     "hidden": ("view",),
-    "guest": ("public",),
-    "everyone": ("public",),
+    "guest": ("public", "view"),
+    "everyone": ("public", "view"),
+    "viewer": ("view",),
+    "operator": ("use",),
     "high": ("critical",),
     "low": ("info",),
     "error": ("critical",),
@@ -81,6 +87,10 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "min": ("minimum",),
     "speed_limit": ("max_speed",),
     "velocity": ("max_speed",),
+    "max_velocity": ("max_speed",),
+    "max_linear": ("max_speed",),
+    "max_angular": ("max_turn",),
+    "max_rotation": ("max_turn",),
     "label": ("name",),
     "title": ("name",),
     "sensors": ("signals",),
@@ -93,8 +103,47 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "tz": ("zone",),
     "location": ("place",),
     "altitude": ("elevation",),
+    "alt": ("elevation", "altitude"),
+    "lat": ("latitude",),
+    "lon": _LONGITUDE,
+    "lng": _LONGITUDE,
+    "long": _LONGITUDE,
     "version": ("talaia",),
     "rules": ("interlocks",),
+    "sensor": ("signal",),
+    "entity": ("signal",),
+    "message": ("advice",),
+    "text": ("advice",),
+    "notify": ("to",),
+    "service": ("target",),
+    "action": ("target",),
+    "property": ("target",),
+    "type": ("message",),
+    "params": ("arguments",),
+    "parameters": ("arguments",),
+    "unit_of_measurement": ("unit",),
+    "fps": _RATE,
+    "framerate": _RATE,
+    "frequency": _RATE,
+    "rate": _RATE,
+    "interval": ("poll",),
+    "duration": _LASTING,
+    "for": _LASTING,
+    # Of a server.
+    "ip": _HOST,
+    "address": _HOST,
+    "hostname": _HOST,
+    "broker": _HOST,
+    "server": _HOST,
+    "uri": ("url",),
+    "username": ("user",),
+    "password": ("password_file",),
+    "token": ("token_file",),
+    # What a camera sees.
+    "human": _PERSON,
+    "people": _PERSON,
+    "persons": _PERSON,
+    "pedestrian": _PERSON,
     # Kinds of connections.
     "rosbridge_server": ("rosbridge",),
     "rtsp": ("video",),
@@ -108,11 +157,12 @@ _MEANT: dict[str, tuple[str, ...]] = {
 }
 
 
-def meant_word(word: str, known: Collection[str], likeness: float = 0.5) -> str:
-    """Give the one of ``known`` that was most likely meant; empty for none.
-
-    Looser than difflib's own 0.6, so that short words with a slip are still met.
-    """
+def meant_word(word: str, known: Collection[str], likeness: float = _LIKENESS) -> str:
+    """Give the one of ``known`` that was most likely meant; empty for none."""
+    # With other capitals: ``INDI``.
+    for one in known:
+        if one.casefold() == word.casefold():
+            return one
     for meant in _MEANT.get(word.lower(), ()):
         if meant in known:
             return meant

@@ -139,7 +139,8 @@ def _remedy_of(
     # An offset from UTC, most often, which quotes would not mend.
     if where == "$.zone":
         return "write the name of its region, as Europe/Madrid"
-    return remedy_of_value(_told_kinds(kinds), value, shape, is_needed=is_needed)
+    key = where.rpartition(".")[2]
+    return remedy_of_value(_told_kinds(kinds), value, shape, key=key, is_needed=is_needed)
 
 
 def _keys_of(shape: object) -> list[str]:

@@ -75,11 +75,17 @@ def _parts_of(node: yaml.Node, key: str, index: str) -> Iterator[tuple[yaml.Node
     """Give what names a part, and the part."""
     if isinstance(node, yaml.MappingNode):
         for name, value in node.value:
-            if isinstance(name, yaml.ScalarNode) and key in (name.value, _truth_of(name)):
+            if isinstance(name, yaml.ScalarNode) and key in _said_as(name):
                 yield name, value
     elif isinstance(node, yaml.SequenceNode) and index and int(index) < len(node.value):
         part = node.value[int(index)]
         yield part, part
+
+
+def _said_as(name: yaml.ScalarNode) -> tuple[str, ...]:
+    """Give what a step of a path may be for a key: of one with a point, the part before it."""
+    # Nothing below such a key is found, and it is the key itself that is wrong.
+    return name.value, _truth_of(name), name.value.partition(".")[0]
 
 
 def _truth_of(name: yaml.ScalarNode) -> str:

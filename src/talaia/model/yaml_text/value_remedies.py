@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.model.yaml_text.key_units import number_remedy
 from talaia.model.yaml_text.meant_words import quoted_text
 
 if TYPE_CHECKING:
@@ -39,10 +40,13 @@ _UNSEEN = re.compile("[\u00a0\u2000-\u200f\u202f\u2060\u3000\ufeff]")
 _QUOTE_MARKS = "\u201c\u201d\u2018\u2019\u00ab\u00bb\u201e"
 # Anything behind a number that is no part of one.
 _WITH_UNIT = re.compile(rf"(?P<number>{_NUMBER})\s*(?P<unit>[^\d\s,:.].*)\Z")
-# Those in which keys are; a number with another one would have to be converted.
-_OWN_UNITS = {"s", "m", "m/s", "rad/s", "px", "Hz", "%", "V", "A", "N", "E", "°", "°C"}
+# Those that a key of any unit may have: of the others the number would have to be converted.
+_OWN_UNITS = {"px", "%", "V", "A", "N", "E", "°C"}
+# As a word processor writes what stands before a number below zero.
+_MINUS_SIGNS = "\u2212\u2013\u2014"
 # YAML's bare words for true and false, which are texts in quotes.
 _TRUTHS = {"yes", "no", "true", "false", "on", "off"}
+_AS_CONDITION = "{signal: device/name, above: 1}"
 # Of these YAML makes no text.
 _BARE = re.compile(r"[A-Za-z_/][\w/.-]*\Z")
 
@@ -61,7 +65,7 @@ def words_of_value(value: object, found: str) -> str:
 
 
 def remedy_of_value(
-    kinds: Collection[str], value: object, shape: object, *, is_needed: bool = False
+    kinds: Collection[str], value: object, shape: object, *, key: str = "", is_needed: bool = False
 ) -> str:
     """Say what to write instead.
 
@@ -69,6 +73,7 @@ def remedy_of_value(
         kinds: what is expected, in msgspec's words: ``float``, ``array``.
         value: what stands there; None for nothing.
         shape: what is expected, as of `msgspec.inspect`.
+        key: behind which it stands, or empty.
         is_needed: the key may not be left out.
 
     """
@@ -84,7 +89,7 @@ def remedy_of_value(
     if "object" in kinds:
         return _as_mapping(value, shape)
     if "array" in kinds:
-        return _as_list(value)
+        return _as_list(value, shape)
     if "str" in kinds:
         return _as_text(value)
     if "bool" in kinds and "float" not in kinds:
@@ -92,11 +97,11 @@ def remedy_of_value(
             return "leave out the quotes"
         return "write true or false"
     if "float" in kinds or "int" in kinds:
-        return _as_number(value, whole="float" not in kinds)
+        return _as_number(value, key, whole="float" not in kinds)
     return ""
 
 
-def _as_number(value: object, *, whole: bool) -> str:
+def _as_number(value: object, key: str, *, whole: bool) -> str:
     # Rounding is theirs to choose.
     if isinstance(value, float) and whole:
         return "leave out the fraction"
@@ -109,6 +114,8 @@ def _as_number(value: object, *, whole: bool) -> str:
     # In the quotes of a word processor, or with the digits in groups.
     if bare != text and _PLAIN_NUMBER.match(bare):
         return f"write: {bare}"
+    if text[:1] in _MINUS_SIGNS and _PLAIN_NUMBER.match(text[1:]):
+        return f"write the minus of the keyboard: -{text[1:]}"
     if _OTHER_BASE.match(text):
         return f"write it in the digits of ten: {int(text.lower(), 0)}"
     if _WITH_ZERO.match(text):
@@ -131,11 +138,14 @@ def _as_number(value: object, *, whole: bool) -> str:
     if _WITH_COLON.match(text):
         return "write one number without a colon, such as 1.5 or 90"
     if (unit := _WITH_UNIT.match(text)) and unit["unit"][0] not in "/-":
-        # Another unit than that of the key would be another number.
-        if unit["unit"] in _OWN_UNITS or not any(map(str.isalpha, unit["unit"])):
+        if unit["unit"] in _OWN_UNITS or not any(map(_is_of_unit, unit["unit"])):
             return f"write the number alone: {unit['number']}"
-        return "write the number alone, in the unit of this key: seconds, metres, m/s"
+        return number_remedy(key, unit["number"], unit["unit"])
     return "write it in digits"
+
+
+def _is_of_unit(letter: str) -> bool:
+    return letter.isalpha() or letter == "°"
 
 
 def _as_text(value: object) -> str:
@@ -148,7 +158,15 @@ def _as_text(value: object) -> str:
     return "write one text"
 
 
-def _as_list(value: object) -> str:
+def _as_list(value: object, shape: object) -> str:
+    # Each item has keys of its own: the same text in brackets would be as wrong.
+    item = getattr(shape, "item_type", None)
+    if isinstance(item, msgspec.inspect.StructType) and not isinstance(value, dict):
+        keys = [field.encode_name for field in item.fields]
+        needed = [field.encode_name for field in item.fields if field.required] or keys[:2]
+        if "until_below" in keys:
+            return f"write: [{_AS_CONDITION}], or below, is, is_not"
+        return f"write it in brackets: [{{{', '.join(f'{key}: …' for key in needed)}}}]"
     if isinstance(value, str):
         # One item, or several as people list them in a sentence.
         items = [item.strip() for item in value.split(",")]
@@ -182,7 +200,7 @@ def _as_mapping(value: object, shape: object) -> str:
         needed = [field.encode_name for field in struct.fields if field.required]
         # A condition: most often somebody wrote it as a sum, ``base/speed > 1``.
         if "until_below" in (names := [field.encode_name for field in struct.fields]):
-            return "write: {signal: device/name, above: 1}, or below, is, is_not"
+            return f"write: {_AS_CONDITION}, or below, is, is_not"
         if needed:
             keys = ", ".join(f"{key}: …" for key in needed)
             return f"write its keys: {{{keys}}}"
@@ -193,7 +211,7 @@ def _as_mapping(value: object, shape: object) -> str:
         return f"write its keys, such as {keys}"
     # Parts with names of their own: devices, signals, interlocks.
     if isinstance(value, list):
-        return "leave out the dashes, and begin each part with its name and a colon"
+        return "write no list: begin each part with its name and a colon"
     return "write each part below it, with its name, a colon and its own keys"
 
 

@@ -286,6 +286,9 @@ def _second_colon(lines: list[str], at: int, column: int) -> TextMistake:
     said = line.strip()
     if said.startswith("-") and not said.startswith("- "):
         return _dash(line, at, begin)
+    # ``speed:{name: …``: the first colon is a part of the name.
+    if (glued := _NO_SPACE.match(said)) and glued["value"][0] in _CLOSED_BY:
+        return _glued(line, at, begin, glued)
     key = _KEY.match(line)
     # The first colon made the key, so the second stands in its value.
     if key and key.end("key") < column:

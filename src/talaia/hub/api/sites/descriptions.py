@@ -29,7 +29,7 @@ from talaia.hub.api.schemas.description_schemas import (
     VersionShape,
 )
 from talaia.model.checks.identifiers import Finding
-from talaia.model.checks.ros_type_checks import ros_type_findings
+from talaia.model.checks.ros_types.ros_type_checks import ros_type_findings
 from talaia.model.checks.site_checks import check_site
 from talaia.model.checks.text_checks import Mistake, check_text, place_findings
 from talaia.model.errors import DescriptionError

@@ -32,6 +32,10 @@ ACKERMANN = ("ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannD
 # Packages that only robots use which fly.
 _FLYING_PACKAGES = ("mavros_msgs/", "px4_msgs/", "crazyflie_interfaces/", "tello_msgs/")
 _FLYING_WORDS = ("takeoff", "take_off", "land", "arming")
+# Programs beside an autopilot, by their namespaces: their packages may be on no machine that looks.
+_FLYING_SPACES = {"mavros", "fmu"}
+# A velocity by this name is how fast it rolls, pitches and turns.
+_TILTS = re.compile(r"attitude|body_rate|thrust")
 # `cmd_vel`, `cmd_vel_unstamped`, `vel_cmd`, `cmdvel`.
 _SAYS_VELOCITY = re.compile(r"cmd_?vel|vel(?:ocity)?_cmd|teleop_twist")
 # Inputs of a multiplexer that are meant for a person, the surest first.
@@ -73,7 +77,11 @@ def flies(found: Found, topic: str) -> bool:
         *((one.action, one.type) for one in found.actions),
     ]
     return any(
-        (type_name.startswith(_FLYING_PACKAGES) or _last(name) in _FLYING_WORDS)
+        (
+            type_name.startswith(_FLYING_PACKAGES)
+            or _last(name) in _FLYING_WORDS
+            or not _FLYING_SPACES.isdisjoint(name.strip("/").split("/")[:-1])
+        )
         # Of its own namespace, or of a robot that has none; what has none may be any robot's.
         and (not space or _robot_of(name) in ("", space))
         for name, type_name in said
@@ -134,6 +142,8 @@ def _reason(found: Found, topic: TopicFound) -> str:
     parts = topic.topic.strip("/").lower().split("/")
     if flies(found, topic.topic):
         return "by its other topics the robot flies: this may be roll, pitch and thrust, no driving"
+    if any(_TILTS.search(part) for part in parts):
+        return "by its name how it rolls, pitches and turns, and no driving"
     if is_no_base(topic.topic):
         return "by its name a velocity of an arm or a head, and no driving"
     # Speed and angle of steered wheels say by their type what they are.

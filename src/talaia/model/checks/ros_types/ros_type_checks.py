@@ -11,7 +11,8 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from talaia.model.checks.identifiers import FIELD, Finding
-from talaia.model.closed_lists import CommandKind
+from talaia.model.checks.ros_types.ros_value_checks import filled_findings, picture_findings
+from talaia.model.closed_lists import CommandKind, PositionFrame, SignalType
 from talaia.model.connections.ros import RosSource
 
 if TYPE_CHECKING:
@@ -19,31 +20,44 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Command, Device, Signal, Site
 
-__all__ = ["KnownTypes", "RosTypeFindings", "ros_type_findings"]
+__all__ = ["KnownTypes", "RosFieldShape", "RosTypeFindings", "ros_type_findings"]
 
 _TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*\Z")
 _INDEX = re.compile(r"\[(\d+)\]")
 # Names in one remedy.
 _MOST_NAMES = 8
+# What a position's field has in it, by its frame.
+_PLACE = {
+    PositionFrame.WGS84: ("latitude", "longitude", "altitude"),
+    PositionFrame.LOCAL: ("x", "y"),
+}
 # What a command's arguments fill, by its kind.
 _ASKED = {CommandKind.SERVICE: "_Request", CommandKind.TOPIC: "", CommandKind.ACTION: "_Goal"}
 
 
-class _Kind(Protocol):
+class RosFieldShape(Protocol):
     """The type of a field; see `talaia.ros_type_library.FieldKind`."""
 
     @property
-    def base(self) -> str: ...
+    def base(self) -> str:
+        """Give what it is of: ``float64``, ``string``, or ``package/msg/Name``."""
+        ...
+
     @property
-    def many(self) -> bool: ...
+    def many(self) -> bool:
+        """Tell whether it is a list."""
+        ...
+
     @property
-    def length(self) -> int: ...
+    def length(self) -> int:
+        """Give how long such a list always is; 0 where that is open."""
+        ...
 
 
 class KnownTypes(Protocol):
     """What knows types; see `talaia.ros_type_library.RosTypeLibrary`."""
 
-    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, _Kind]]:
+    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, RosFieldShape]]:
         """Give the fields of each known version of a type, the installed one first."""
         ...
 
@@ -68,6 +82,8 @@ class _Named(NamedTuple):
 
     Attributes:
         where: the place of the type; ``fields`` are by their places.
+        value_at: the place of a field that has to be one value, or empty.
+        place: of a position, the field that holds it and what has to be in that.
 
     """
 
@@ -75,6 +91,8 @@ class _Named(NamedTuple):
     type: str
     part: str
     fields: tuple[tuple[str, str], ...]
+    value_at: str = ""
+    place: tuple[str, str] | None = None
 
 
 def ros_type_findings(site: Site, known: KnownTypes) -> RosTypeFindings:
@@ -100,6 +118,12 @@ def ros_type_findings(site: Site, known: KnownTypes) -> RosTypeFindings:
             mistakes.append(Finding(named.where, f"no type {name} in {package}/{middle}", remedy))
         elif package not in notes:
             notes[package] = _package_note(known, named.where, package)
+    mistakes += picture_findings(site, known)
+    for device_id, device in site.devices.items():
+        for command_id, command in device.commands.items():
+            if command.type and command.kind in _ASKED:
+                where = f"$.devices.{device_id}.commands.{command_id}"
+                mistakes += filled_findings(where, command, _ASKED[command.kind], known)
     return RosTypeFindings(mistakes, list(notes.values()))
 
 
@@ -129,12 +153,26 @@ def _types_of_signal(at: str, signal: Signal) -> Iterator[_Named]:
     source = signal.source
     if not isinstance(source, RosSource) or not source.type:
         return
-    paths = [(f"{at}.source.stamp", source.stamp), (f"{at}.yaw_from", signal.yaw_from)]
+    where = f"{at}.source.field"
+    paths = [(f"{at}.source.stamp", source.stamp)]
     # Of a topic that carries sensors by name, the name says which; there is no field.
-    if not source.name:
-        paths.insert(0, (f"{at}.source.field", source.field))
-    fields = tuple((where, path) for where, path in paths if path)
-    yield _Named(f"{at}.source.type", source.type, "", fields)
+    if signal.type is SignalType.POSITION:
+        paths += [(where, path) for path in _parts_of(source.field, _PLACE[signal.frame])]
+    elif not source.name:
+        paths.insert(0, (where, source.field))
+    if signal.yaw_from:
+        paths += [(f"{at}.yaw_from", path) for path in _parts_of(signal.yaw_from, "xyzw")]
+    fields = tuple((place, path) for place, path in paths if path)
+    is_value = signal.type in (SignalType.NUMBER, SignalType.STATE)
+    place = None
+    if signal.type is SignalType.POSITION:
+        place = (source.field, " and ".join(_PLACE[signal.frame][:2]))
+    value_at = where if is_value else ""
+    yield _Named(f"{at}.source.type", source.type, "", fields, value_at, place)
+
+
+def _parts_of(path: str, names: Iterable[str]) -> list[str]:
+    return [f"{path}.{name}" if path else name for name in names]
 
 
 def _types_of_commands(at: str, device: Device) -> Iterator[_Named]:
@@ -163,17 +201,17 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
     Right is what any version has; so further ones are read for what is missing in the first alone.
     """
     # A path that is none has its own finding.
-    open_ = {where: path for where, path in named.fields if FIELD.match(path)}
+    open_ = [(where, path) for where, path in named.fields if FIELD.match(path)]
     first: dict[str, tuple[str, str]] = {}
     is_known = False
     for fields in known.versions_of(named.type, named.part):
         is_known = True
-        for where, path in list(open_.items()):
-            # Of a signal's own field one value is read; a position or a turn is more than one.
-            single = where.endswith(".source.field")
-            found = _follow_path(known, fields, named.type, path.split("."), single=single)
+        for where, path in list(open_):
+            found = _follow_path(
+                known, fields, named.type, path.split("."), single=where == named.value_at
+            )
             if found is None:
-                del open_[where]
+                open_.remove((where, path))
             else:
                 # The first version is the installed one: what it lacks is told.
                 first.setdefault(where, found)
@@ -181,12 +219,18 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
             break
     if not is_known:
         return None
-    return [Finding(where, *first[where]) for where in open_]
+    if named.place is not None:
+        field, parts = named.place
+        said = f"{field} of {named.type}" if field else named.type
+        told = f"{said} holds no position", f"name the field that holds {parts}"
+        first = {at: told if at.endswith(".field") else found for at, found in first.items()}
+    # Of the parts of one position the first that is missing says enough.
+    return [Finding(where, *first[where]) for where in dict(open_)]
 
 
 def _follow_path(
     known: KnownTypes,
-    fields: Mapping[str, _Kind],
+    fields: Mapping[str, RosFieldShape],
     owner: str,
     steps: list[str],
     *,
@@ -196,14 +240,14 @@ def _follow_path(
     kind = fields.get(name)
     if kind is None:
         near = get_close_matches(name, fields, n=1, cutoff=0.5)
-        remedy = f"did you mean {near[0]}?" if near else f"it has: {_list_names(fields)}"
-        return f"no field {name} in {owner}", remedy
+        has = f"it has: {_list_names(fields)}" if fields else "it has none: leave it out"
+        return f"no field {name} in {owner}", f"did you mean {near[0]}?" if near else has
     if (wrong := _index_problem(kind, steps[0])) is not None:
         return f"{name} of {owner} {wrong[0]}", wrong[1]
     if len(steps) == 1:
         if single and kind.many and "[" not in steps[0]:
             return f"{name} of {owner} is a list", f"write which of it: {name}[0], {name}[1], …"
-        return None
+        return _whole_part_problem(known, kind, steps[0], owner) if single else None
     below = ".".join(steps[1:])
     if "/" not in kind.base:
         return f"{name} of {owner} is a {kind.base} and has no fields", f"leave out .{below}"
@@ -219,7 +263,18 @@ def _follow_path(
     return problem
 
 
-def _index_problem(kind: _Kind, step: str) -> tuple[str, str] | None:
+def _whole_part_problem(
+    known: KnownTypes, kind: RosFieldShape, step: str, owner: str
+) -> tuple[str, str] | None:
+    """Tell of a part that is no one value; none where nothing knows what is in it."""
+    fields = next(iter(known.versions_of(kind.base)), None) if "/" in kind.base else None
+    if not fields:
+        return None
+    problem = f"{step} of {owner} is more than one value"
+    return problem, f"write which of it: {_list_names([f'{step}.{name}' for name in fields])}"
+
+
+def _index_problem(kind: RosFieldShape, step: str) -> tuple[str, str] | None:
     name, _, _ = step.partition("[")
     indices = [int(index) for index in _INDEX.findall(step)]
     if len(indices) > int(kind.many):
