@@ -432,7 +432,6 @@ def main(arguments: list[str]) -> int:
         if chosen.times:
             print_slowest(run.spent, run.tests)
             run.times.print_tables()
-            Path('/tmp/t/costs.json').write_text(json.dumps({'tests': run.tests, 'by_test': run.times.by_test, 'by_file': run.times.by_file, 'kind': run.times.by_kind}))
         code = finish(run)
         covered = measure_coverage.print_shares(
             folder, everything=chosen.coverage, whole_ring=not chosen.only
