@@ -137,6 +137,7 @@ export class CommandSections extends LitElement {
     const { device, urgent } = group;
     const open = this.isSearched || (this.chosen.get(device.id) ?? first);
     const inside = group.first.length + group.more.length;
+    const buttons = urgent.map((command) => ({ command, args: {}, label: command.name, kind: "plain" as const }));
     return html`<section class="device" aria-label=${device.name}>
       <div class="head">
         <h2>
@@ -152,7 +153,7 @@ export class CommandSections extends LitElement {
               .site=${this.site}
               .device=${device}
               .line=${this.line}
-              .deeds=${urgent.map((command) => ({ command, args: {}, label: command.name, kind: "plain" }))}
+              .deeds=${buttons}
               .online=${this.online}
             ></t-deeds>`}
       </div>
