@@ -28,10 +28,12 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-# Draws in space by software, where there is no graphics hardware either.
+# Draws in space by software, where there is no graphics hardware either: only what a page draws by
+# WebGL, as Chromium itself chooses there. With "--use-angle=swiftshader" it would take that program
+# for graphics hardware and have it draw all of each page, its 2D canvases too; then a frame of a
+# board takes half a second of a core, whatever the page does.
 SPACE_FLAGS = [
     *(flag for flag in FLAGS if flag != "--disable-gpu"),
-    "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 ]
 # Each paint leaves the age of the newest sample it drew, once the frame is on its way.

@@ -113,7 +113,7 @@ class CpuTimes:
 
     def __post_init__(self) -> None:
         """Count from now on."""
-        self._busy = -_busy_time(self.processes)
+        self._busy = -busy_time(self.processes)
 
     def sample(self, tests: dict[int, str]) -> None:
         """Add what was computed since the last sample.
@@ -164,7 +164,7 @@ class CpuTimes:
         for kind, seconds in self.by_kind.most_common():
             if seconds >= 0.5:
                 print(f"{seconds:8.1f}  {kind}")
-        others = self._busy + _busy_time(self.processes) - total
+        others = self._busy + busy_time(self.processes) - total
         print(f"{others:8.1f}  (the rest of this machine, its kernel with it)")
         print("\nCPU time of each test file with all that it started (s):")
         sums = Counter({file: sum(kinds.values()) for file, kinds in self.by_file.items()})
@@ -254,7 +254,7 @@ def _kind_of(folder: Path, name: str, *, group: bool) -> str:
     return find_kind(line, name)
 
 
-def _busy_time(processes: Path) -> float:
+def busy_time(processes: Path) -> float:
     """CPU time that all cores have computed since the machine began (s)."""
     with contextlib.suppress(OSError):
         # proc_stat(5): user, nice, system, idle, iowait, irq, softirq.

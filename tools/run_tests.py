@@ -38,7 +38,7 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests")]
 
 import fork_server  # noqa: E402
 import measure_coverage  # noqa: E402
-from cpu_times import CpuTimes  # noqa: E402
+from cpu_times import PROCESSES, CpuTimes, busy_time  # noqa: E402
 from forked_pytest import fork_pytest, import_everything  # noqa: E402
 from leftovers import MARK, end_processes, remove_dead_shared_memory  # noqa: E402
 from plan_tests import (  # noqa: E402
@@ -110,6 +110,7 @@ class Run:
         self.left: list[str] = []
         self.times = CpuTimes(os.getpid())
         self._line, self._started = CoreLine(), 0.0
+        self._busy, self._busy_since = busy_time(PROCESSES), self._began
         self.sample_s = SELDOM_S
 
     def work(self) -> None:
@@ -312,10 +313,14 @@ class Run:
             seconds = time.monotonic() - group.since
             now.append(f"{(group.now or group.name).removeprefix('tests/')} {seconds:.0f} s")
         share = min(0.99, self._finished / self._expected)
-        seconds = int(time.monotonic() - self._began)
+        at, busy = time.monotonic(), busy_time(PROCESSES)
+        # By whatever else this machine does, too; nothing where that is not shown.
+        used = (busy - self._busy) / (at - self._busy_since)
+        self._busy, self._busy_since = busy, at
+        seconds = int(at - self._began)
         print(
             f"{seconds // 60:3}:{seconds % 60:02}  {share:3.0%}  {self.passed} passed"
-            f"  {len(self.failed)} failed  |  {'  |  '.join(now)}",
+            f"  {len(self.failed)} failed  {used:.1f} cores  |  {'  |  '.join(now)}",
             flush=True,
         )
 

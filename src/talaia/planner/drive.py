@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
+from msgspec import Meta
 
 from talaia.planner.errors import NotANight
 from talaia.planner.fairness import INDIFFERENT, FairnessRule
@@ -13,18 +14,23 @@ from talaia.planner.night_file import (
     NightRequest,
     make_problem,
     make_visits,
+    what_is_wrong,
 )
 from talaia.planner.session import PlanningSession
 
 __all__ = ["DrivenNight"]
 
 
+# Of the night; beyond any that the format has, planning would have no end.
+_Moment = Annotated[int, Meta(ge=-86_400, le=3 * 86_400)]
+
+
 class _Event(msgspec.Struct, frozen=True, kw_only=True):
     type: Literal["arrived", "released", "aborted", "refused"]
-    t: int
+    t: _Moment
     requests: list[NightRequest] = []
     request: str = ""
-    block_s: int = 0
+    block_s: Annotated[int, Meta(ge=0, le=2**31)] = 0
 
 
 class _NightLine(msgspec.Struct, frozen=True, kw_only=True, tag_field="type", tag="night"):
@@ -32,13 +38,13 @@ class _NightLine(msgspec.Struct, frozen=True, kw_only=True, tag_field="type", ta
 
 
 class _DecideLine(msgspec.Struct, frozen=True, kw_only=True, tag_field="type", tag="decide"):
-    t: int
+    t: _Moment
     events: list[_Event] = []
     completed: list[str] = []
 
 
 class _InterruptLine(msgspec.Struct, frozen=True, kw_only=True, tag_field="type", tag="interrupt"):
-    t: int
+    t: _Moment
     events: list[_Event] = []
     request: str
     current: str
@@ -58,12 +64,14 @@ class DrivenNight:
 
         Raises:
             NotANight: it is none of the three kinds, or comes before the night.
+            UnknownRequest: it names a request that was never given.
 
         """
         try:
             asked = self._lines.decode(line)
-        except msgspec.DecodeError as error:
-            raise NotANight("line", str(error), "expected night, decide or interrupt") from error
+        except (msgspec.DecodeError, UnicodeDecodeError) as error:
+            problem = what_is_wrong(line, error)
+            raise NotANight("line", problem, "expected night, decide or interrupt") from error
         if isinstance(asked, _NightLine):
             self._problem = make_problem(asked.night)
             self._session = PlanningSession(self._problem, fairness=self._fairness)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from datetime import UTC, datetime
 from typing import Annotated, Literal
 
@@ -21,7 +22,15 @@ from talaia.planner.night_problem import (
 )
 from talaia.planner.sky import TelescopePlace, compute_sky
 
-__all__ = ["NightFile", "NightRequest", "make_problem", "make_visits", "read_night"]
+__all__ = [
+    "NightFile",
+    "NightRequest",
+    "make_problem",
+    "make_visits",
+    "read_night",
+    "unknown_keys",
+    "what_is_wrong",
+]
 
 _FORMAT = "talaia-night/1"
 _URGENCIES = {"normal": NORMAL, "time_critical": TIME_CRITICAL, "rapid": RAPID}
@@ -29,17 +38,23 @@ _URGENCIES = {"normal": NORMAL, "time_critical": TIME_CRITICAL, "rapid": RAPID}
 _Second = Annotated[int, Meta(ge=0, le=2 * 86_400)]
 _Positive = Annotated[float, Meta(ge=0, le=86_400)]
 _Degrees = Annotated[float, Meta(ge=0, le=180)]
+_Name = Annotated[str, Meta(min_length=1)]
+# Where in a text its first mistake is, as msgspec says it.
+_BYTE = re.compile(r"\(byte (\d+)\)")
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+# What generators of nights write besides, and no planner needs.
+_PASSED_OVER = frozenset({"group"})
 
 
 class _Site(msgspec.Struct, frozen=True, kw_only=True):
     name: str = ""
     lat: Annotated[float, Meta(ge=-90, le=90)]
     lon: Annotated[float, Meta(ge=-360, le=360)]
-    elevation: float = 0.0
+    elevation: Annotated[float, Meta(ge=-500, le=10_000)] = 0.0
 
 
 class _Instrument(msgspec.Struct, frozen=True, kw_only=True):
-    slew_deg_s: Annotated[float, Meta(gt=0)]
+    slew_deg_s: Annotated[float, Meta(ge=0.001, le=1000)]
     settle_s: _Positive
     acquire_s: _Positive
     filter_s: _Positive
@@ -49,9 +64,9 @@ class _Instrument(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class _Proposal(msgspec.Struct, frozen=True, kw_only=True):
-    id: str
+    id: _Name
     share: Annotated[float, Meta(ge=0, le=1)]
-    hours_left: Annotated[float, Meta(ge=0)]
+    hours_left: Annotated[float, Meta(ge=0, le=1_000_000)]
 
 
 class _Rules(msgspec.Struct, frozen=True, kw_only=True):
@@ -65,12 +80,12 @@ class _Truth(msgspec.Struct, frozen=True, kw_only=True):
 class NightRequest(msgspec.Struct, frozen=True, kw_only=True):
     """A visit, as the format has it (seconds of the night, degrees)."""
 
-    id: str
+    id: _Name
     kind: Literal["normal", "time_critical", "rapid"] = "normal"
     proposal: str
     ra: Annotated[float, Meta(ge=0, le=360)]
     dec: Annotated[float, Meta(ge=-90, le=90)]
-    priority: Annotated[float, Meta(gt=0)]
+    priority: Annotated[float, Meta(gt=0, le=1e9)]
     n: Annotated[int, Meta(ge=1, le=100_000)]
     exp: Annotated[float, Meta(gt=0, le=86_400)]
     filter: str
@@ -98,27 +113,67 @@ class NightFile(msgspec.Struct, frozen=True, kw_only=True):
     truth: _Truth = _Truth()
 
 
-def read_night(text: bytes | str) -> NightFile:
-    """Read a night file.
+def read_night(text: bytes) -> NightFile:
+    """Read a night file; a byte-order mark before it is passed over.
 
     Raises:
         NotANight: it is not JSON, or not what the format says; names the place.
 
     """
+    text = text.removeprefix(_BYTE_ORDER_MARK)
     try:
         night = msgspec.json.decode(text, type=NightFile)
-    except msgspec.DecodeError as error:
-        raise NotANight("night", str(error), f"expected JSON of the format {_FORMAT}") from error
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        problem = what_is_wrong(text, error)
+        raise NotANight("night", problem, f"expected JSON of the format {_FORMAT}") from error
     if night.format != _FORMAT:
         raise NotANight("format", f"is {night.format!r}", f"expected {_FORMAT!r}")
     return night
+
+
+def what_is_wrong(text: bytes, error: Exception) -> str:
+    """Say why JSON was not read, by line and column, as editors count them."""
+    if not text.strip():
+        return "it is empty"
+
+    def in_lines(found: re.Match[str]) -> str:
+        before = text[: int(found[1])]
+        return f"(line {before.count(10) + 1}, column {len(before) - before.rfind(10)})"
+
+    return _BYTE.sub(in_lines, str(error))
+
+
+def unknown_keys(text: bytes) -> dict[str, int]:
+    """Count the keys of a night file that its format does not have, and nobody reads.
+
+    Returns:
+        How often each stands there, by its place: ``requests[].min_altitude``.
+
+    """
+    night = msgspec.json.decode(text.removeprefix(_BYTE_ORDER_MARK))
+    parts: list[tuple[str, type[msgspec.Struct], list[dict[str, object]]]] = [
+        ("", NightFile, [night]),
+        ("site.", _Site, [night["site"]]),
+        ("instrument.", _Instrument, [night["instrument"]]),
+        ("rules.", _Rules, [night.get("rules", {})]),
+        ("proposals[].", _Proposal, night["proposals"]),
+        ("requests[].", NightRequest, night["requests"]),
+    ]
+    found: dict[str, int] = {}
+    for place, shape, rows in parts:
+        known = _PASSED_OVER.union(shape.__struct_fields__)
+        for row in rows:
+            for key in row.keys() - known:
+                found[place + key] = found.get(place + key, 0) + 1
+    return found
 
 
 def make_problem(night: NightFile) -> NightProblem:
     """Turn a night file into a problem; what arrives later is left out.
 
     Raises:
-        NotANight: the start is no time, or two requests have one id.
+        NotANight: the start is no time, two requests or two proposals have one id, or a request
+            is none (see `make_visits`).
 
     """
     try:
@@ -130,6 +185,7 @@ def make_problem(night: NightFile) -> NightProblem:
     if start.tzinfo is None:
         start = start.replace(tzinfo=UTC)
     unix = start.timestamp()
+    _refuse_doubles("proposals", [proposal.id for proposal in night.proposals])
     place = TelescopePlace(night.site.lat, night.site.lon, night.site.elevation)
     made = night.instrument
     problem = NightProblem(
@@ -154,18 +210,24 @@ def make_problem(night: NightFile) -> NightProblem:
         ],
     )
     present = [request for request in night.requests if not request.arrives]
-    names = [request.id for request in present]
-    if len(set(names)) != len(names):
-        raise NotANight("requests", "two have the same id", "an id is used once")
+    _refuse_doubles("requests", [request.id for request in present])
     problem.add_visits(make_visits(problem, present))
     return problem
+
+
+def _refuse_doubles(where: str, names: list[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise NotANight(where, f"two have the same id {name!r}", "an id is used once")
+        seen.add(name)
 
 
 def make_visits(problem: NightProblem, requests: list[NightRequest]) -> tuple[Visit, ...]:
     """Turn requests of a night file into visits.
 
     Raises:
-        NotANight: a request is of a proposal that is not there.
+        NotANight: a request is of a proposal that is not there, or ends before it begins.
 
     """
     index = {proposal.id: row for row, proposal in enumerate(problem.proposals)}
@@ -175,6 +237,13 @@ def make_visits(problem: NightProblem, requests: list[NightRequest]) -> tuple[Vi
             raise NotANight(
                 f"request {request.id}", f"unknown proposal {request.proposal!r}", "list it"
             )
+        for start, end in request.windows:
+            if end < start:
+                raise NotANight(
+                    f"request {request.id}",
+                    f"its window ends at {end} s, before it begins at {start} s",
+                    "write from, then to",
+                )
         row = problem.filter_index(request.filter)
         visits.append(
             Visit(

@@ -22,7 +22,7 @@ OBSERVATORY = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms=
 PAGES = {
     "/home": "h1",
     "/sites/agv/live": "t-live-tile, h2",
-    "/sites/agv/drive": "t-commands h2",
+    "/sites/agv/drive": "t-command-sections h2",
     "/sites/agv/devices/camera": "t-part-camera h2",
     "/sites/agv/history": "t-history-tools",
     "/sites/agv/logbook": "h1",
@@ -97,14 +97,28 @@ async def assert_axe_finds_nothing(hub, page) -> None:
 
 
 async def assert_commands_stand_by_device(hub, page) -> None:
-    """Of a site where nothing drives: from the left edge on, and nobody is sent to an admin."""
-    await page.set_viewport_size({"width": 1440, "height": 844})
+    """Of a site where nothing drives: in sections that open by the keyboard, and are searched."""
+    await page.set_viewport_size({"width": 390, "height": 844})
     await page.goto(f"{hub.origin}/sites/agv/drive")
     await expect(page.get_by_role("heading", name="Actuate")).to_be_visible()
-    cards = page.locator("t-commands t-card")
+    cards = page.locator("t-command-sections t-card")
     box = await cards.first.bounding_box()
     assert box["x"] < 40
     await expect(page.get_by_text("An admin can give you the right")).to_have_count(0)
+    # What stops a device needs no section to be opened.
+    telescope = page.get_by_role("region", name="Telescope")
+    await expect(telescope.locator("t-card")).to_have_count(0)
+    await expect(telescope.get_by_role("button", name="Stop", exact=True)).to_be_visible()
+    opens = telescope.get_by_role("button", name="commands")
+    await opens.focus()
+    await page.keyboard.press("Enter")
+    await expect(opens).to_have_attribute("aria-expanded", "true")
+    await expect(telescope.get_by_label("Right ascension").first).to_be_visible()
+    await page.get_by_role("searchbox", name="Search commands").fill("binning")
+    await expect(page.locator("t-command-sections section")).to_have_count(1)
+    await expect(page.get_by_role("region", name="camera").locator("t-card")).to_be_visible()
+    await page.get_by_role("searchbox").fill("nothing of this")
+    await expect(page.get_by_text("Nothing matches.")).to_be_visible()
 
 
 async def assert_more_pages_are_found_by_keyboard(page) -> None:

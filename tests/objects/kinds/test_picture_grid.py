@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 
 from talaia.objects.floor_lines import is_inside
 from talaia.objects.kinds.picture_grid import area_cells, grid_shape, pack_grid, unpack_grid
@@ -13,6 +13,7 @@ PART = st.floats(0, 1)
 
 
 @given(st.lists(st.tuples(PART, PART), min_size=3, max_size=8), st.integers(1, 9))
+@example([(0.0, 0.0), (0.0, 0.0), (0.0, 2.2250738585e-313)], 1)
 def test_cells_of_a_polygon_are_those_whose_middle_is_in_it_and_at_least_one(points, rows) -> None:
     shape, polygon = (rows, 7), tuple(points)
     wanted = np.array(

@@ -5,14 +5,15 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from talaia.planner.bound import bound_value
 from talaia.planner.drive import DrivenNight
-from talaia.planner.errors import NotANight
-from talaia.planner.night_file import make_problem, read_night
+from talaia.planner.errors import NotANight, UnknownRequest
+from talaia.planner.night_file import make_problem, read_night, unknown_keys
 from talaia.planner.outlook import CERTAIN
 from talaia.planner.session import PlanningSession
 from talaia.planner.why_not import clock_words
@@ -40,6 +41,8 @@ def answer_lines(lines: BinaryIO, answers: BinaryIO, fairness: FairnessRule) -> 
         except NotANight as error:
             problem = f"{error.where}: {error.problem}"
             raise NotANight(f"line {number}", problem, error.remedy) from error
+        except UnknownRequest as error:
+            raise NotANight(f"line {number}", str(error)) from error
         answers.write(msgspec.json.encode(answer) + b"\n")
         answers.flush()
     return 0
@@ -53,12 +56,24 @@ def print_night(path: Path, fairness: FairnessRule) -> int:
 
     """
     try:
-        night = read_night(path.read_bytes())
+        text = path.read_bytes()
+        night = read_night(text)
+        problem = make_problem(night)
     except OSError as error:
         raise NotANight(str(path), f"cannot be read: {error.strerror}") from error
     except NotANight as error:
         raise NotANight(str(path), f"{error.where}: {error.problem}", error.remedy) from error
-    problem = make_problem(night)
+    for key, count in sorted(unknown_keys(text).items()):
+        # Beside the plan, not in it: a constraint with a slip in its name would hold nothing back.
+        times = "" if count == 1 else f" ({count} times)"
+        print(
+            f"talaia plan: {path}: {key} is no key of the format{times}; passed over",
+            file=sys.stderr,
+        )
+    if len(problem.table) == 0:
+        print("nothing is asked for at the start of this night: there is nothing to plan")
+        _print_later(len(night.requests))
+        return 0
     session = PlanningSession(problem, outlook=CERTAIN, fairness=fairness)
     session.improve(problem.start)
     plan = session.plan(problem.start)
@@ -74,5 +89,16 @@ def print_night(path: Path, fairness: FairnessRule) -> int:
     waiting = len(problem.table) - len(plan.blocks)
     for why in session.why_not(problem.start)[:10]:
         print(f"not now: {why.request}: {why.sentence}")
-    print(f"{waiting} requests are not in the plan")
+    print(
+        "1 request is not in the plan"
+        if waiting == 1
+        else f"{waiting} requests are not in the plan"
+    )
+    _print_later(len(night.requests) - len(problem.table))
     return 0
+
+
+def _print_later(later: int) -> None:
+    if later:
+        said = "1 request comes" if later == 1 else f"{later} requests come"
+        print(f"{said} later in the night: what is there at its start is planned")

@@ -78,7 +78,9 @@ def area_cells(shape: tuple[int, int], polygon: tuple[PicturePoint, ...]) -> NDA
         if y1 == y2:
             continue
         crosses = (y1 > y) != (y2 > y)
-        inside ^= crosses & (x < x1 + (y - y1) / (y2 - y1) * (x2 - x1))
+        # Elsewhere it is of no use, and beyond all numbers for an edge that is all but level.
+        along = np.divide(y - y1, y2 - y1, out=np.zeros_like(y), where=crosses)
+        inside ^= crosses & (x < x1 + along * (x2 - x1))
     if not inside.any():
         # One that is smaller than a cell.
         middle_x, middle_y = (sum(part) / len(polygon) for part in zip(*polygon, strict=True))

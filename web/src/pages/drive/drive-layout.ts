@@ -32,11 +32,6 @@ export const layout = css`
     justify-content: space-between;
     gap: var(--t-space-2) var(--t-space-4);
   }
-  .alone {
-    display: grid;
-    grid-template-columns: minmax(0, 1fr);
-    gap: var(--t-space-5);
-  }
   .right {
     grid-area: right;
     display: flex;

@@ -4,7 +4,6 @@ import { ContextConsumer } from "@lit/context";
 import { msg } from "@lit/localize";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { repeat } from "lit/directives/repeat.js";
 import { DriveController } from "../../controllers/drive/drive-controller.js";
 import { CommandClient } from "../../controllers/drive/command-client.js";
 import type { StopClient } from "../../controllers/drive/stop-client.js";
@@ -21,6 +20,7 @@ import { armParts, type ArmParts } from "../../tiles/arm/arm-parts.js";
 import { ptzParts } from "../../tiles/ptz/ptz-parts.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/command/command-list.js";
+import "../../tiles/command/command-sections.js";
 import "../../tiles/drive/drive-pad.js";
 import "../../tiles/drive/surroundings.js";
 import "../../tiles/drive/vehicle-hud.js";
@@ -141,13 +141,7 @@ export class PageActuate extends LitElement {
         </p>
       </t-empty>`;
     }
-    return html`<div class="alone">
-      ${repeat(
-        commanded,
-        ({ id }) => id,
-        (device) => html`<t-commands .heading=${device.name} .site=${this.site} .devices=${[device]} .line=${this.commands} .online=${online}></t-commands>`,
-      )}
-    </div>`;
+    return html`<t-command-sections .site=${this.site} .devices=${commanded} .line=${this.commands} .online=${online}></t-command-sections>`;
   }
 
   private renderDriveView(detail: SiteShape, device: DeviceShape, online: boolean): TemplateResult {

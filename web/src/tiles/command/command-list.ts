@@ -41,6 +41,7 @@ export class CommandList extends LitElement {
   @property({ attribute: false }) devices: readonly DeviceShape[] = [];
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
+  /** Empty: it stands below the name of its one device. */
   @property() heading = msg("Commands");
   /** Ids of commands that the page shows elsewhere. */
   @property({ attribute: false }) shownElsewhere: ReadonlySet<string> = new Set();
@@ -53,7 +54,7 @@ export class CommandList extends LitElement {
     const policies = this.devices.filter((device) => device.link_loss !== "");
     if (rows.length === 0 && policies.length === 0) return nothing;
     return html`
-      ${rows.length === 0 ? nothing : html`<h2>${this.heading}</h2>`}
+      ${rows.length === 0 || this.heading === "" ? nothing : html`<h2>${this.heading}</h2>`}
       <div class="list">
         ${repeat(
           rows,
@@ -78,7 +79,7 @@ export class CommandList extends LitElement {
 
   private renderCard(device: DeviceShape, command: CommandShape): TemplateResult {
     return html`<t-card>
-      ${this.heading === device.name ? nothing : html`<span class="device">${device.name}</span>`}
+      ${this.heading === "" ? nothing : html`<span class="device">${device.name}</span>`}
       <t-command-card
         .site=${this.site}
         .device=${device}
