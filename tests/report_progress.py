@@ -2,9 +2,10 @@
 
 The file's name is in TALAIA_TEST_REPORT; without it nothing is written. Beside it, ``skip.json``
 lists tests that are not to be run, for they have run in a process that crashed. Lines:
-``{"begin": ID}`` before a test; ``{"end": ID, "outcome", "text", "wall", "cpu"}`` after it, with
-the seconds since the test before it ended: ``wall``, and ``cpu`` of this process and of its
-children that have ended, those of the fork server with them.
+``{"collected": NUMBER}`` of tests that are to be run; ``{"begin": ID}`` before a test;
+``{"end": ID, "outcome", "text", "wall", "cpu"}`` after it, with the seconds since the test before
+it ended: ``wall``, and ``cpu`` of this process and of its children that have ended, those of the
+fork server with them.
 """
 
 from __future__ import annotations
@@ -62,6 +63,9 @@ class ProgressReport:
         skip = set(json.loads(listed.read_text())) if listed.exists() else set()
         config.hook.pytest_deselected(items=[item for item in items if item.nodeid in skip])
         items[:] = [item for item in items if item.nodeid not in skip]
+
+    def pytest_collection_finish(self, session: pytest.Session) -> None:
+        self.write({"collected": len(session.items)})
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:

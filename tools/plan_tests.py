@@ -110,6 +110,7 @@ class Group:
         whole: it starts a whole site; ``calm``: it wants cores that are not all in use.
         pure: its files are the quick ring's.
         skip: tests not to run, for they have run.
+        collected: how many tests its process is to run; None until it says so.
         now: the test that runs; ``since`` (monotonic, s).
 
     """
@@ -125,10 +126,19 @@ class Group:
     process: GroupProcess | None = None
     folder: Path = Path()
     read: int = 0
+    collected: int | None = None
     now: str = ""
     since: float = 0.0
     done: list[str] = field(default_factory=list)
     failures: int = 0
+
+    @property
+    def is_cut_short(self) -> bool:
+        """Whether its process, which has ended, has not told of all of its tests.
+
+        One that becomes another program (exec) ends as well as that does.
+        """
+        return self.files != [PAGES] and (self.collected is None or len(self.done) < self.collected)
 
     @property
     def load(self) -> float:

@@ -245,6 +245,9 @@ class Run:
 
     def _note_test(self, group: Group, line: dict[str, Any]) -> None:
         group.since = time.monotonic()
+        if "collected" in line:
+            group.collected = line["collected"]
+            return
         if begun := line.get("begin"):
             group.now = begun
             return
@@ -287,7 +290,7 @@ class Run:
         if group.files == [PAGES]:
             wall = time.monotonic() - group.since
             self._add_cost(PAGES, wall, usage.ru_utime + usage.ru_stime)
-        if code not in (0, 1) or (code == 1 and not group.failures):
+        if code not in (0, 1) or (code == 1 and not group.failures) or group.is_cut_short:
             self._note_crash(group, code)
         shutil.rmtree(group.folder, ignore_errors=True)
 

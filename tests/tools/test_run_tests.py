@@ -156,6 +156,17 @@ def test_a_process_that_crashes_fails_the_test_and_the_others_still_run(tmp_path
     assert "2 passed, 0 skipped, 1 failed" in said
 
 
+@pytest.mark.parametrize("ends", ["os.execv('/bin/true', ['true'])", "os._exit(0)"])
+def test_a_process_that_ends_well_before_its_tests_are_done_loses_none(
+    tmp_path: Path, ends: str
+) -> None:
+    leaves = f"import os\ndef test_a(): pass\ndef test_c(): {ends}\ndef test_cc(): pass\n"
+    code, said = run_tests(tmp_path, {"test_a.py": leaves})
+    assert code == 1
+    assert "FAILED tests/test_a.py::test_c\nthe process ended with 0" in said
+    assert "2 passed, 0 skipped, 1 failed" in said
+
+
 def test_a_process_that_fails_after_its_tests_have_passed_is_repeated_whole(tmp_path: Path) -> None:
     seen = tmp_path / "seen"
     leaves = (
