@@ -23,7 +23,10 @@ __all__ = ["with_plain_names"]
 
 def with_plain_names(found: Found, devices: Mapping[str, Device]) -> dict[str, Device]:
     """Give devices, by word, with names as people say them; their words stay as they are."""
-    plain = {word: _without_robot(device.name, found) for word, device in devices.items()}
+    # Of several robots the namespace is what tells which: then there is none of all.
+    space = robot_namespace(found.topics)
+    robot = f"{readable_name(space)} " if space else ""
+    plain = {word: _without_robot(device.name, robot) for word, device in devices.items()}
     # Two that would be called the same keep what tells them apart.
     count = Counter(plain.values())
     return {
@@ -36,10 +39,8 @@ def with_plain_names(found: Found, devices: Mapping[str, Device]) -> dict[str, D
     }
 
 
-def _without_robot(name: str, found: Found) -> str:
-    # Of several robots the namespace is what tells which.
-    space = robot_namespace(found.topics)
-    rest = name.removeprefix(f"{readable_name(space)} ") if space else name
+def _without_robot(name: str, robot: str) -> str:
+    rest = name.removeprefix(robot)
     return rest[:1].upper() + rest[1:]
 
 

@@ -162,12 +162,14 @@ export class CommandSections extends LitElement {
   }
 
   private renderLists({ device, first, more }: CommandGroups): TemplateResult {
+    // What the gateway does by itself stands below the first list, and once.
+    const besides = { ...device, link_loss: "" };
     return html`<div class="list">${this.renderList(device, first)}</div>
       ${more.length === 0
         ? nothing
         : html`<details class="more">
             <summary>${msg(str`More commands (${String(more.length)})`)}</summary>
-            <div class="list">${this.renderList(device, more)}</div>
+            <div class="list">${this.renderList(besides, more)}</div>
           </details>`}`;
   }
 
