@@ -216,7 +216,7 @@ def house():
 async def space():
     """Give a Chromium that draws in space by software."""
     program = program_or_skip()
-    args = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    args = ["--no-sandbox", "--enable-unsafe-swiftshader"]
     async with async_playwright() as play:
         running = await play.chromium.launch(executable_path=program, args=args)
         yield running
