@@ -189,7 +189,7 @@ SERVER, GET = "url: 'http://station.local'", "get: /api/weather"
         (BROKER, "path: a", "mqtt", "which topic is it?"),
         (BROKER, f"{TOPIC}, path: 'a..b'", "mqtt", "'a..b' is not a path into JSON"),
         (BROKER, GET, "mqtt", "knows no get"),
-        (SERVER, "path: a", "http", "'' is not what can be asked for"),
+        (SERVER, "path: a", "http", "which address of the server is meant?"),
         (SERVER, "get: 'http://elsewhere/'", "http", "is not what can be asked for"),
         (SERVER, "get: //elsewhere/a", "http", "is not what can be asked for"),
         (SERVER, 'get: "/a\\r\\nX: y"', "http", "is not what can be asked for"),
