@@ -19,6 +19,7 @@ from talaia.hub.history.queries.reader import Reader
 from talaia.hub.history.queries.statistics import read_statistics
 from talaia.hub.history.queries.window import FARTHEST_US
 from talaia.hub.history.sensors.sensor_registry import SensorRegistry
+from talaia.hub.history.servers.site_transfer import SiteTransfer
 from talaia.hub.history.storage import read_storage
 from talaia.hub.history.writing.block_index import BlockIndex
 from talaia.hub.history.writing.retention_periods import RetentionPeriods
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.series import Series
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
+    from talaia.hub.history.servers.write_term import WriteTerm
     from talaia.hub.history.storage import Storage
     from talaia.hub.store.database_url import OnConnect
     from talaia.model.site import Site
@@ -66,6 +68,10 @@ class HistoryStore:
 
     One program at a time may have a database's history open. Times are microseconds since the
     epoch (UTC).
+
+    Attributes:
+        transfer: what of a site comes from another server, or goes to one.
+
     """
 
     def __init__(
@@ -118,12 +124,33 @@ class HistoryStore:
         )
         # What signals are, and their views for SQL.
         self._sensors = SensorRegistry(self._threads, self._reading, self._writing)
+        # What of a site comes from another server, or goes to one.
+        self.transfer = SiteTransfer(
+            threads=self._threads,
+            reading=self._reading,
+            writing=self._writing,
+            writer=self._writer,
+            sensors=self._sensors,
+        )
         # What comes again and again: showing the newest readings, and dropping the oldest.
         self._tasks: list[asyncio.Task[None]] = []
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
         await asyncio.to_thread(metadata.create_all, self._writing, list(HISTORY_TABLES))
+
+    def guard_writing(self, term: WriteTerm) -> None:
+        """Write under a term only; called once, before it is opened."""
+        term.guard_engine(self._writing)
+
+    def hold_retention(self, site: str, *, held: bool) -> None:
+        """Drop nothing while a site moves, or go on."""
+        (self._tidier.held_for.add if held else self._tidier.held_for.discard)(site)
+
+    def has_site(self, site: str) -> bool:
+        """Tell whether anything is known of a site."""
+        names = self._ledger.names
+        return any(key[0] == site for key in (*names.channels.copy(), *names.boots.copy()))
 
     async def open(self) -> None:
         """Read what a former run left in the journal, and begin to write.
@@ -194,8 +221,8 @@ class HistoryStore:
 
         """
         channels = [channel.address for channel in site.channels()]
-        await self._writer.complete_job(Describe(site.site, channels))
         self._periods.describe_site(site)
+        await self._writer.complete_job(Describe(site.site, channels))
         await self._sensors.describe_site(site, self._ledger.names.channels)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:

@@ -35,14 +35,21 @@ from talaia.hub.history.writing.compaction import (
 )
 from talaia.hub.history.writing.open_blocks import Chunk, Tails
 from talaia.hub.history.writing.retention import delete_blocks
+from talaia.hub.history.writing.seal_choice import SealChoice
+from talaia.hub.history.writing.site_jobs import adopt_blocks, count_outside, forget_site
 from talaia.hub.history.writing.stored_runs import StoredRuns
 from talaia.hub.history.writing.writer_jobs import (
+    Adopt,
+    AdoptRuns,
     Append,
     Below,
     Describe,
     Drop,
+    Forget,
     GapJob,
+    ReadRuns,
     Rename,
+    SealSite,
     Show,
     checked_columns,
 )
@@ -56,9 +63,10 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.history.limits import HistoryLimits
     from talaia.hub.history.writing.retention import Doomed
+    from talaia.hub.history.writing.site_jobs import Adopted, Forgotten
     from talaia.hub.history.writing.writer_jobs import Job
 
-__all__ = ["BlockIndex", "sealing_size"]
+__all__ = ["BlockIndex"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -93,6 +101,11 @@ class _Draft:
         self.ranges: dict[int, set[int]] = {}
         # Something got a number or another name, which has to be written though no row is.
         self.named = False
+        # What came from another server, and sites that have gone to one.
+        self.adopted: list[Adopted] = []
+        self.forgotten: list[Forgotten] = []
+        # Ranges are written though no row of the journal goes.
+        self.writes_runs = False
         # In `rows`; how much is sealed next goes by it.
         self.samples = 0
 
@@ -134,12 +147,8 @@ class BlockIndex:
         self._journal = JournalRows()
         # What of the tails the next commit writes; compressed while nobody waits.
         self._plan: _Plan | None = None
-        # Channels with a block's worth, the fullest last, as they were when batches were dealt out.
-        self._full: list[int] = []
-        # Of which tails that is known, and after how many deals.
-        self._full_as_of: tuple[Tails | None, int] = (None, 0)
-        # Came since the last plan: the next one seals twice as many, so it does not fall behind.
-        self._samples = 0
+        # Chooses what is planned.
+        self._choice = SealChoice(limits)
         self.written = 0
 
     def load_index(self) -> None:
@@ -198,29 +207,7 @@ class BlockIndex:
         if self._plan is not None:
             return
         tails = self.tails
-        if tails.is_due():
-            tails.deal_chunks()
-        enough = sealing_size(self._limits, len(tails.all_tails()))
-        if self._full_as_of != (tails, tails.deals):
-            self._full_as_of = (tails, tails.deals)
-            # The fullest last: of channels that run in step, none falls behind for good.
-            sizes = [(tail.size, channel) for channel, tail in tails.all_tails().items()]
-            self._full = [channel for size, channel in sorted(sizes) if size >= enough]
-        # Twice as many as come, so that they are never more than a few behind.
-        budget = 1 + self._samples // (enough // 2)
-        self._samples = 0
-        chosen = [self._full.pop() for _ in range(min(budget, len(self._full)))]
-        saved: list[int] = []
-        full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.all_tails())
-        if full and len(chosen) < budget:
-            waiting = [
-                (tail.oldest_row, channel)
-                for channel, tail in tails.all_tails().items()
-                if tail.oldest_row is not None and channel not in chosen
-            ]
-            for _, channel in sorted(waiting)[: budget - len(chosen)]:
-                full_enough = tails.all_tails()[channel].size >= self._limits.block // 2
-                (chosen if full_enough else saved).append(channel)
+        chosen, saved, enough = self._choice.choose_channels(tails, self._journal.samples)
         if chosen or saved:
             saves = [
                 save_tail(
@@ -274,11 +261,44 @@ class BlockIndex:
                     draft.doomed += job.doomed
                 case Show():
                     draft.recent = self._recent.newest_rows()
+                case _:
+                    return self._answer_move(job, draft)
         except (HistoryError, UnicodeEncodeError) as error:
             # One batch that cannot be kept must not take the others of its commit with it.
             if isinstance(error, HistoryError):
                 return error
             return HistoryError(f"a text is not Unicode: {error}")
+        return 0
+
+    def _answer_move(
+        self, job: SealSite | ReadRuns | Adopt | AdoptRuns | Forget, draft: _Draft
+    ) -> int:
+        """Answer a job of a site's move to another server, or from one."""
+        # What is planned is written with it, and the next plan is made after it.
+        draft.named = True
+        match job:
+            case SealSite():
+                mine = self.names.of_site(job.site)
+                # Those that wait in batches are dealt out before the next plan.
+                self._choice.seal_soon(mine)
+                return count_outside(self.tails, mine)
+            case ReadRuns():
+                for (site, boot), number in self.names.boots.items():
+                    if site == job.site:
+                        job.found[boot] = list(self._runs.stored_of(number))
+            case Adopt():
+                now_us = self._clock.wall_ns() // 1_000
+                adopted = adopt_blocks(job, self.names, self._next_block, now_us)
+                self._next_block += len(adopted.blocks)
+                draft.adopted.append(adopted)
+            case AdoptRuns():
+                for boot, ranges in job.runs.items():
+                    number = self.names.boot_id(job.site, boot)
+                    for first, past in ranges:
+                        self._runs.add_stored(number, first, past)
+                draft.writes_runs = True
+            case Forget():
+                draft.forgotten.append(forget_site(job, self.names))
         return 0
 
     def _add_batch(self, job: Append, draft: _Draft) -> None:
@@ -347,6 +367,10 @@ class BlockIndex:
             # The rollup rows that were known to be the last may be gone.
             for block in draft.doomed:
                 self._newest.pop(block.channel, None)
+        for adopted in draft.adopted:
+            adopted.write_rows(connection)
+            for channel in adopted.channels:
+                self._newest.pop(channel, None)
         for sealed in draft.seals:
             channel = sealed.channel
             newest = self._newest.get(channel)
@@ -355,7 +379,17 @@ class BlockIndex:
             draft.newest[channel] = sealed.write_blocks(connection, newest)
         for saved in draft.saves:
             saved.write_tail(connection)
+        if draft.writes_runs:
+            draft.ranges = self._runs.write_changed(connection)
+        if draft.forgotten:
+            self._forget_rows(connection, draft.forgotten)
         return self._delete_done(connection, draft)
+
+    def _forget_rows(self, connection: Connection, forgotten: Sequence[Forgotten]) -> None:
+        counters = {**self.names.counters, "block": self._next_block, "row": self._next_row}
+        write_counters(connection, counters)
+        for site in forgotten:
+            site.delete_rows(connection)
 
     def _delete_done(self, connection: Connection, draft: _Draft) -> int:
         """Delete journal rows that nobody needs; a range of numbers stands for them then."""
@@ -370,7 +404,7 @@ class BlockIndex:
 
     def _apply_draft(self, draft: _Draft, last_gone: int) -> None:
         self._plan = None
-        self._samples += draft.samples
+        self._choice.samples += draft.samples
         self.names.clear_new()
         self._newest.update(draft.newest)
         self._runs.mark_written(draft.ranges)
@@ -380,6 +414,15 @@ class BlockIndex:
             self.tails.forget_sealed([sealed.channel for sealed in draft.seals], self._next_block)
         for saved in draft.saves:
             self.names.saved_row[saved.channel] = saved.row
+        if draft.adopted:
+            # From here on readers find them.
+            self.tails.forget_sealed([], self._next_block)
+        for site in draft.forgotten:
+            self.names.forget_site(site.site)
+            self._runs.forget_boots(site.boots)
+            self._recent.forget_channels(site.channels)
+            for channel in site.channels:
+                self._newest.pop(channel, None)
         if draft.saves:
             self.tails.mark_saved([saved.channel for saved in draft.saves])
         if last_gone:
@@ -389,14 +432,6 @@ class BlockIndex:
         self._recent.add_chunks(draft.chunks)
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
-
-
-def sealing_size(limits: HistoryLimits, channels: int) -> int:
-    """Give how many samples a channel may hold in memory before they are made blocks."""
-    channels = max(1, channels)
-    most = max(limits.block, min(limits.largest, limits.held // channels))
-    # Ten thousand channels of a few thousand samples each would take most of a gigabyte.
-    return min(most, max(min(limits.block, limits.smallest), limits.most_held // channels))
 
 
 def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:

@@ -121,6 +121,35 @@ class Names:
             self._lists[key] = known
         return known
 
+    def channel_number(self, site: str, address: str, since_us: int) -> int:
+        """Give the number of a channel, a new one if need be.
+
+        Raises:
+            HistoryError: a name no database would keep.
+
+        """
+        _check_names(site, address)
+        return self._channel_id(site, address, since_us)
+
+    def of_site(self, site: str) -> set[int]:
+        """Give the numbers of a site's channels."""
+        return {number for (owner, _), number in self.channels.items() if owner == site}
+
+    def forget_site(self, site: str) -> None:
+        """Forget a site's channels and boots, whose rows are deleted."""
+        for key in [key for key in self.channels if key[0] == site]:
+            number = self.channels.pop(key)
+            self.saved_row.pop(number, None)
+            self.longest_us.pop(number, None)
+        for key in [key for key in self.boots if key[0] == site]:
+            del self.boots[key]
+        self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """The number that comes next of each kind."""
+        return {kind: self.next_of(kind) for kind in ("channel", "boot", "catalogue")}
+
     def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """Let channels have other addresses; one whose new address has a history stays."""
         for old, new in moves.items():

@@ -1,0 +1,437 @@
+"""The history on several servers, as the rest of the hub sees it: each site is on one of them.
+
+Long, because all that `History` promises is led on from here. A site that moves is written where
+it was until the one commit that says otherwise; from a moment before to a moment after it, what
+comes waits, and is not acknowledged.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import Counter
+from contextlib import asynccontextmanager, contextmanager
+from typing import TYPE_CHECKING
+
+from talaia.hub.errors import CannotStart, HubError
+from talaia.hub.history.errors import HistoryAway, HistoryError
+from talaia.hub.history.servers.history_server import HistoryServer
+from talaia.hub.history.servers.server_file import OWN
+from talaia.hub.history.servers.site_move import SiteMove
+from talaia.hub.history.storage import join_storage
+
+if TYPE_CHECKING:
+    from collections.abc import (
+        AsyncGenerator,
+        AsyncIterator,
+        Collection,
+        Iterator,
+        Mapping,
+        Sequence,
+    )
+
+    from talaia.clock import Clock
+    from talaia.hub.history.limits import HistoryLimits
+    from talaia.hub.history.queries.channels import StoredChannel
+    from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+    from talaia.hub.history.queries.outliers import Outliers
+    from talaia.hub.history.queries.series import Series
+    from talaia.hub.history.queries.statistics import Statistics
+    from talaia.hub.history.sensors.sensor_views import StoredSensorKind
+    from talaia.hub.history.servers.server_file import HistoryServersFile
+    from talaia.hub.history.storage import Storage
+    from talaia.hub.history.store import HistoryStore
+    from talaia.hub.store.history_servers.history_homes import HistoryHome, HistoryHomes
+    from talaia.model.site import Site
+    from talaia.wire.columns import Columns
+
+__all__ = ["HistoryServers"]
+
+_LOG = logging.getLogger(__name__)
+# Between two looks at servers that are away, and at moves that were asked for (s).
+_LOOK_S = 2.0
+# A gateway's hello waits so long for a server that stands still (s).
+_PATIENCE_S = 3.0
+# Who reads where a site was is waited for (s).
+_READERS_S = 0.2
+
+
+class HistoryServers:
+    """Each site on the server that the accounts' database says; `run` mends and moves."""
+
+    def __init__(
+        self,
+        own: HistoryStore,
+        named: HistoryServersFile,
+        homes: HistoryHomes,
+        *,
+        clock: Clock,
+        limits: HistoryLimits,
+    ) -> None:
+        """Have ``own``, the hub's own database, and those that are ``named``.
+
+        Raises:
+            HistoryError: a URL cannot be read, or its driver is not installed.
+
+        """
+        self._own = own
+        self._named = named
+        self._homes = homes
+        self._servers = {
+            name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes)
+            for name, url in named.servers.items()
+        }
+        # By site; one that is not here has not been asked for yet.
+        self._home_of: dict[str, str] = {}
+        # Sites of which nothing is written for a moment, each with what is set when it goes on.
+        self._gates: dict[str, asyncio.Event] = {}
+        # Descriptions and new names of a site come one after the other, and not within a move.
+        self._describing: dict[str, asyncio.Lock] = {}
+        # The last description of each site, and of which the server was away when it came.
+        self._described: dict[str, Site] = {}
+        self._undescribed: set[str] = set()
+        # Who reads a site on a server now: what is there is not erased meanwhile.
+        self._readers: Counter[tuple[str, str]] = Counter()
+
+    async def open(self) -> None:
+        """Open the hub's own database; others are opened when they are there.
+
+        Raises:
+            HistoryError: the hub's own database cannot be opened.
+            CannotStart: a site is on a server that is not named.
+
+        """
+        await self._own.open()
+        for home in await self._homes.list_homes():
+            for name in filter(None, (home.server, home.moving_to, home.erase_at)):
+                if name != OWN and name not in self._servers:
+                    raise CannotStart(
+                        f"the history of {home.site} is on the server {name!r}, which"
+                        " --history-servers does not name",
+                        "name it there again",
+                    )
+            self._home_of[home.site] = home.server
+            self._hold_retention(home)
+        await asyncio.gather(*(server.try_open() for server in self._servers.values()))
+
+    async def close(self) -> None:
+        """Let go of everything; what was appended is already safe."""
+        for server in self._servers.values():
+            await server.close()
+        await self._own.close()
+
+    async def run(self) -> None:
+        """Open servers that come back, and move sites that are asked to move, until cancelled."""
+        while True:
+            await self.mend_servers()
+            await self.move_sites()
+            await asyncio.sleep(_LOOK_S)
+
+    async def mend_servers(self) -> None:
+        """Open servers that have come back, and describe to them what came meanwhile."""
+        await asyncio.gather(*(server.try_open() for server in self._servers.values()))
+        for site in sorted(self._undescribed):
+            if self._server_is_there(site):
+                with contextlib.suppress(HistoryError):
+                    await self._describe_now(self._described[site])
+                    self._undescribed.discard(site)
+
+    async def move_sites(self) -> None:
+        """Go on with each move that was asked for, once; what fails is tried again later."""
+        for home in await self._homes.list_homes():
+            if not home.moving_to and not home.erase_at:
+                continue
+            self._hold_retention(home)
+            try:
+                await SiteMove(self, self._homes, home).run()
+            except HubError as error:
+                _LOG.warning("the history of %s waits to be moved: %s", home.site, error)
+                with contextlib.suppress(HubError):
+                    await self._homes.report_progress(home._replace(problem=str(error)))
+
+    # ── of a move ──
+
+    def store_named(self, name: str) -> HistoryStore:
+        """Give a server's history.
+
+        Raises:
+            HistoryAway: it is away.
+
+        """
+        return self._own if name == OWN else self._servers[name].use_store()
+
+    @asynccontextmanager
+    async def hold_writes(self, site: str) -> AsyncIterator[None]:
+        """Let nothing of a site be written meanwhile; it waits."""
+        async with self._describing_turn(site):
+            gate = self._gates[site] = asyncio.Event()
+            try:
+                yield
+            finally:
+                # Whoever waits looks anew where to write.
+                del self._gates[site]
+                gate.set()
+
+    def set_home(self, site: str, server: str) -> None:
+        """Read and write a site on another server from here on."""
+        self._home_of[site] = server
+
+    async def describe_moved(self, site: str, store: HistoryStore) -> None:
+        """Describe a site to where it moves, as it was described last."""
+        described = self._described.get(site)
+        if described is not None:
+            await store.describe_site(described)
+
+    async def wait_unread(self, site: str, server: str) -> None:
+        """Wait until nobody reads a site where it was."""
+        while self._readers[site, server]:
+            await asyncio.sleep(_READERS_S)
+
+    def end_move(self, site: str) -> None:
+        """Let what is too old be dropped again."""
+        for store in self._open_stores():
+            store.hold_retention(site, held=False)
+
+    # ── what `History` promises ──
+
+    async def describe_site(self, site: Site) -> None:
+        """See `History.describe_site`; while its server is away, it is done later."""
+        async with self._describing_turn(site.site):
+            self._described[site.site] = site
+            home = await self._find_home(site.site)
+            if home == OWN:
+                await self._own.describe_site(site)
+                return
+            try:
+                async with asyncio.timeout(_PATIENCE_S):
+                    await self.store_named(home).describe_site(site)
+            except (HistoryError, TimeoutError):
+                self._undescribed.add(site.site)
+
+    async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
+        """See `History.rename_channels`.
+
+        Raises:
+            HistoryAway: its server is away; nothing is renamed.
+
+        """
+        if not moves:
+            return
+        async with self._describing_turn(site):
+            store = self.store_named(await self._find_home(site))
+            await self._with_patience(site, store.rename_channels(site, moves))
+
+    async def append_samples(
+        self, site: str, boot: str, first: int, *, addresses: Sequence[str], columns: Columns
+    ) -> None:
+        """See `History.append_samples`."""
+        store = await self._writing_store(site)
+        await store.append_samples(site, boot, first, addresses=addresses, columns=columns)
+
+    async def record_gap(
+        self,
+        site: str,
+        boot: str,
+        first: int,
+        last: int,
+        *,
+        from_us: int,
+        to_us: int,
+        reason: str,
+    ) -> None:
+        """See `History.record_gap`."""
+        store = await self._writing_store(site)
+        await store.record_gap(
+            site, boot, first, last, from_us=from_us, to_us=to_us, reason=reason
+        )
+
+    async def stored_below(self, site: str, boot: str) -> int:
+        """See `History.stored_below`.
+
+        Raises:
+            HistoryAway: its server is away.
+
+        """
+        store = await self._writing_store(site)
+        return await self._with_patience(site, store.stored_below(site, boot))
+
+    def has_channel(self, site: str, address: str) -> bool:
+        """See `History.has_channel`.
+
+        Raises:
+            HistoryAway: its server is away.
+
+        """
+        return self._store_of(site).has_channel(site, address)
+
+    async def read_series(
+        self,
+        site: str,
+        addresses: Sequence[str],
+        from_us: int,
+        to_us: int,
+        *,
+        width: int,
+        steps: Collection[str] = (),
+    ) -> list[Series]:
+        """See `History.read_series`."""
+        with self._reading(site) as store:
+            return await store.read_series(
+                site, addresses, from_us, to_us, width=width, steps=steps
+            )
+
+    async def last_readings(
+        self, site: str, addresses: Sequence[str], to_us: int = 2**62
+    ) -> dict[str, tuple[int, float, str]]:
+        """See `History.last_readings`."""
+        with self._reading(site) as store:
+            return await store.last_readings(site, addresses, to_us)
+
+    async def read_statistics(
+        self, site: str, addresses: Sequence[str], from_us: int, to_us: int
+    ) -> list[Statistics]:
+        """See `History.read_statistics`."""
+        with self._reading(site) as store:
+            return await store.read_statistics(site, addresses, from_us, to_us)
+
+    async def count_outliers(
+        self, site: str, address: str, from_us: int, to_us: int, *, k: float
+    ) -> AsyncGenerator[Outliers | None]:
+        """See `History.count_outliers`."""
+        with self._reading(site) as store:
+            found = store.count_outliers(site, address, from_us, to_us, k=k)
+            async with contextlib.aclosing(found):
+                async for part in found:
+                    yield part
+
+    def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
+        """See `History.kind_of`; none while its server is away."""
+        store = self._opened_store(site)
+        return None if store is None else store.kind_of(site, address)
+
+    async def list_channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
+        """See `History.list_channels`."""
+        with self._reading(site) as store:
+            return await store.list_channels(site, without)
+
+    async def measure_storage(self) -> Storage:
+        """See `History.measure_storage`; servers that are away are left out."""
+        found = [await self._own.measure_storage()]
+        for server in self._servers.values():
+            with contextlib.suppress(HistoryError):
+                found.append(await server.use_store().measure_storage())
+        return join_storage(found)
+
+    @property
+    def cached_bytes(self) -> int:
+        """See `History.cached_bytes`."""
+        return sum(store.cached_bytes for store in self._open_stores())
+
+    @property
+    def trouble(self) -> str:
+        """Why not all can be stored at present; empty while all is well."""
+        if self._own.trouble:
+            return self._own.trouble
+        for name, server in self._servers.items():
+            store = server.opened
+            why = server.why if store is None else store.trouble
+            away = sorted(site for site, home in self._home_of.items() if home == name)
+            if why and away:
+                return f"the history of {', '.join(away)} is on {name!r}, which is away: {why}"
+        return ""
+
+    @property
+    def most_bytes(self) -> int:
+        """See `History.most_bytes`; each server may take so many."""
+        return self._own.most_bytes * (1 + len(self._servers))
+
+    def kept_us(self, site: str, address: str) -> int:
+        """See `History.kept_us`."""
+        store = self._opened_store(site)
+        return 0 if store is None else store.kept_us(site, address)
+
+    async def export_samples(
+        self,
+        site: str,
+        columns: Sequence[ExportColumn],
+        from_us: int,
+        to_us: int,
+        *,
+        form: FileForm,
+        width: int = 0,
+    ) -> AsyncIterator[bytes]:
+        """See `History.export_samples`."""
+        with self._reading(site) as store:
+            parts = store.export_samples(site, columns, from_us, to_us, form=form, width=width)
+            async for part in parts:
+                yield part
+
+    # ── where a site is ──
+
+    async def _find_home(self, site: str) -> str:
+        home = self._home_of.get(site)
+        if home is not None:
+            return home
+        # Of before there were others, or of a restored backup: it stays where it is.
+        first = OWN if self._own.has_site(site) else self._named.first_home(site)
+        if first != OWN:
+            # Before anything is written there.
+            first = (await self._homes.add_home(site, first)).server
+        return self._home_of.setdefault(site, first)
+
+    async def _writing_store(self, site: str) -> HistoryStore:
+        """Give where a site is written; nothing may be awaited until something is asked of it."""
+        while True:
+            home = await self._find_home(site)
+            gate = self._gates.get(site)
+            if gate is None:
+                return self.store_named(home)
+            await gate.wait()
+
+    def _store_of(self, site: str) -> HistoryStore:
+        return self.store_named(self._home_of.get(site, OWN))
+
+    def _opened_store(self, site: str) -> HistoryStore | None:
+        try:
+            return self._store_of(site)
+        except HistoryAway:
+            return None
+
+    @contextmanager
+    def _reading(self, site: str) -> Iterator[HistoryStore]:
+        home = self._home_of.get(site, OWN)
+        self._readers[site, home] += 1
+        try:
+            yield self.store_named(home)
+        finally:
+            self._readers[site, home] -= 1
+
+    async def _with_patience[Result](self, site: str, asked: Awaitable[Result]) -> Result:
+        if self._home_of.get(site, OWN) == OWN:
+            return await asked
+        try:
+            async with asyncio.timeout(_PATIENCE_S):
+                return await asked
+        except TimeoutError as error:
+            raise HistoryAway(f"the server of the history of {site} stands still") from error
+
+    def _describing_turn(self, site: str) -> asyncio.Lock:
+        return self._describing.setdefault(site, asyncio.Lock())
+
+    async def _describe_now(self, site: Site) -> None:
+        async with self._describing_turn(site.site):
+            await self._store_of(site.site).describe_site(site)
+
+    def _server_is_there(self, site: str) -> bool:
+        store = self._opened_store(site)
+        return store is not None and not store.trouble
+
+    def _open_stores(self) -> list[HistoryStore]:
+        opened = (server.opened for server in self._servers.values())
+        return [self._own, *(store for store in opened if store is not None)]
+
+    def _hold_retention(self, home: HistoryHome) -> None:
+        if home.moving_to:
+            for store in self._open_stores():
+                store.hold_retention(home.site, held=True)
