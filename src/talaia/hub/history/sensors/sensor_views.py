@@ -192,10 +192,12 @@ def adopt_sensors(engine: Engine, site: str, rows: Sequence[Mapping[str, Any]]) 
         known = set(connection.scalars(select(_sensor.c.address).where(_sensor.c.site == site)))
         taken = set(inspect(connection).get_table_names())
         taken |= set(connection.scalars(select(_sensor.c.view_name)))
-        for number, row in enumerate(rows):
+        number = len(taken)
+        for row in rows:
             if row["address"] in known:
                 continue
-            name = view_name(site, row["address"], number, taken)
+            while (name := view_name(site, row["address"], number, taken)) in taken:
+                number += 1
             taken.add(name)
             connection.execute(insert(_sensor), {**row, "view_name": name, "made_of": ""})
 

@@ -12,7 +12,7 @@ import contextlib
 import logging
 from collections import Counter
 from contextlib import asynccontextmanager, contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.history.errors import HistoryAway, HistoryError
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import (
         AsyncGenerator,
         AsyncIterator,
+        Awaitable,
         Collection,
         Iterator,
         Mapping,
@@ -49,12 +50,11 @@ if TYPE_CHECKING:
 __all__ = ["HistoryServers"]
 
 _LOG = logging.getLogger(__name__)
+ResultT = TypeVar("ResultT")
 # Between two looks at servers that are away, and at moves that were asked for (s).
 _LOOK_S = 2.0
 # A gateway's hello waits so long for a server that stands still (s).
 _PATIENCE_S = 3.0
-# Who reads where a site was is waited for (s).
-_READERS_S = 0.2
 
 
 class HistoryServers:
@@ -93,6 +93,8 @@ class HistoryServers:
         self._undescribed: set[str] = set()
         # Who reads a site on a server now: what is there is not erased meanwhile.
         self._readers: Counter[tuple[str, str]] = Counter()
+        # Set when one of them ends.
+        self._unread = asyncio.Event()
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -186,7 +188,8 @@ class HistoryServers:
     async def wait_unread(self, site: str, server: str) -> None:
         """Wait until nobody reads a site where it was."""
         while self._readers[site, server]:
-            await asyncio.sleep(_READERS_S)
+            self._unread.clear()
+            await self._unread.wait()
 
     def end_move(self, site: str) -> None:
         """Let what is too old be dropped again."""
@@ -197,8 +200,12 @@ class HistoryServers:
 
     async def describe_site(self, site: Site) -> None:
         """See `History.describe_site`; while its server is away, it is done later."""
+        self._described[site.site] = site
+        if site.site in self._gates:
+            # A gateway that comes within a move is not kept waiting for it.
+            self._undescribed.add(site.site)
+            return
         async with self._describing_turn(site.site):
-            self._described[site.site] = site
             home = await self._find_home(site.site)
             if home == OWN:
                 await self._own.describe_site(site)
@@ -218,6 +225,8 @@ class HistoryServers:
         """
         if not moves:
             return
+        if site in self._gates:
+            raise HistoryAway(f"the history of {site} is being moved")
         async with self._describing_turn(site):
             store = self.store_named(await self._find_home(site))
             await self._with_patience(site, store.rename_channels(site, moves))
@@ -242,9 +251,7 @@ class HistoryServers:
     ) -> None:
         """See `History.record_gap`."""
         store = await self._writing_store(site)
-        await store.record_gap(
-            site, boot, first, last, from_us=from_us, to_us=to_us, reason=reason
-        )
+        await store.record_gap(site, boot, first, last, from_us=from_us, to_us=to_us, reason=reason)
 
     async def stored_below(self, site: str, boot: str) -> int:
         """See `History.stored_below`.
@@ -253,7 +260,8 @@ class HistoryServers:
             HistoryAway: its server is away.
 
         """
-        store = await self._writing_store(site)
+        # Within a move, too: until its commit the old place has all, and after it the new one.
+        store = self.store_named(await self._find_home(site))
         return await self._with_patience(site, store.stored_below(site, boot))
 
     def has_channel(self, site: str, address: str) -> bool:
@@ -406,15 +414,17 @@ class HistoryServers:
             yield self.store_named(home)
         finally:
             self._readers[site, home] -= 1
+            self._unread.set()
 
-    async def _with_patience[Result](self, site: str, asked: Awaitable[Result]) -> Result:
+    async def _with_patience(self, site: str, asked: Awaitable[ResultT]) -> ResultT:
         if self._home_of.get(site, OWN) == OWN:
             return await asked
         try:
             async with asyncio.timeout(_PATIENCE_S):
                 return await asked
-        except TimeoutError as error:
-            raise HistoryAway(f"the server of the history of {site} stands still") from error
+        except (HistoryError, TimeoutError) as error:
+            why = str(error) or "it stands still"
+            raise HistoryAway(f"the server of the history of {site} is away: {why}") from error
 
     def _describing_turn(self, site: str) -> asyncio.Lock:
         return self._describing.setdefault(site, asyncio.Lock())

@@ -35,7 +35,7 @@ class HistoryServersFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
 
     servers: dict[_Name, _Url]
     default: str = OWN
-    sites: dict[str, str] = {}  # noqa: RUF012 - msgspec copies it
+    sites: dict[str, str] = {}
 
     def first_home(self, site: str) -> str:
         """Give the server of a site that has no history yet."""

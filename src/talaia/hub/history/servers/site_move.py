@@ -18,7 +18,7 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.writing.writer_jobs import Adopt, ArrivingChannel
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from talaia.hub.history.servers.history_servers import HistoryServers
     from talaia.hub.history.servers.site_transfer import (
@@ -40,6 +40,10 @@ _PASSES = 4
 _FEW = 64
 # Between two questions whether the commit happened (s).
 _ASK_S = 1.0
+# What is left is copied within this time, or what comes has waited too long (s).
+_GATE_S = 30.0
+# How often the progress is written down (s).
+_REPORT_S = 1.0
 # Readings of this long before the last copy are copied once more (µs).
 _AGAIN_US = 600_000_000
 
@@ -65,6 +69,8 @@ class SiteMove:
         self._servers = servers
         self._homes = homes
         self._home = home
+        # When its progress was written down last (s, of the loop).
+        self._reported_s = 0.0
         # The newest reading that was copied.
         self._read_us = -(2**62)
 
@@ -108,8 +114,13 @@ class SiteMove:
             await self._copy_left(source.transfer, target.transfer)
             await self._copy_recent(source.transfer, target.transfer)
             async with self._servers.hold_writes(home.site):
-                await self._copy_rest(source.transfer, target)
+                async with asyncio.timeout(_GATE_S):
+                    await self._copy_rest(source.transfer, target)
                 await self._switch_home()
+        except TimeoutError:
+            raise HistoryError(
+                f"the last of {home.site} took longer than {_GATE_S:g} s", "it is tried again"
+            ) from None
         except _Renamed:
             await target.transfer.erase_site(home.site)
             raise HistoryError(
@@ -128,7 +139,7 @@ class SiteMove:
         """Copy the blocks that are not there yet; give how many there were."""
         left = await self._list_left(source, target)
         by_id = {channel.id: channel for channel in left.channels}
-        await self._adopt(target, left.channels, left, blocks=())
+        await self._adopt_channels(target, left)
         for first in range(0, len(left.blocks), _BLOCKS):
             blocks = left.blocks[first : first + _BLOCKS]
             rows, rollups = await source.read_blocks(blocks)
@@ -139,13 +150,18 @@ class SiteMove:
                 for number, block in come.items()
             ]
             wanted = [row for row in rollups if row["channel_id"] in come]
-            await target.adopt_rows(
-                Adopt(self._home.site, self._home.move, channels, rows, wanted)
-            )
+            await target.adopt_rows(Adopt(self._home.site, self._home.move, channels, rows, wanted))
             done = left.all_blocks - len(left.blocks) + first + len(blocks)
             self._home = self._home._replace(done_blocks=done, all_blocks=left.all_blocks)
-            await self._homes.report_progress(self._home)
+            await self._report_progress()
         return len(left.blocks)
+
+    async def _report_progress(self) -> None:
+        # For people, who read no faster.
+        now_s = asyncio.get_running_loop().time()
+        if now_s - self._reported_s >= _REPORT_S:
+            self._reported_s = now_s
+            await self._homes.report_progress(self._home)
 
     async def _list_left(self, source: SiteTransfer, target: SiteTransfer) -> _Left:
         site = self._home.site
@@ -162,19 +178,11 @@ class SiteMove:
         ]
         return _Left(channels, blocks, copied, len(every))
 
-    async def _adopt(
-        self,
-        target: SiteTransfer,
-        channels: Sequence[SiteChannel],
-        left: _Left,
-        *,
-        blocks: Sequence[StoredBlock],
-    ) -> None:
+    async def _adopt_channels(self, target: SiteTransfer, left: _Left) -> None:
         """Make a place for channels of which nothing has come."""
-        del blocks
         new = [
             ArrivingChannel(channel.id, channel.address, channel.since_us, 0)
-            for channel in channels
+            for channel in left.channels
             if channel.id not in left.copied
         ]
         if new:

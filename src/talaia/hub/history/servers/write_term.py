@@ -96,9 +96,8 @@ class WriteTerm:
         # A wrong URL must not mix two hubs' histories.
         for name in ("history_channel", "users", history_term.name):
             table = metadata.tables[name]
-            if (
-                inspect(connection).has_table(name)
-                and connection.scalar(select(func.count()).select_from(table)) > 0
+            if inspect(connection).has_table(name) and connection.scalar(
+                select(func.count()).select_from(table)
             ):
                 raise HistoryAway(
                     f"the database of {self._server!r} is in use already", "name an empty one"

@@ -198,7 +198,7 @@ class HistoryHomes:
 
 
 def _read_home(row: Row[Any]) -> HistoryHome:
-    return HistoryHome(*row)
+    return HistoryHome._make(row)
 
 
 async def _find_home(connection: AsyncConnection, site: str) -> HistoryHome | None:
