@@ -1,4 +1,4 @@
-"""A site moves to another server while it is written: nothing is lost, and nothing is there twice."""
+"""A site moves to another server while it is written: all of it is there, and once."""
 
 import asyncio
 import contextlib
@@ -9,35 +9,10 @@ import pytest
 import sqlalchemy as sa
 from sqlalchemy.engine import Engine
 
-from talaia.hub.errors import HubError
 from talaia.hub.history.servers.server_file import OWN
 
-from ..samples import ALL, batch, rows_of, wanted
-
-ADDRESSES = ["base/x", "base/word"]
-
-
-def rows_between(first, past):
-    """Give samples with sequence numbers from ``first`` on; each fifth is a text."""
-    return [
-        (1, 10**15 + number, f"w{number}") if number % 5 == 0 else (0, 10**15 + number, number / 7)
-        for number in range(first, past)
-    ]
-
-
-async def send(history, site, first, past, boot="b"):
-    """Send samples, as a gateway does."""
-    await history.append_samples(
-        site, boot, first, addresses=ADDRESSES, columns=batch(rows_between(first, past))
-    )
-
-
-async def assert_whole(history, site, past):
-    """See that each sample up to ``past`` is there once, and that no more is asked for."""
-    series = await history.read_series(site, ADDRESSES, *ALL, width=10_000)
-    for channel, found in enumerate(series):
-        assert rows_of(found) == wanted(rows_between(0, past), channel)
-    assert await history.stored_below(site, "b") == past
+from ..samples import ALL, rows_of, wanted
+from .samples_sent import assert_whole, rows_between, send
 
 
 async def test_a_site_moves_and_goes_on_there(place) -> None:
