@@ -6,7 +6,6 @@ Long, because all that the history promises stands here in one place.
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from talaia.hub.history.database_threads import DatabaseThreads
@@ -18,6 +17,7 @@ from talaia.hub.history.queries.long_reads import LongReads
 from talaia.hub.history.queries.reader import Reader
 from talaia.hub.history.queries.statistics import read_statistics
 from talaia.hub.history.queries.window import FARTHEST_US
+from talaia.hub.history.repeated_work import RepeatedWork
 from talaia.hub.history.sensors.sensor_registry import SensorRegistry
 from talaia.hub.history.servers.site_transfer import SiteTransfer
 from talaia.hub.history.storage import read_storage
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from collections.abc import (
         AsyncGenerator,
         AsyncIterator,
-        Awaitable,
-        Callable,
         Collection,
         Mapping,
         Sequence,
@@ -67,11 +65,7 @@ class HistoryStore:
     """Samples for good, in one SQL database; nothing of it runs on the event loop.
 
     One program at a time may have a database's history open. Times are microseconds since the
-    epoch (UTC).
-
-    Attributes:
-        transfer: what of a site comes from another server, or goes to one.
-
+    epoch (UTC). By ``transfer`` a site comes from another server, or goes to one.
     """
 
     def __init__(
@@ -81,8 +75,9 @@ class HistoryStore:
         limits: HistoryLimits | None = None,
         *,
         on_connect: OnConnect | None = None,
+        term: WriteTerm | None = None,
     ) -> None:
-        """Prepare for a SQLAlchemy URL with a synchronous driver; ``on_connect`` may refuse one.
+        """Prepare for a SQLAlchemy URL; ``on_connect`` may refuse a connection, ``term`` writing.
 
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
@@ -92,6 +87,8 @@ class HistoryStore:
         # One connection that writes, and a few that read at the same time.
         self._writing = open_engine(url, writes=True, on_connect=on_connect)
         self._reading = open_engine(url, writes=False, on_connect=on_connect)
+        if term is not None:
+            term.guard_engine(self._writing)
         self._limits = limits
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)
@@ -104,11 +101,7 @@ class HistoryStore:
         self._threads = DatabaseThreads(address, READERS - 2, "history-reader")
         # Files and counts, which must not take the charts' threads.
         self._long_reads = LongReads(
-            address=address,
-            engine=self._reading,
-            ledger=ledger,
-            reader=self._reader,
-            limits=limits,
+            address=address, engine=self._reading, ledger=ledger, reader=self._reader, limits=limits
         )
         self._clock = clock
         # How long each channel is kept.
@@ -131,26 +124,15 @@ class HistoryStore:
             writing=self._writing,
             writer=self._writer,
             sensors=self._sensors,
+            ledger=ledger,
+            tidier=self._tidier,
         )
-        # What comes again and again: showing the newest readings, and dropping the oldest.
-        self._tasks: list[asyncio.Task[None]] = []
+        # Showing the newest readings, and dropping the oldest.
+        self._repeated = RepeatedWork()
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
         await asyncio.to_thread(metadata.create_all, self._writing, list(HISTORY_TABLES))
-
-    def guard_writing(self, term: WriteTerm) -> None:
-        """Write under a term only; called once, before it is opened."""
-        term.guard_engine(self._writing)
-
-    def hold_retention(self, site: str, *, held: bool) -> None:
-        """Drop nothing while a site moves, or go on."""
-        (self._tidier.held_for.add if held else self._tidier.held_for.discard)(site)
-
-    def has_site(self, site: str) -> bool:
-        """Tell whether anything is known of a site."""
-        names = self._ledger.names
-        return any(key[0] == site for key in (*names.channels.copy(), *names.boots.copy()))
 
     async def open(self) -> None:
         """Read what a former run left in the journal, and begin to write.
@@ -161,18 +143,12 @@ class HistoryStore:
         """
         await self._writer.start()
         await self._sensors.load_sensors()
-        for every_s, work in (
-            (self._limits.show_s, self.write_plain_rows),
-            (self._limits.tidy_s, self.apply_retention),
-        ):
-            if every_s:
-                self._tasks.append(asyncio.create_task(_repeat_forever(every_s, work)))
+        self._repeated.start_work(self._limits.show_s, self.write_plain_rows)
+        self._repeated.start_work(self._limits.tidy_s, self.apply_retention)
 
     async def close(self) -> None:
         """Store what waits, and let go of the database."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._repeated.end_work()
         await self._sensors.close()
         # Last, so that what the others asked it for is stored.
         await self._writer.stop()
@@ -262,9 +238,8 @@ class HistoryStore:
             HistoryError: the database cannot be read.
 
         """
-        return await self._threads.run_query(
-            read_storage, self._reading, self._clock.wall_ns() // 1000
-        )
+        now_us = self._clock.wall_ns() // 1000
+        return await self._threads.run_query(read_storage, self._reading, now_us)
 
     @property
     def cached_bytes(self) -> int:
@@ -315,10 +290,9 @@ class HistoryStore:
         """
         if width < 1:
             raise HistoryError(f"a chart of {width} pixels cannot be drawn", "ask for 1 or more")
+        window = {"from_us": from_us, "to_us": to_us, "width": width}
         reading = self._reader.read_series
-        return await self._threads.run_query(
-            reading, site, addresses, from_us=from_us, to_us=to_us, width=width, steps=steps
-        )
+        return await self._threads.run_query(reading, site, addresses, steps=steps, **window)
 
     async def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
@@ -398,11 +372,3 @@ class HistoryStore:
         self._checkpoints.close()
         self._reading.dispose()
         self._writing.dispose()
-
-
-async def _repeat_forever(period_s: float, work: Callable[[], Awaitable[object]]) -> None:
-    while True:
-        await asyncio.sleep(period_s)
-        # The writing thread logs what goes wrong, once; the next time comes anyway.
-        with suppress(HistoryError):
-            await work()

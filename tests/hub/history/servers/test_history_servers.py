@@ -20,13 +20,13 @@ async def test_a_new_site_is_written_where_new_sites_are(place) -> None:
         await send(history, "after", 0, 30)
         assert await homes.find_home("before") is None
         assert (await homes.find_home("after")).server == "east"
-        assert not history.store_named(OWN).has_site("after")
-        assert not history.store_named("east").has_site("before")
+        assert not history.places.store_named(OWN).transfer.has_site("after")
+        assert not history.places.store_named("east").transfer.has_site("before")
         await assert_whole(history, "before", 40)
         await assert_whole(history, "after", 30)
         # What is in blocks counts.
-        await history.store_named(OWN).transfer.seal_all("before")
-        await history.store_named("east").transfer.seal_all("after")
+        await history.places.store_named(OWN).transfer.seal_all("before")
+        await history.places.store_named("east").transfer.seal_all("after")
         stored = await history.measure_storage()
         assert {channel.site for channel in stored.channels} == {"before", "after"}
 

@@ -29,8 +29,8 @@ async def test_a_site_moves_and_goes_on_there(place) -> None:
         assert await history.stored_below("agv", "c") == 10
         await assert_whole(history, "other", 100)
         # It is there and nowhere else.
-        assert not history.store_named(OWN).has_site("agv")
-        assert history.store_named(OWN).has_site("other")
+        assert not history.places.store_named(OWN).transfer.has_site("agv")
+        assert history.places.store_named(OWN).transfer.has_site("other")
     async with place.opened() as (history, _):
         await assert_whole(history, "agv", 400)
         await assert_whole(history, "other", 100)
@@ -45,13 +45,13 @@ async def test_a_site_moves_back(place) -> None:
     async with place.opened() as (history, homes):
         await send(history, "agv", 0, 200)
         assert (await homes.find_home("agv")).server == "east"
-        assert not history.store_named(OWN).has_site("agv")
+        assert not history.places.store_named(OWN).transfer.has_site("agv")
         for server in (OWN, "east", OWN):
             await homes.ask_move("agv", server, own=OWN)
             await history.move_sites()
             await assert_whole(history, "agv", 200)
-            assert history.store_named(server).has_site("agv")
-        assert not history.store_named("east").has_site("agv")
+            assert history.places.store_named(server).transfer.has_site("agv")
+        assert not history.places.store_named("east").transfer.has_site("agv")
 
 
 async def test_what_is_sent_within_a_move_is_there_once(place) -> None:
@@ -104,7 +104,7 @@ async def test_a_move_that_is_called_off_leaves_nothing_behind(place) -> None:
         home = await homes.find_home("agv")
         assert (home.server, home.moving_to, home.erase_at) == (OWN, "", "")
         await assert_whole(history, "agv", 100)
-        assert not history.store_named("east").has_site("agv")
+        assert not history.places.store_named("east").transfer.has_site("agv")
 
 
 class Died(Exception):
@@ -158,8 +158,8 @@ async def test_no_end_of_the_program_within_a_move_loses_or_doubles_a_sample(pla
             assert (home.moving_to, home.erase_at) == ("", "")
             await assert_whole(history, "agv", sent)
             left = OWN if home.server == "east" else "east"
-            assert not history.store_named(left).has_site("agv")
-            assert history.store_named(home.server).has_site("agv")
+            assert not history.places.store_named(left).transfer.has_site("agv")
+            assert history.places.store_named(home.server).transfer.has_site("agv")
         # It came to its end by itself: there is no later statement.
         if count < statement:
             break

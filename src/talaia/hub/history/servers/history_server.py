@@ -84,8 +84,7 @@ class HistoryServer:
                 await database.close()
             term = WriteTerm(await self._homes.own_name(), self.name)
             await self._claim_term(term)
-            store = HistoryStore(self._url, self._clock, self._limits)
-            store.guard_writing(term)
+            store = HistoryStore(self._url, self._clock, self._limits, term=term)
             try:
                 await store.open()
             except BaseException:

@@ -10,8 +10,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections import Counter
-from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
 from talaia.hub.errors import CannotStart, HubError
@@ -19,6 +17,7 @@ from talaia.hub.history.errors import HistoryAway, HistoryError
 from talaia.hub.history.servers.history_server import HistoryServer
 from talaia.hub.history.servers.server_file import OWN
 from talaia.hub.history.servers.site_move import SiteMove
+from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
 
 if TYPE_CHECKING:
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
         AsyncIterator,
         Awaitable,
         Collection,
-        Iterator,
         Mapping,
         Sequence,
     )
@@ -58,7 +56,12 @@ _PATIENCE_S = 3.0
 
 
 class HistoryServers:
-    """Each site on the server that the accounts' database says; `run` mends and moves."""
+    """Each site on the server that the accounts' database says; `run` mends and moves.
+
+    Attributes:
+        places: where each site is.
+
+    """
 
     def __init__(
         self,
@@ -76,25 +79,16 @@ class HistoryServers:
 
         """
         self._own = own
-        self._named = named
         self._homes = homes
         self._servers = {
             name: HistoryServer(name, url, clock=clock, limits=limits, homes=homes)
             for name, url in named.servers.items()
         }
-        # By site; one that is not here has not been asked for yet.
-        self._home_of: dict[str, str] = {}
-        # Sites of which nothing is written for a moment, each with what is set when it goes on.
-        self._gates: dict[str, asyncio.Event] = {}
-        # Descriptions and new names of a site come one after the other, and not within a move.
-        self._describing: dict[str, asyncio.Lock] = {}
+        # Which of them has which site.
+        self.places = SitePlaces(own, self._servers, named, homes)
         # The last description of each site, and of which the server was away when it came.
         self._described: dict[str, Site] = {}
         self._undescribed: set[str] = set()
-        # Who reads a site on a server now: what is there is not erased meanwhile.
-        self._readers: Counter[tuple[str, str]] = Counter()
-        # Set when one of them ends.
-        self._unread = asyncio.Event()
 
     async def open(self) -> None:
         """Open the hub's own database; others are opened when they are there.
@@ -113,7 +107,7 @@ class HistoryServers:
                         " --history-servers does not name",
                         "name it there again",
                     )
-            self._home_of[home.site] = home.server
+            self.places.home_of[home.site] = home.server
             self._hold_retention(home)
         await asyncio.gather(*(server.try_open() for server in self._servers.values()))
 
@@ -134,9 +128,10 @@ class HistoryServers:
         """Open servers that have come back, and describe to them what came meanwhile."""
         await asyncio.gather(*(server.try_open() for server in self._servers.values()))
         for site in sorted(self._undescribed):
-            if self._server_is_there(site):
+            if self._is_there(site):
                 with contextlib.suppress(HistoryError):
-                    await self._describe_now(self._described[site])
+                    async with self.places.describing_turn(site):
+                        await self.places.store_of(site).describe_site(self._described[site])
                     self._undescribed.discard(site)
 
     async def move_sites(self) -> None:
@@ -154,65 +149,34 @@ class HistoryServers:
 
     # ── of a move ──
 
-    def store_named(self, name: str) -> HistoryStore:
-        """Give a server's history.
-
-        Raises:
-            HistoryAway: it is away.
-
-        """
-        return self._own if name == OWN else self._servers[name].use_store()
-
-    @asynccontextmanager
-    async def hold_writes(self, site: str) -> AsyncIterator[None]:
-        """Let nothing of a site be written meanwhile; it waits."""
-        async with self._describing_turn(site):
-            gate = self._gates[site] = asyncio.Event()
-            try:
-                yield
-            finally:
-                # Whoever waits looks anew where to write.
-                del self._gates[site]
-                gate.set()
-
-    def set_home(self, site: str, server: str) -> None:
-        """Read and write a site on another server from here on."""
-        self._home_of[site] = server
-
     async def describe_moved(self, site: str, store: HistoryStore) -> None:
         """Describe a site to where it moves, as it was described last."""
         described = self._described.get(site)
         if described is not None:
             await store.describe_site(described)
 
-    async def wait_unread(self, site: str, server: str) -> None:
-        """Wait until nobody reads a site where it was."""
-        while self._readers[site, server]:
-            self._unread.clear()
-            await self._unread.wait()
-
     def end_move(self, site: str) -> None:
         """Let what is too old be dropped again."""
-        for store in self._open_stores():
-            store.hold_retention(site, held=False)
+        for store in self.places.open_stores():
+            store.transfer.hold_retention(site, held=False)
 
     # ── what `History` promises ──
 
     async def describe_site(self, site: Site) -> None:
         """See `History.describe_site`; while its server is away, it is done later."""
         self._described[site.site] = site
-        if site.site in self._gates:
+        if self.places.is_held(site.site):
             # A gateway that comes within a move is not kept waiting for it.
             self._undescribed.add(site.site)
             return
-        async with self._describing_turn(site.site):
-            home = await self._find_home(site.site)
+        async with self.places.describing_turn(site.site):
+            home = await self.places.find_home(site.site)
             if home == OWN:
                 await self._own.describe_site(site)
                 return
             try:
                 async with asyncio.timeout(_PATIENCE_S):
-                    await self.store_named(home).describe_site(site)
+                    await self.places.store_named(home).describe_site(site)
             except (HistoryError, TimeoutError):
                 self._undescribed.add(site.site)
 
@@ -225,17 +189,17 @@ class HistoryServers:
         """
         if not moves:
             return
-        if site in self._gates:
+        if self.places.is_held(site):
             raise HistoryAway(f"the history of {site} is being moved")
-        async with self._describing_turn(site):
-            store = self.store_named(await self._find_home(site))
+        async with self.places.describing_turn(site):
+            store = self.places.store_named(await self.places.find_home(site))
             await self._with_patience(site, store.rename_channels(site, moves))
 
     async def append_samples(
         self, site: str, boot: str, first: int, *, addresses: Sequence[str], columns: Columns
     ) -> None:
         """See `History.append_samples`."""
-        store = await self._writing_store(site)
+        store = await self.places.writing_store(site)
         await store.append_samples(site, boot, first, addresses=addresses, columns=columns)
 
     async def record_gap(
@@ -250,7 +214,7 @@ class HistoryServers:
         reason: str,
     ) -> None:
         """See `History.record_gap`."""
-        store = await self._writing_store(site)
+        store = await self.places.writing_store(site)
         await store.record_gap(site, boot, first, last, from_us=from_us, to_us=to_us, reason=reason)
 
     async def stored_below(self, site: str, boot: str) -> int:
@@ -261,7 +225,7 @@ class HistoryServers:
 
         """
         # Within a move, too: until its commit the old place has all, and after it the new one.
-        store = self.store_named(await self._find_home(site))
+        store = self.places.store_named(await self.places.find_home(site))
         return await self._with_patience(site, store.stored_below(site, boot))
 
     def has_channel(self, site: str, address: str) -> bool:
@@ -271,7 +235,7 @@ class HistoryServers:
             HistoryAway: its server is away.
 
         """
-        return self._store_of(site).has_channel(site, address)
+        return self.places.store_of(site).has_channel(site, address)
 
     async def read_series(
         self,
@@ -284,7 +248,7 @@ class HistoryServers:
         steps: Collection[str] = (),
     ) -> list[Series]:
         """See `History.read_series`."""
-        with self._reading(site) as store:
+        with self.places.reading(site) as store:
             return await store.read_series(
                 site, addresses, from_us, to_us, width=width, steps=steps
             )
@@ -293,21 +257,21 @@ class HistoryServers:
         self, site: str, addresses: Sequence[str], to_us: int = 2**62
     ) -> dict[str, tuple[int, float, str]]:
         """See `History.last_readings`."""
-        with self._reading(site) as store:
+        with self.places.reading(site) as store:
             return await store.last_readings(site, addresses, to_us)
 
     async def read_statistics(
         self, site: str, addresses: Sequence[str], from_us: int, to_us: int
     ) -> list[Statistics]:
         """See `History.read_statistics`."""
-        with self._reading(site) as store:
+        with self.places.reading(site) as store:
             return await store.read_statistics(site, addresses, from_us, to_us)
 
     async def count_outliers(
         self, site: str, address: str, from_us: int, to_us: int, *, k: float
     ) -> AsyncGenerator[Outliers | None]:
         """See `History.count_outliers`."""
-        with self._reading(site) as store:
+        with self.places.reading(site) as store:
             found = store.count_outliers(site, address, from_us, to_us, k=k)
             async with contextlib.aclosing(found):
                 async for part in found:
@@ -315,12 +279,12 @@ class HistoryServers:
 
     def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
         """See `History.kind_of`; none while its server is away."""
-        store = self._opened_store(site)
+        store = self.places.opened_store(site)
         return None if store is None else store.kind_of(site, address)
 
     async def list_channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
         """See `History.list_channels`."""
-        with self._reading(site) as store:
+        with self.places.reading(site) as store:
             return await store.list_channels(site, without)
 
     async def measure_storage(self) -> Storage:
@@ -334,7 +298,7 @@ class HistoryServers:
     @property
     def cached_bytes(self) -> int:
         """See `History.cached_bytes`."""
-        return sum(store.cached_bytes for store in self._open_stores())
+        return sum(store.cached_bytes for store in self.places.open_stores())
 
     @property
     def trouble(self) -> str:
@@ -344,7 +308,7 @@ class HistoryServers:
         for name, server in self._servers.items():
             store = server.opened
             why = server.why if store is None else store.trouble
-            away = sorted(site for site, home in self._home_of.items() if home == name)
+            away = sorted(site for site, home in self.places.home_of.items() if home == name)
             if why and away:
                 return f"the history of {', '.join(away)} is on {name!r}, which is away: {why}"
         return ""
@@ -356,7 +320,7 @@ class HistoryServers:
 
     def kept_us(self, site: str, address: str) -> int:
         """See `History.kept_us`."""
-        store = self._opened_store(site)
+        store = self.places.opened_store(site)
         return 0 if store is None else store.kept_us(site, address)
 
     async def export_samples(
@@ -370,54 +334,13 @@ class HistoryServers:
         width: int = 0,
     ) -> AsyncIterator[bytes]:
         """See `History.export_samples`."""
-        with self._reading(site) as store:
+        with self.places.reading(site) as store:
             parts = store.export_samples(site, columns, from_us, to_us, form=form, width=width)
             async for part in parts:
                 yield part
 
-    # ── where a site is ──
-
-    async def _find_home(self, site: str) -> str:
-        home = self._home_of.get(site)
-        if home is not None:
-            return home
-        # Of before there were others, or of a restored backup: it stays where it is.
-        first = OWN if self._own.has_site(site) else self._named.first_home(site)
-        if first != OWN:
-            # Before anything is written there.
-            first = (await self._homes.add_home(site, first)).server
-        return self._home_of.setdefault(site, first)
-
-    async def _writing_store(self, site: str) -> HistoryStore:
-        """Give where a site is written; nothing may be awaited until something is asked of it."""
-        while True:
-            home = await self._find_home(site)
-            gate = self._gates.get(site)
-            if gate is None:
-                return self.store_named(home)
-            await gate.wait()
-
-    def _store_of(self, site: str) -> HistoryStore:
-        return self.store_named(self._home_of.get(site, OWN))
-
-    def _opened_store(self, site: str) -> HistoryStore | None:
-        try:
-            return self._store_of(site)
-        except HistoryAway:
-            return None
-
-    @contextmanager
-    def _reading(self, site: str) -> Iterator[HistoryStore]:
-        home = self._home_of.get(site, OWN)
-        self._readers[site, home] += 1
-        try:
-            yield self.store_named(home)
-        finally:
-            self._readers[site, home] -= 1
-            self._unread.set()
-
     async def _with_patience(self, site: str, asked: Awaitable[ResultT]) -> ResultT:
-        if self._home_of.get(site, OWN) == OWN:
+        if self.places.home_of.get(site, OWN) == OWN:
             return await asked
         try:
             async with asyncio.timeout(_PATIENCE_S):
@@ -426,22 +349,11 @@ class HistoryServers:
             why = str(error) or "it stands still"
             raise HistoryAway(f"the server of the history of {site} is away: {why}") from error
 
-    def _describing_turn(self, site: str) -> asyncio.Lock:
-        return self._describing.setdefault(site, asyncio.Lock())
-
-    async def _describe_now(self, site: Site) -> None:
-        async with self._describing_turn(site.site):
-            await self._store_of(site.site).describe_site(site)
-
-    def _server_is_there(self, site: str) -> bool:
-        store = self._opened_store(site)
+    def _is_there(self, site: str) -> bool:
+        store = self.places.opened_store(site)
         return store is not None and not store.trouble
-
-    def _open_stores(self) -> list[HistoryStore]:
-        opened = (server.opened for server in self._servers.values())
-        return [self._own, *(store for store in opened if store is not None)]
 
     def _hold_retention(self, home: HistoryHome) -> None:
         if home.moving_to:
-            for store in self._open_stores():
-                store.hold_retention(home.site, held=True)
+            for store in self.places.open_stores():
+                store.transfer.hold_retention(home.site, held=True)

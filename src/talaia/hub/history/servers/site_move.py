@@ -94,16 +94,16 @@ class SiteMove:
     async def _erase_left(self) -> None:
         home = self._home
         # Whoever began to read there before the change reads to the end.
-        await self._servers.wait_unread(home.site, home.erase_at)
-        await self._servers.store_named(home.erase_at).transfer.erase_site(home.site)
+        await self._servers.places.wait_unread(home.site, home.erase_at)
+        await self._servers.places.store_named(home.erase_at).transfer.erase_site(home.site)
         await self._homes.finish_erasing(home.site, home.erase_at)
         self._home = home._replace(erase_at="")
         _LOG.info("nothing of the history of %s is left at %s", home.site, home.erase_at)
 
     async def _copy_and_switch(self) -> None:
         home = self._home
-        source = self._servers.store_named(home.server)
-        target = self._servers.store_named(home.moving_to)
+        source = self._servers.places.store_named(home.server)
+        target = self._servers.places.store_named(home.moving_to)
         await self._begin_copy(target)
         try:
             for _ in range(_PASSES):
@@ -113,7 +113,7 @@ class SiteMove:
             await source.transfer.seal_site(home.site)
             await self._copy_left(source.transfer, target.transfer)
             await self._copy_recent(source.transfer, target.transfer)
-            async with self._servers.hold_writes(home.site):
+            async with self._servers.places.hold_writes(home.site):
                 async with asyncio.timeout(_GATE_S):
                     await self._copy_rest(source.transfer, target)
                 await self._switch_home()
@@ -227,7 +227,7 @@ class SiteMove:
             done = await self._ask_switched()
         if not done:
             raise HistoryError(f"the move of {home.site} was asked for otherwise meanwhile")
-        self._servers.set_home(home.site, home.moving_to)
+        self._servers.places.home_of[home.site] = home.moving_to
         self._home = home._replace(
             server=home.moving_to, moving_to="", move="", erase_at=home.server
         )

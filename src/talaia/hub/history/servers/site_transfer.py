@@ -1,4 +1,7 @@
-"""What of a site is on one server, given to another one, taken from another one, and erased."""
+"""What of a site is on one server, given to another one, taken from another one, and erased.
+
+Long, because both sides of a move must agree on every row.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +28,8 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.database_threads import DatabaseThreads
     from talaia.hub.history.sensors.sensor_registry import SensorRegistry
+    from talaia.hub.history.writing.block_index import BlockIndex
+    from talaia.hub.history.writing.tidying import Tidier
     from talaia.hub.history.writing.writer import Writer
 
 __all__ = ["CopiedChannel", "SiteChannel", "SiteTransfer", "StoredBlock"]
@@ -71,12 +76,27 @@ class SiteTransfer:
         writing: Engine,
         writer: Writer,
         sensors: SensorRegistry,
+        ledger: BlockIndex,
+        tidier: Tidier,
     ) -> None:
-        """Read in ``threads``, and let ``writer`` do what changes its picture of the database."""
+        """Read in ``threads``, and let ``writer`` do what changes its ``ledger``."""
         self._threads = threads
         self._reading, self._writing = reading, writing
         self._writer = writer
         self._sensors = sensors
+        # Knows which sites are here.
+        self._ledger = ledger
+        # Waits while a site moves.
+        self._tidier = tidier
+
+    def has_site(self, site: str) -> bool:
+        """Tell whether anything is known of a site."""
+        names = self._ledger.names
+        return any(key[0] == site for key in (*names.channels.copy(), *names.boots.copy()))
+
+    def hold_retention(self, site: str, *, held: bool) -> None:
+        """Drop nothing while a site moves, or go on."""
+        (self._tidier.held_for.add if held else self._tidier.held_for.discard)(site)
 
     # ── where it comes from ──
 

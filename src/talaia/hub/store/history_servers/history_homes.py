@@ -108,10 +108,8 @@ class HistoryHomes:
                 erase_at = found.moving_to or found.erase_at
                 asked = found._replace(moving_to="", move="", erase_at=erase_at, problem="")
             else:
-                asked = found._replace(
-                    moving_to=server, move=secrets.token_hex(8), problem="",
-                    done_blocks=0, all_blocks=0,
-                )  # fmt: skip
+                move = secrets.token_hex(8)
+                asked = HistoryHome(site, found.server, server, move, found.erase_at, 0, 0, "")
             await connection.execute(
                 update(_home).where(_home.c.site == site).values(**asked._asdict())
             )
