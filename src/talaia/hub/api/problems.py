@@ -17,7 +17,7 @@ from talaia.hub.history.errors import HistoryAway
 if TYPE_CHECKING:
     from fastapi import FastAPI, Request, Response
 
-__all__ = ["HISTORY_AWAY", "STORE_DOWN", "ApiProblem", "answer_problems", "problem_response"]
+__all__ = ["STORE_DOWN", "ApiProblem", "answer_problems", "problem_response"]
 
 _LOG = logging.getLogger(__name__)
 # For what the framework itself refuses.
@@ -25,7 +25,6 @@ _CODES = {400: "invalid", 404: "unknown", 405: "method", 413: "too_large", 422: 
 
 
 STORE_DOWN = "the hub's database does not answer; try again soon"
-HISTORY_AWAY = "the server that has this site's history is away; nothing is lost, try again soon"
 
 
 class ApiProblem(TalaiaError):
@@ -111,7 +110,9 @@ async def _handle_files(_request: Request, error: Exception) -> Response:
 async def _handle_history(request: Request, error: Exception) -> Response:
     # Where it is, and why it is away, is for the log: addresses of servers are not for everybody.
     _LOG.error("%s %s is refused: %s", request.method, request.url.path, error)
-    return problem_response(503, "history", HISTORY_AWAY, 5)
+    return problem_response(
+        503, "history", "the history cannot be read now; nothing is lost, try again soon", 5
+    )
 
 
 async def _handle_failure(request: Request, error: Exception) -> Response:
