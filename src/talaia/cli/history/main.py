@@ -25,8 +25,9 @@ def main(argv: Sequence[str]) -> int:
         raise CliError(f"--data: {options.data} is no folder; name the hub's data folder")
     # The history with its database: half a second of a core, which --help does not wait for.
     from talaia.cli.history.moving import list_histories, move_history
-    from talaia.hub.history.servers.server_file import OWN, read_history_servers
+    from talaia.hub.history.servers.server_file import read_history_servers
     from talaia.hub.settings import Settings
+    from talaia.hub.store.history_servers.home_tables import OWN
 
     settings = Settings(
         data=options.data,

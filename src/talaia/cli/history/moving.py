@@ -13,11 +13,11 @@ from talaia.hub.errors import CannotStart
 from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history
 from talaia.hub.history.servers.history_servers import HistoryServers
-from talaia.hub.history.servers.server_file import OWN
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.store.database import Database
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.hub.store.lead.only_hub import hold_only_hub
 from talaia.hub.store.sites.site_registry import SiteRegistry
 

@@ -8,10 +8,11 @@ import pytest
 
 from talaia.clock import SystemClock
 from talaia.hub.history.servers.history_servers import HistoryServers
-from talaia.hub.history.servers.server_file import OWN, HistoryServersFile
+from talaia.hub.history.servers.server_file import HistoryServersFile
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.database import Database
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.home_tables import OWN
 
 from ...databases import origin_of
 from ..conftest import SMALL

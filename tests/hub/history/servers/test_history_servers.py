@@ -4,7 +4,7 @@ import pytest
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.history.errors import HistoryAway, HistoryError
-from talaia.hub.history.servers.server_file import OWN
+from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.model.yaml_text.load import load_site
 
 from ...conftest import DESCRIPTION

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from talaia.hub.history.servers.server_file import OWN
+from talaia.hub.store.history_servers.home_tables import OWN
 
 from .samples_sent import assert_whole, send
 
@@ -16,7 +16,7 @@ MOVER = """
 import asyncio, sys
 from hub.history.servers.conftest import Place
 from hub.history.servers.samples_sent import send
-from talaia.hub.history.servers.server_file import OWN
+from talaia.hub.store.history_servers.home_tables import OWN
 
 async def keep_sending(history, first):
     while True:

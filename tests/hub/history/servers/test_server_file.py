@@ -3,7 +3,8 @@
 import pytest
 
 from talaia.hub.errors import CannotStart
-from talaia.hub.history.servers.server_file import OWN, read_history_servers
+from talaia.hub.history.servers.server_file import read_history_servers
+from talaia.hub.store.history_servers.home_tables import OWN
 
 pytestmark = pytest.mark.pure
 

@@ -9,10 +9,11 @@ import pytest
 import sqlalchemy as sa
 from sqlalchemy.engine import Engine
 
-from talaia.hub.history.servers.server_file import OWN
+from talaia.hub.store.database import Database
+from talaia.hub.store.history_servers.home_tables import OWN, history_homes
 
 from ..samples import ALL, rows_of, wanted
-from .samples_sent import assert_whole, rows_between, send
+from .samples_sent import ADDRESSES, assert_whole, rows_between, send
 
 
 async def test_a_site_moves_and_goes_on_there(place) -> None:
@@ -105,6 +106,30 @@ async def test_a_move_that_is_called_off_leaves_nothing_behind(place) -> None:
         assert (home.server, home.moving_to, home.erase_at) == (OWN, "", "")
         await assert_whole(history, "agv", 100)
         assert not history.places.store_named("east").transfer.has_site("agv")
+
+
+async def test_a_newer_history_there_is_not_written_over(place) -> None:
+    """Accounts of a backup say that a site is where it was; what came since then is elsewhere."""
+    async with place.opened() as (history, homes):
+        await send(history, "agv", 0, 50)
+        await homes.ask_move("agv", "east", own=OWN)
+        await history.move_sites()
+        await send(history, "agv", 50, 90)
+    database = Database(place.accounts)
+    async with database.write() as connection:
+        await connection.execute(sa.update(history_homes).values(server=OWN))
+    await database.close()
+    async with place.opened() as (history, homes):
+        await send(history, "agv", 0, 20)
+        await homes.ask_move("agv", "east", own=OWN)
+        await history.move_sites()
+        home = await homes.find_home("agv")
+        assert "has a history of agv that is no copy" in home.problem
+        await assert_whole(history, "agv", 20)
+        (x, _) = await history.places.store_named("east").read_series(
+            "agv", ADDRESSES, *ALL, width=1000
+        )
+        assert rows_of(x) == wanted(rows_between(0, 90), 0)
 
 
 class Died(Exception):

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.errors import CannotStart
 from talaia.hub.history.servers.history_servers import HistoryServers
-from talaia.hub.history.servers.server_file import OWN, read_history_servers
+from talaia.hub.history.servers.server_file import read_history_servers
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.home_tables import OWN
 
 if TYPE_CHECKING:
     from talaia.clock import Clock

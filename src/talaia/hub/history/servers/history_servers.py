@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, TypeVar
 from talaia.hub.errors import CannotStart, HubError
 from talaia.hub.history.errors import HistoryAway, HistoryError
 from talaia.hub.history.servers.history_server import HistoryServer
-from talaia.hub.history.servers.server_file import OWN
 from talaia.hub.history.servers.site_move import SiteMove
 from talaia.hub.history.servers.site_places import SitePlaces
 from talaia.hub.history.storage import join_storage
+from talaia.hub.store.history_servers.home_tables import OWN
 
 if TYPE_CHECKING:
     from collections.abc import (

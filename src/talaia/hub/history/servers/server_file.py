@@ -10,14 +10,13 @@ from msgspec import Meta
 from talaia.hub.errors import CannotStart, StoreError
 from talaia.hub.settings_file import read_settings_file
 from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.history_servers.home_tables import OWN
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["OWN", "HistoryServersFile", "read_history_servers"]
+__all__ = ["HistoryServersFile", "read_history_servers"]
 
-# The name of the hub's own database among the servers.
-OWN = "own"
 _MOST_FILE = 256 * 1024
 _Name = Annotated[str, Meta(pattern=r"^[a-z0-9][a-z0-9-]{0,39}$")]
 _Url = Annotated[str, Meta(min_length=1, max_length=1000)]

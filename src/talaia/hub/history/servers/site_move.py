@@ -117,6 +117,7 @@ class SiteMove:
                 async with asyncio.timeout(_GATE_S):
                     await self._copy_rest(source.transfer, target)
                 await self._switch_home()
+            await target.transfer.clear_copied(home.site)
         except TimeoutError:
             raise HistoryError(
                 f"the last of {home.site} took longer than {_GATE_S:g} s", "it is tried again"
@@ -131,6 +132,12 @@ class SiteMove:
         """Erase what is there unless it is of this move: its home is elsewhere."""
         site = self._home.site
         copied = await target.transfer.read_copied(site)
+        if not copied and await target.transfer.list_blocks(site):
+            # The accounts may be of a backup from before it moved there: it may be the newer one.
+            raise HistoryError(
+                f"{self._home.moving_to!r} has a history of {site} that is no copy",
+                "restore the accounts and all servers as they were at one time",
+            )
         if {channel.move for channel in copied.values()} != {self._home.move}:
             await target.transfer.erase_site(site)
         await self._servers.describe_moved(site, target)

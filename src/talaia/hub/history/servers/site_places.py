@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager, contextmanager
 from typing import TYPE_CHECKING
 
 from talaia.hub.history.errors import HistoryAway
-from talaia.hub.history.servers.server_file import OWN
+from talaia.hub.store.history_servers.home_tables import OWN
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator, Mapping

@@ -153,6 +153,10 @@ class SiteTransfer:
         """Tell how far a site has come here, by its channels' numbers where it comes from."""
         return await self._threads.run_query(_read_copied, self._reading, site)
 
+    async def clear_copied(self, site: str) -> None:
+        """Forget how far a site has come: it is here, and nothing of it is a copy."""
+        await self._threads.run_query(_clear_copied, self._writing, site)
+
     async def adopt_rows(self, job: Adopt) -> None:
         """Store blocks and rows that come."""
         await self._writer.complete_job(job)
@@ -283,6 +287,11 @@ def _read_copied(engine: Engine, site: str) -> dict[int, CopiedChannel]:
     with engine.begin() as connection:
         rows = connection.execute(select(table).where(table.c.site == site)).all()
     return {row.source_channel: CopiedChannel(row.address, row.move, row.block_id) for row in rows}
+
+
+def _clear_copied(engine: Engine, site: str) -> None:
+    with engine.begin() as connection:
+        connection.execute(delete(tables.copied).where(tables.copied.c.site == site))
 
 
 def _erase_some(engine: Engine, site: str) -> bool:

@@ -7,8 +7,10 @@ from sqlalchemy import BigInteger, Column, Integer, String, Table
 from talaia.hub.store.dialects.column_types import EXACT_NAME, UNICODE_TEXT
 from talaia.hub.store.tables import metadata
 
-__all__ = ["history_homes", "history_owner", "history_term"]
+__all__ = ["OWN", "history_homes", "history_owner", "history_term"]
 
+# The name of the hub's own database among the servers.
+OWN = "own"
 _SERVER = String(40)
 
 # Beside the accounts: which server has a site's history. A site without a row has it here, too.
