@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["ImportedSites", "OfflineSites"]
 
 _LOG = logging.getLogger(__name__)
+# Why, and where it is, is for admins.
+_HISTORY_AWAY = "its history is on a server that is away, and its gateway has not connected"
 
 
 class OfflineSites:
@@ -63,7 +65,7 @@ class OfflineSites:
                 await self._remember_values(known.site, live)
             except HistoryAway as error:
                 # Its gateway comes all the same, and is watched, stopped and driven.
-                live.presence.why = f"its history is on a server that is away: {error.problem}"
+                live.presence.why = _HISTORY_AWAY
                 _LOG.warning("the last values of %s are not known: %s", known.site, error)
 
     async def _remember_values(self, site: str, live: LiveSite) -> None:

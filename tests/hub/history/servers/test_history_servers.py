@@ -99,3 +99,35 @@ async def test_a_server_that_has_a_site_must_be_named(place) -> None:
     with pytest.raises(CannotStart, match="'west'"):
         async with place.opened():
             pass
+
+
+async def test_new_names_of_channels_wait_for_their_server(place, tmp_path) -> None:
+    place.east, place.default = f"sqlite:///{tmp_path}/disk/talaia.db", "east"
+    async with place.opened() as (history, _):
+        await homes_known(history, "agv")
+        with pytest.raises(HistoryAway):
+            await history.rename_channels("agv", {"base/x": "base/y"})
+        # Nothing to do needs no server.
+        await history.rename_channels("agv", {})
+
+
+async def homes_known(history, site):
+    """Have a site that was written on a server that is away."""
+    with pytest.raises(HistoryAway):
+        await send(history, site, 0, 1)
+
+
+@pytest.mark.parametrize("database_url", ["postgresql", "mariadb"], indirect=True)
+async def test_a_hub_that_stands_still_within_a_transaction_is_ended_by_the_server(place) -> None:
+    """It would keep the term's row, and with it every hub that comes after it, from writing."""
+    place.default = "east"
+    async with place.opened() as (history, _):
+        await send(history, "agv", 0, 5)
+        words = {
+            "postgresql": "SHOW idle_in_transaction_session_timeout",
+            "mysql": "SELECT @@SESSION.idle_transaction_timeout",
+        }
+        store = history.places.store_named("east")
+        with store._writing.connect() as connection:
+            bound = connection.exec_driver_sql(words[connection.dialect.name]).scalar()
+    assert str(bound) in {"10s", "10"}

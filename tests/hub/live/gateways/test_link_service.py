@@ -324,3 +324,34 @@ async def test_a_gateway_is_served_while_the_server_of_its_history_is_away(setti
         assert (await gateway.hear(Ack)).below == 0
         await gateway.samples(*[("base/speed", NOW - 9 + at, 0.25) for at in range(7)], first=0)
         await gateway.hear(Ack, lambda ack: ack.below == 8)
+
+
+async def test_a_hub_that_starts_without_the_server_of_a_history_says_so(settings) -> None:
+    disk = settings.data / "disk"
+    disk.mkdir()
+    servers = settings.data / "servers.yaml"
+    servers.write_text(f"servers: {{east: 'sqlite:///{disk}/talaia.db'}}\ndefault: east\n")
+    settings = replace(settings, history_servers=servers)
+    async with RunningHub(settings, None) as hub:
+        await hub.populate()
+        gateway = await hub.gateway()
+        await gateway.hello()
+        await gateway.samples(("base/speed", NOW, 0.5))
+        await gateway.hear(Ack, lambda ack: ack.below == 1)
+        keys = hub.keys
+    disk.rename(settings.data / "elsewhere")
+    async with RunningHub(settings, None) as hub:
+        page = await hub.page("operator")
+        site = await page.hear(SiteUpdate)
+        assert "its history is on a server that is away" in site.why
+        outlook = (await (await hub.client("admin")).get("/api/storage/outlook")).json()
+        assert "the history of agv is on 'east', which is away" in outlook["trouble"]
+        (settings.data / "elsewhere").rename(disk)
+        gateway = await hub.gateway(key=keys["agv"])
+        gateway.acked, gateway.sequence = 1, 1
+        assert (await gateway.hello()).acked == 1
+        await gateway.samples(("base/speed", NOW + 1, 0.75))
+        await hub.hub.history.store.mend_servers()
+        await gateway.hear(Ack, lambda ack: ack.below == 2)
+        found = await hub.hub.history.store.read_series("agv", ["base/speed"], 0, 2**62, width=9)
+        assert found[0].value.tolist() == [0.5, 0.75]
