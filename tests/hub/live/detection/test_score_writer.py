@@ -10,6 +10,7 @@ class TwoServers:
     """Keeps what is appended, but for sites that are away."""
 
     def __init__(self) -> None:
+        """Have one site that is away."""
         self.away = {"far"}
         self.stored = []
 
