@@ -277,6 +277,8 @@ export class FilmView extends LitElement {
       (times) => {
         if (asking.signal.aborted) return;
         this.times = times;
+        // It may be the right picture already, and stay where it is.
+        if (this.video.paused && !this.video.seeking) this.holdsTime(film, this.video.currentTime);
         this.requestUpdate();
       },
       // Without them pictures are asked for by the clock alone.
