@@ -281,7 +281,7 @@ class BlockIndex:
                 mine = self.names.of_site(job.site)
                 # Those that wait in batches are dealt out before the next plan.
                 self._choice.seal_soon(mine)
-                return count_outside(self.tails, mine)
+                return count_outside(self.tails, mine, draft.chunks)
             case ReadRuns():
                 for (site, boot), number in self.names.boots.items():
                     if site == job.site:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection
 
     from talaia.hub.history.writing.channel_ids import Names
-    from talaia.hub.history.writing.open_blocks import Tails
+    from talaia.hub.history.writing.open_blocks import Chunk, Tails
     from talaia.hub.history.writing.writer_jobs import Adopt, Forget
 
 __all__ = ["Adopted", "Forgotten", "adopt_blocks", "count_outside", "forget_site"]
@@ -134,9 +134,11 @@ def forget_site(job: Forget, names: Names) -> Forgotten:
     return Forgotten(job.site, channels, boots)
 
 
-def count_outside(tails: Tails, channels: set[int]) -> int:
-    """Count those of some channels that have samples in no block."""
-    return len(channels & (tails.all_tails().keys() | tails.waiting_channels()))
+def count_outside(tails: Tails, channels: set[int], coming: Sequence[Chunk]) -> int:
+    """Count those of some channels that have samples in no block, or in the commit to come."""
+    found = tails.all_tails().keys() | tails.waiting_channels()
+    found |= {channel for chunk in coming for channel in chunk.channel.tolist()}
+    return len(channels & found)
 
 
 def _renumber(
