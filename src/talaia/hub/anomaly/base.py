@@ -35,8 +35,10 @@ _NDARRAY = np.ndarray
 LARGEST = 1e150
 # Spread of a normal distribution, in its median absolute deviation.
 SPREAD_OF_MEDIAN = 1.4826
-# A peak of late fades so much with each sample.
+# A peak of late fades so much with each sample; what is left of it after 0, 1, 2 … of them, for
+# so many that nothing is left.
 _FADING = 0.98
+_FADED = _FADING ** np.arange(0.0, 2000.0)
 
 
 class AnomalyDetector(msgspec.Struct, kw_only=True):
@@ -142,10 +144,8 @@ def clamp_value(value: float) -> float:
 
 def fading_peak(peak: float, values: Floats) -> float:
     """Give the greatest of late after values have come (n,), from the one before them."""
-    many = len(values)
-    # Less than a number can hold is nothing.
-    faded = _FADING ** np.arange(many - 1, -1, -1.0)
-    return max(peak * _FADING**many, float((values * faded).max()))
+    late = values[-len(_FADED) :]
+    return max(peak * _FADING ** len(values), float((late * _FADED[len(late) - 1 :: -1]).max()))
 
 
 def format_number(value: float) -> str:

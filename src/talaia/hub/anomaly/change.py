@@ -21,9 +21,11 @@ from talaia.hub.anomaly.base import (
     format_duration,
     format_number,
 )
-from talaia.hub.anomaly.rarity import Rarity
+from talaia.hub.anomaly.rarity import Rarity, rate_together
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 __all__ = ["ChangePointDetector"]
@@ -32,6 +34,8 @@ __all__ = ["ChangePointDetector"]
 _PACES = (1, 3, 12, 24)
 _BEFORE = 32
 _KEPT = _PACES[-1] * (_BEFORE + 1)
+# As NumPy adds up: in so many lanes, and more than so many values by halves.
+_LANES, _ADDED_IN_LANES = 8, 128
 
 
 class ChangePointDetector(AnomalyDetector, kw_only=True):
@@ -98,18 +102,18 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.times[first : first + many] = times
         self.end += many
-        squares = np.zeros(many)
+        changes = np.empty((len(_PACES), many))
         for at, pace in enumerate(_PACES):
             kept = self.values[first - pace * (_BEFORE + 1) + 1 : self.end]
             newest = _moving_sums(kept[pace * _BEFORE :], pace) / pace
             before = _moving_sums(kept[: len(kept) - pace], pace * _BEFORE) / (pace * _BEFORE)
-            changes = newest - before
-            rated[:, at] = sizes = np.abs(changes)
-            rarities = self.rarities[at].rate_many(sizes)
-            squares += rarities * rarities
-            self.changes[at], self.scores[at] = float(changes[-1]), float(rarities[-1])
-            self.peak[at] = fading_peak(self.peak[at], sizes)
-        scores: Floats = np.sqrt(squares / len(_PACES))
+            np.subtract(newest, before, out=changes[at])
+        sizes = np.abs(changes)
+        rated[:] = sizes.T
+        rarities = rate_together(self.rarities, sizes)
+        self.changes, self.scores = changes[:, -1].tolist(), rarities[:, -1].tolist()
+        self.peak = [fading_peak(*one) for one in zip(self.peak, sizes, strict=True)]
+        scores: Floats = np.sqrt((rarities * rarities).sum(axis=0) / len(_PACES))
         return scores
 
     def _mean_levels(self, pace: int) -> tuple[float, float]:
@@ -148,8 +152,34 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
 
 def _moving_sums(values: Floats, length: int) -> Floats:
-    """Give the sum of each stretch of so many values."""
-    if length == 1:
-        return values
-    sums: Floats = np.lib.stride_tricks.sliding_window_view(values, length).sum(axis=1)
+    """Give the sum of each stretch of so many values.
+
+    The values of a stretch are added up in the order in which NumPy adds those of one stretch, so
+    the sums are the very same; but what two stretches have in common is added up once.
+    """
+    if length > _ADDED_IN_LANES:
+        half = length // 2 // _LANES * _LANES
+        if 2 * half == length:
+            halves = _moving_sums(values, half)
+            return halves[:-half] + halves[half:]
+        earlier = _moving_sums(values[: len(values) - length + half], half)
+        later = _moving_sums(values[half:], length - half)
+        return earlier + later
+    many = len(values) - length + 1
+    if length < _LANES:
+        return _sum_shifted(values, range(length), many)
+    # Every eighth value, for each of eight lanes; then the lanes in pairs, and what is left over.
+    whole = length // _LANES * _LANES
+    sums = _sum_shifted(values, range(0, whole, _LANES), many + _LANES - 1)
+    for apart in (1, 2, 4):
+        sums = sums[:-apart] + sums[apart:]
+    for shift in range(whole, length):
+        sums += values[shift : shift + many]
+    return sums
+
+
+def _sum_shifted(values: Floats, shifts: Sequence[int], many: int) -> Floats:
+    sums: Floats = values[shifts[0] : shifts[0] + many].copy()
+    for shift in shifts[1:]:
+        sums += values[shift : shift + many]
     return sums

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import msgspec
 import numpy as np
+from numpy.lib.stride_tricks import as_strided, sliding_window_view
 
 from talaia.hub.anomaly.base import (
     LARGEST,
@@ -38,13 +39,14 @@ _MOST_FORGIVEN = 50
 _FARTHEST = _LENGTH + _STRETCHES - 1
 # So many samples are scored at once, and so many lags (bytes): what that takes fits a processor's
 # cache.
-_BLOCK, _LAG_BYTES = 128, 800
+_BLOCK, _LAG_BYTES = 256, 800
 # The nearest ones are sought among so many. Sums of products of a stretch are off by at most so
 # many roundings, where values are between -1 and 1.
 _CANDIDATES, _SUM_OFF = 5, 1_000.0
 # So many stretches are multiplied at once: larger products are shared out among all cores, which
-# for so small ones takes many times as long.
-_PRODUCT_ROWS = 12
+# for so small ones takes many times as long. And distances of so many are held at once: more of
+# them would take fresh pages of memory each time, which costs more than the sums.
+_PRODUCT_ROWS, _ROWS_AT_ONCE = 12, 48
 
 
 class Nearest(AnomalyDetector, kw_only=True):
@@ -104,7 +106,7 @@ class Nearest(AnomalyDetector, kw_only=True):
                 rated[at, 0] = self.distance
                 at += 1
                 continue
-            upto = min(len(values), at + room, at + _BLOCK)
+            upto = min(len(values), at + room)
             scores[at:upto], rated[at:upto, 0] = self._see_block(values[at:upto])
             at = upto
         return scores, rated
@@ -114,7 +116,11 @@ class Nearest(AnomalyDetector, kw_only=True):
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.end += many
         seen = self.values[first - _LENGTH + 1 - _FARTHEST : self.end]
-        distances = np.sqrt(_nearest_squares(seen, many)).sum(axis=1) / _NEIGHBOURS
+        squares = [
+            _nearest_squares(seen[at : at + _BLOCK + _FARTHEST + _LENGTH - 1], min(_BLOCK, many - at))
+            for at in range(0, many, _BLOCK)
+        ]
+        distances = np.sqrt(np.concatenate(squares)).sum(axis=1) / _NEIGHBOURS
         scores = self.rarity.rate_many(distances)
         self.score, self.distance = float(scores[-1]), float(distances[-1])
         strangest = -1
@@ -131,7 +137,7 @@ class Nearest(AnomalyDetector, kw_only=True):
         newest = self.values[self.end - _LENGTH : self.end]
         last = self.end - _LENGTH
         before = self.values[last - have - _LENGTH + 1 : last]
-        stretches = np.lib.stride_tricks.sliding_window_view(before, _LENGTH)
+        stretches = sliding_window_view(before, _LENGTH)
         apart = _squared_distances(stretches, newest)
         if len(self.forgiven):
             apart = np.append(apart, _squared_distances(self.forgiven.reshape(-1, _LENGTH), newest))
@@ -208,7 +214,7 @@ def _sought_squares(
         rough ones do not tell for certain.
 
     """
-    stretches = np.lib.stride_tricks.sliding_window_view(scaled, _LENGTH)
+    stretches = sliding_window_view(scaled, _LENGTH)
     newest = stretches[_FARTHEST + rows]
     rough, places = _least_of(_rough_distances(stretches, newest, rows, kind), _CANDIDATES)
     off = stretches[rows[:, None] + places] - newest[:, None]
@@ -227,7 +233,7 @@ def _rough_distances(
     Args:
         stretches: all, between -1 and 1.
         newest: of these, those whose distances are asked for.
-        rows: which of the newest these are.
+        rows: which of the newest these are, rising.
         kind: of the numbers to reckon in.
 
     Returns:
@@ -241,12 +247,20 @@ def _rough_distances(
     mine = np.ones((len(newest), _LENGTH + 1), kind)
     np.multiply(newest, -2.0, out=mine[:, :_LENGTH], casting="same_kind")
     apart = np.empty((len(newest), _STRETCHES), kind)
-    for at in range(0, len(rows), _PRODUCT_ROWS):
-        some = rows[at : at + _PRODUCT_ROWS]
-        first = int(some[0])
-        made = mine[at : at + len(some)] @ others[:, first : int(some[-1]) + _STRETCHES]
+    for at in range(0, len(rows), _ROWS_AT_ONCE):
+        some = rows[at : at + _ROWS_AT_ONCE] - rows[at]
+        columns = others[:, rows[at] : rows[at] + some[-1] + _STRETCHES]
+        made, upto = np.empty((len(some), columns.shape[1]), kind), at + len(some)
+        for row in range(0, len(some), _PRODUCT_ROWS):
+            rest = slice(row, row + _PRODUCT_ROWS)
+            np.matmul(mine[at:upto][rest], columns, out=made[rest])
         # Each row is held against other columns, as many further as it is later.
-        for place, row in enumerate((some - first).tolist()):
+        if some[-1] == len(some) - 1:
+            # So those of rows one after the other are a slanting band.
+            step, size = made.strides
+            apart[at:upto] = as_strided(made, (len(some), _STRETCHES), (step + size, size))
+            continue
+        for place, row in enumerate(some.tolist()):
             apart[at + place] = made[place, row : row + _STRETCHES]
     return apart
 
@@ -279,7 +293,7 @@ def _lagged_distances(values: NDArray[Any], many: int) -> NDArray[Any]:
     rows = many + _LENGTH - 1
     newest = values[_FARTHEST:][:, None]
     # Row by row what each sample is held against; the column says how far before.
-    earlier = np.lib.stride_tricks.sliding_window_view(values, _STRETCHES)[:rows]
+    earlier = sliding_window_view(values, _STRETCHES)[:rows]
     # Made once: fresh memory for each step would cost more than the sums.
     lags_at_once = _LAG_BYTES // kind.itemsize
     one, two, four, eight = (np.empty((rows - less, lags_at_once), kind) for less in (0, 1, 3, 7))
