@@ -55,22 +55,31 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score the newest sample: the mean square of its rarities at all paces."""
+        sizes = self._measure_newest(time_us, value)
+        for at, size in enumerate(sizes):
+            if size >= 0.0:
+                self.scores[at] = self.rarities[at].rate_magnitude(size)
+                # What it was forgiven for is the greatest of late.
+                self.peak[at] = max(size, self.peak[at] * 0.98)
+        return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
+
+    def _measure_newest(self, time_us: int, value: float) -> list[float]:
+        """Take the newest sample; give the size of its change at each pace, -1 where too few came."""
         if self.end == len(self.values):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.times[:_KEPT] = self.times[_KEPT:]
             self.end = _KEPT
         self.values[self.end], self.times[self.end] = clamp_value(value), time_us
         self.end += 1
+        sizes = [-1.0] * len(_PACES)
         for at, pace in enumerate(_PACES):
             # With less before it, a signal that drifts changes more with every sample.
             if self.end < (_BEFORE + 1) * pace:
                 break
             newest, before = self._mean_levels(pace)
             self.changes[at] = newest - before
-            self.scores[at] = self.rarities[at].rate_magnitude(abs(newest - before))
-            # What it was forgiven for is the greatest of late.
-            self.peak[at] = max(abs(newest - before), self.peak[at] * 0.98)
-        return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
+            sizes[at] = abs(newest - before)
+        return sizes
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
@@ -82,36 +91,46 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
     def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """See `AnomalyDetector.rate_many`."""
-        scores, rated, at = np.empty(len(values)), np.empty((len(values), len(_PACES))), 0
+        sizes = self.measure_many(times, values)
+        scores = self.score_sizes(sizes, rate_together(self.rarities, sizes))
+        return scores, np.maximum(sizes, 0.0).T
+
+    def measure_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """Take samples as `see_many` does; give the sizes of their changes, which nobody has rated.
+
+        Returns:
+            paces × n, -1 where too few came before.
+
+        """
+        sizes, at = np.empty((len(_PACES), len(values))), 0
         while at < len(values):
             room = len(self.values) - self.end
             # At the beginning paces join in one by one; and before the arrays are moved down.
             if self.end < _KEPT or room == 0:
-                scores[at] = self.see(int(times[at]), float(values[at]))
-                rated[at] = self.magnitudes()
+                sizes[:, at] = self._measure_newest(int(times[at]), float(values[at]))
                 at += 1
                 continue
-            upto = min(len(values), at + room)
-            part = slice(at, upto)
-            scores[part] = self._see_block(times[part], values[part], rated[part])
-            at = upto
-        return scores, rated
+            part = slice(at, min(len(values), at + room))
+            self._measure_block(times[part], values[part], sizes[:, part])
+            at = part.stop
+        return sizes
 
-    def _see_block(self, times: NDArray[np.int64], values: Floats, rated: Floats) -> Floats:
+    def _measure_block(self, times: NDArray[np.int64], values: Floats, sizes: Floats) -> None:
         first, many = self.end, len(values)
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.times[first : first + many] = times
         self.end += many
-        changes = np.empty((len(_PACES), many))
         for at, pace in enumerate(_PACES):
             kept = self.values[first - pace * (_BEFORE + 1) + 1 : self.end]
             newest = _moving_sums(kept[pace * _BEFORE :], pace) / pace
             before = _moving_sums(kept[: len(kept) - pace], pace * _BEFORE) / (pace * _BEFORE)
-            np.subtract(newest, before, out=changes[at])
-        sizes = np.abs(changes)
-        rated[:] = sizes.T
-        rarities = rate_together(self.rarities, sizes)
-        self.changes, self.scores = changes[:, -1].tolist(), rarities[:, -1].tolist()
+            changes = newest - before
+            self.changes[at] = float(changes[-1])
+            np.abs(changes, out=sizes[at])
+
+    def score_sizes(self, sizes: Floats, rarities: Floats) -> Floats:
+        """Score changes (n,) by how rare they are at each pace (both paces × n)."""
+        self.scores = rarities[:, -1].tolist()
         self.peak = [fading_peak(*one) for one in zip(self.peak, sizes, strict=True)]
         scores: Floats = np.sqrt((rarities * rarities).sum(axis=0) / len(_PACES))
         return scores

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import msgspec
 import numpy as np
-from numpy.lib.stride_tricks import as_strided, sliding_window_view
+from numpy.lib.stride_tricks import sliding_window_view
 
 from talaia.hub.anomaly.base import (
     LARGEST,
@@ -39,14 +39,14 @@ _MOST_FORGIVEN = 50
 _FARTHEST = _LENGTH + _STRETCHES - 1
 # So many samples are scored at once, and so many lags (bytes): what that takes fits a processor's
 # cache.
-_BLOCK, _LAG_BYTES = 256, 800
+_BLOCK, _LAG_BYTES = 240, 800
 # The nearest ones are sought among so many. Sums of products of a stretch are off by at most so
 # many roundings, where values are between -1 and 1.
 _CANDIDATES, _SUM_OFF = 5, 1_000.0
 # So many stretches are multiplied at once: larger products are shared out among all cores, which
 # for so small ones takes many times as long. And distances of so many are held at once: more of
 # them would take fresh pages of memory each time, which costs more than the sums.
-_PRODUCT_ROWS, _ROWS_AT_ONCE = 12, 48
+_PRODUCT_ROWS, _ROWS_AT_ONCE = 12, 60
 
 
 class Nearest(AnomalyDetector, kw_only=True):
@@ -68,23 +68,27 @@ class Nearest(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score the stretch that ends with this sample."""
+        off = self._measure_newest(value)
+        self.score = self.rarity.rate_magnitude(off) if off >= 0.0 else 0.0
+        return self.score
+
+    def _measure_newest(self, value: float) -> float:
+        """Take the newest value; give how far off the nearest stretches are, -1 before it can."""
         if self.end == len(self.values):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.end = _KEPT
         self.values[self.end] = clamp_value(value)
         self.end += 1
-        self.score = 0.0
         # Neighbours do not overlap the stretch itself.
         have = min(self.end - 2 * _LENGTH + 1, _STRETCHES)
         if have < _LEAST - _LENGTH:
-            return 0.0
+            return -1.0
         self.distance = self._nearest_distance(have)
-        self.score = self.rarity.rate_magnitude(self.distance)
         self.strangest *= 0.98
         if self.distance >= self.strangest:
             self.strangest = self.distance
             self.strange = self.values[self.end - _LENGTH : self.end].copy()
-        return self.score
+        return self.distance
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
@@ -96,22 +100,33 @@ class Nearest(AnomalyDetector, kw_only=True):
 
     def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """See `AnomalyDetector.rate_many`."""
-        scores, rated, at = np.empty(len(values)), np.empty((len(values), 1)), 0
+        offs = self.measure_many(values)
+        scores = self.rarity.rate_many(offs)
+        self.score = float(scores[-1])
+        return scores, np.maximum(offs, 0.0)[:, None]
+
+    def measure_many(self, values: Floats) -> Floats:
+        """Take values as `see_many` does; give how far off the nearest stretches are, unrated.
+
+        Returns:
+            (n,), -1 before it can be told.
+
+        """
+        offs, at = np.empty(len(values)), 0
         while at < len(values):
             room = len(self.values) - self.end
             have = self.end - 2 * _LENGTH + 1
             # Until there are as many stretches as ever; and before the array is moved down.
             if have < _STRETCHES or room == 0 or len(self.forgiven):
-                scores[at] = self.see(int(times[at]), float(values[at]))
-                rated[at, 0] = self.distance
+                offs[at] = self._measure_newest(float(values[at]))
                 at += 1
                 continue
             upto = min(len(values), at + room)
-            scores[at:upto], rated[at:upto, 0] = self._see_block(values[at:upto])
+            offs[at:upto] = self._measure_block(values[at:upto])
             at = upto
-        return scores, rated
+        return offs
 
-    def _see_block(self, values: Floats) -> tuple[Floats, Floats]:
+    def _measure_block(self, values: Floats) -> Floats:
         first, many = self.end, len(values)
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.end += many
@@ -120,9 +135,8 @@ class Nearest(AnomalyDetector, kw_only=True):
             _nearest_squares(seen[at : at + _BLOCK + _FARTHEST + _LENGTH - 1], min(_BLOCK, many - at))
             for at in range(0, many, _BLOCK)
         ]
-        distances = np.sqrt(np.concatenate(squares)).sum(axis=1) / _NEIGHBOURS
-        scores = self.rarity.rate_many(distances)
-        self.score, self.distance = float(scores[-1]), float(distances[-1])
+        distances: Floats = np.sqrt(np.concatenate(squares)).sum(axis=1) / _NEIGHBOURS
+        self.distance = float(distances[-1])
         strangest = -1
         for place, distance in enumerate(distances.tolist()):
             self.strangest *= 0.98
@@ -131,7 +145,7 @@ class Nearest(AnomalyDetector, kw_only=True):
         if strangest >= 0:
             end = first + strangest + 1
             self.strange = self.values[end - _LENGTH : end].copy()
-        return scores, distances
+        return distances
 
     def _nearest_distance(self, have: int) -> float:
         newest = self.values[self.end - _LENGTH : self.end]
@@ -250,15 +264,18 @@ def _rough_distances(
     for at in range(0, len(rows), _ROWS_AT_ONCE):
         some = rows[at : at + _ROWS_AT_ONCE] - rows[at]
         columns = others[:, rows[at] : rows[at] + some[-1] + _STRETCHES]
-        made, upto = np.empty((len(some), columns.shape[1]), kind), at + len(some)
+        upto, wide = at + len(some), columns.shape[1]
+        # With room for one more in each row: see below.
+        room = np.empty(len(some) * (wide + 1), kind)
+        made = room[: len(some) * wide].reshape(len(some), wide)
         for row in range(0, len(some), _PRODUCT_ROWS):
             rest = slice(row, row + _PRODUCT_ROWS)
             np.matmul(mine[at:upto][rest], columns, out=made[rest])
         # Each row is held against other columns, as many further as it is later.
         if some[-1] == len(some) - 1:
-            # So those of rows one after the other are a slanting band.
-            step, size = made.strides
-            apart[at:upto] = as_strided(made, (len(some), _STRETCHES), (step + size, size))
+            # So those of rows one after the other are a slanting band, which in rows of one more
+            # stands upright.
+            apart[at:upto] = room.reshape(len(some), wide + 1)[:, :_STRETCHES]
             continue
         for place, row in enumerate(some.tolist()):
             apart[at + place] = made[place, row : row + _STRETCHES]
@@ -267,13 +284,15 @@ def _rough_distances(
 
 def _least_of(apart: NDArray[Any], many: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """Give the least of each row (rows × many), and their places; what they were is overwritten."""
-    rows, least = np.arange(len(apart)), np.empty((len(apart), many), apart.dtype)
+    flat, least = apart.reshape(-1), np.empty((len(apart), many), apart.dtype)
     places = np.empty((len(apart), many), np.int64)
+    begins = np.arange(0, apart.size, apart.shape[1])
     for at in range(many):
         # A few searches for the least take a third of the time of a partition.
-        places[:, at] = apart.argmin(axis=1)
-        least[:, at] = apart[rows, places[:, at]]
-        apart[rows, places[:, at]] = np.inf
+        found = places[:, at] = apart.argmin(axis=1)
+        found = found + begins
+        least[:, at] = flat[found]
+        flat[found] = np.inf
     return least, places
 
 

@@ -90,13 +90,19 @@ def rate_together(rarities: Sequence[Rarity], magnitudes: Floats) -> Floats:
 
     Args:
         rarities: which rate them.
-        magnitudes: (rarities, n).
+        magnitudes: (rarities, n); below 0 where there is none.
 
     Returns:
-        How rare each is (rarities, n).
+        How rare each is (rarities, n), 0 where there is none.
 
     """
-    rated = np.empty(magnitudes.shape)
+    rated = np.zeros(magnitudes.shape)
+    if magnitudes.size and magnitudes.min() < 0.0:
+        for place, (one, row) in enumerate(zip(rarities, magnitudes, strict=True)):
+            there = row >= 0.0
+            if there.any():
+                rated[place, there] = one.rate_many(row[there])
+        return rated
     for first in range(0, magnitudes.shape[1], _BLOCK):
         part = slice(first, first + _BLOCK)
         rated[:, part] = _rate_block(rarities, magnitudes[:, part])
@@ -194,6 +200,6 @@ def _bin_indices(magnitudes: Floats) -> NDArray[np.int64]:
     # At the edge of a step the last bit of the logarithm decides, and NumPy has another one.
     edges = np.abs(steps - np.rint(steps)) < 1e-9
     if edges.any():
-        for near in np.flatnonzero(edges & (magnitudes >= 1e-15) & (magnitudes <= 1e300)):
-            found[near] = _bin_index(float(magnitudes[near]))
+        edges &= (magnitudes >= 1e-15) & (magnitudes <= 1e300)
+        found[edges] = [_bin_index(magnitude) for magnitude in magnitudes[edges].tolist()]
     return found
