@@ -64,7 +64,7 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
         return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
 
     def _measure_newest(self, time_us: int, value: float) -> list[float]:
-        """Take the newest sample; give the size of its change at each pace, -1 where too few came."""
+        """Take the newest sample; give its change at each pace, -1 where too few came."""
         if self.end == len(self.values):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.times[:_KEPT] = self.times[_KEPT:]

@@ -70,7 +70,8 @@ class Rarity(msgspec.Struct, kw_only=True):
         The state is the same to the last bit afterwards. The rarities differ by the rounding of
         sums that are added up in another order, some 1e-15.
         """
-        return rate_together([self], magnitudes[None])[0]
+        rarities: Floats = rate_together([self], magnitudes[None])[0]
+        return rarities
 
     def learn_magnitude(self, magnitude: float, times: float = 50.0) -> None:
         """Count a magnitude as if it had come so many times: it is not rare any more."""
@@ -85,8 +86,10 @@ class Rarity(msgspec.Struct, kw_only=True):
 
 
 def rate_together(rarities: Sequence[Rarity], magnitudes: Floats) -> Floats:
-    """Take magnitudes in their order, as `Rarity.rate_many` does, of several that know nothing of
-    each other: what it costs is mostly the number of steps, and these are the same for all.
+    """Take magnitudes in their order, as `Rarity.rate_many` does, for several at once.
+
+    They know nothing of each other; but what it costs is mostly the number of steps, and those are
+    the same for all.
 
     Args:
         rarities: which rate them.
@@ -144,7 +147,8 @@ def _weigh_above(bins: Sequence[Floats], at: NDArray[np.int64], own: Floats) -> 
 
     Args:
         bins: what each had seen before the block.
-        at: the steps of the block (bins, n); own: what they weigh.
+        at: the steps of the block (bins, n).
+        own: what they weigh (bins, n).
 
     """
     kinds, many = at.shape
@@ -175,7 +179,8 @@ def _weigh_above(bins: Sequence[Floats], at: NDArray[np.int64], own: Floats) -> 
     halves *= _BEFORE
     within = (halves * weights.reshape(-1, _PART).T[:, None]).sum(axis=0)
     above += 0.5 * within.T.reshape(kinds, -1)
-    return above[:, :many]
+    found: Floats = above[:, :many]
+    return found
 
 
 def _bin_index(magnitude: float) -> int:
