@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from talaia.hub.anomaly.base import (
     LARGEST,
@@ -31,6 +30,7 @@ from talaia.hub.anomaly.stretch_search import (
     NEIGHBOURS,
     STRETCHES,
     nearest_squares,
+    stretches_of,
 )
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ class Nearest(AnomalyDetector, kw_only=True):
         newest = self.values[self.end - LENGTH : self.end]
         last = self.end - LENGTH
         before = self.values[last - have - LENGTH + 1 : last]
-        stretches = sliding_window_view(before, LENGTH)
+        stretches = stretches_of(before)
         apart = _squared_distances(stretches, newest)
         if len(self.forgiven):
             apart = np.append(apart, _squared_distances(self.forgiven.reshape(-1, LENGTH), newest))

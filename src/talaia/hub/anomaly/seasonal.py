@@ -34,6 +34,8 @@ _SLOT_US = 300_000_000
 _DAY = 288
 # Days that are compared with.
 _DAYS = 3
+# So many slots ago those days had the same hour, one day in each row.
+_BACK = _DAY * np.arange(1, _DAYS + 1)[:, None]
 # Hours that are compared.
 _HOURS = 4
 _WINDOW = _HOURS * 12
@@ -141,12 +143,12 @@ class Season(AnomalyDetector, kw_only=True):
         """Compare the hours with those of the days before, for each mean of the newest slot."""
         slots = np.arange(self.slot - _WINDOW + 1, self.slot + 1)
         now = self.means[slots % _KEPT]
+        thens = self.means[(slots - _BACK) % _KEPT]
+        boths = ~(np.isnan(now) | np.isnan(thens))
         offs = np.full(len(means), np.inf)
         self.off = -1.0
-        for day in range(1, _DAYS + 1):
-            then = self.means[(slots - day * _DAY) % _KEPT]
-            both = ~np.isnan(now) & ~np.isnan(then)
-            if int(both.sum()) < _LEAST:
+        for then, both, there in zip(thens, boths, boths.sum(axis=1).tolist(), strict=True):
+            if there < _LEAST:
                 continue
             hours = now[both]
             if both[-1]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.anomaly.base import Floats
 
-__all__ = ["FARTHEST", "LENGTH", "NEIGHBOURS", "STRETCHES", "nearest_squares"]
+__all__ = ["FARTHEST", "LENGTH", "NEIGHBOURS", "STRETCHES", "nearest_squares", "stretches_of"]
 
 # Samples in a stretch, neighbours, stretches compared with.
 LENGTH, NEIGHBOURS, STRETCHES = 19, 3, 1000
@@ -30,6 +30,15 @@ _CANDIDATES, _SUM_OFF = 5, 1_000.0
 # So many stretches are multiplied at once: larger products are shared out among all cores, which
 # for so small ones takes many times as long. Distances of so many are brought into line at once.
 _PRODUCT_ROWS, _ROWS_AT_ONCE = 12, 60
+
+
+def stretches_of(values: Floats) -> Floats:
+    """Give all stretches of values that lie one behind the other in memory (n - 18, 19).
+
+    A view, as `sliding_window_view` gives it, in a tenth of the time that it takes.
+    """
+    step = values.itemsize
+    return np.ndarray((len(values) - LENGTH + 1, LENGTH), values.dtype, values, 0, (step, step))
 
 
 def nearest_squares(values: Floats, many: int) -> Floats:
@@ -75,7 +84,7 @@ def _sought_squares(
         rough ones do not tell for certain.
 
     """
-    stretches = sliding_window_view(scaled, LENGTH)
+    stretches = stretches_of(scaled)
     newest = stretches[FARTHEST + rows]
     rough, places = _least_of(_rough_distances(stretches, newest, rows, kind), _CANDIDATES)
     off = stretches[rows[:, None] + places] - newest[:, None]
