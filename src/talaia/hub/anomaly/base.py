@@ -122,7 +122,10 @@ def copy_detector(detector: D) -> D:
     """Copy a detector and all it has learned, in a tenth of what `copy.deepcopy` takes."""
     copied = copy.copy(detector)
     for name in detector.__struct_fields__:
-        setattr(copied, name, _copy_value(getattr(detector, name)))
+        value = getattr(detector, name)
+        # These are copied already; most fields are such.
+        if type(value) not in (float, int, str):
+            setattr(copied, name, _copy_value(value))
     return copied
 
 

@@ -135,11 +135,12 @@ class Nearest(AnomalyDetector, kw_only=True):
         ]
         distances: Floats = np.sqrt(np.concatenate(squares)).sum(axis=1) / NEIGHBOURS
         self.distance = float(distances[-1])
-        strangest = -1
+        peak, strangest = self.strangest, -1
         for place, distance in enumerate(distances.tolist()):
-            self.strangest *= 0.98
-            if distance >= self.strangest:
-                self.strangest, strangest = distance, place
+            peak *= 0.98
+            if distance >= peak:
+                peak, strangest = distance, place
+        self.strangest = peak
         if strangest >= 0:
             end = first + strangest + 1
             self.strange = self.values[end - LENGTH : end].copy()

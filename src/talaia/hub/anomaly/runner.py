@@ -227,17 +227,21 @@ class DetectorRunner(EpisodeRunner):
         self, times: NDArray[np.int64], scores: Floats, turns: list[AnomalyBegan | AnomalyEnded]
     ) -> int:
         """Take scores in up to where an anomaly begins; give how many."""
-        if not len(scores):
-            return 0
-        if self.episodes.began_us < 0 and float(scores.max()) < self.episodes.bar:
-            self.pass_calm(float(scores[-1]), len(scores))
-            return len(scores)
-        for at, (time_us, score) in enumerate(zip(times.tolist(), scores.tolist(), strict=True)):
-            if self.episodes.would_begin(score):
-                return at
-            turn = self.update_score(time_us, score)
-            turns += [] if turn is None else [turn]
-        return len(scores)
+        at = 0
+        while at < len(scores):
+            if self.episodes.began_us < 0 and float(scores[at:].max()) < self.episodes.bar:
+                self.pass_calm(float(scores[-1]), len(scores) - at)
+                return len(scores)
+            for time_us, score in zip(times[at:].tolist(), scores[at:].tolist(), strict=True):
+                if self.episodes.would_begin(score):
+                    return at
+                turn = self.update_score(time_us, score)
+                at += 1
+                if turn is not None:
+                    # Over: all that follows may be calm.
+                    turns.append(turn)
+                    break
+        return at
 
     def score_silence(self, time_us: int) -> AnomalyBegan | AnomalyEnded | None:
         """Look at the clock: some detectors are about what does not come."""

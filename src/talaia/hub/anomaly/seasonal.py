@@ -152,14 +152,14 @@ class Season(AnomalyDetector, kw_only=True):
                 continue
             hours = now[both]
             if both[-1]:
-                mean_now = _sums_ending(hours[:-1], means) / len(hours)
+                mean_now = _sums_ending(hours, means) / there
             else:
                 mean_now = np.full(len(means), hours.mean())
-            mean_then = float(then[both].mean())
+            mean_then = float(then[both].sum()) / there
             apart = np.abs(mean_now - mean_then)
             if apart[-1] < offs[-1]:
                 self.now, self.then, self.off = float(mean_now[-1]), mean_then, float(apart[-1])
-            offs = np.minimum(offs, apart)
+            np.minimum(offs, apart, out=offs)
         return offs
 
     def _move_slot(self, slot: int) -> None:
@@ -203,14 +203,15 @@ class Season(AnomalyDetector, kw_only=True):
 
 
 def _sums_ending(values: Floats, last: Floats) -> Floats:
-    """Give the sums of fewer than 128 values with one more, for each that may be the last one (n,).
+    """Give the sums of up to 128 values, for each that may stand in place of the last one (n,).
 
     They are added up in the order in which NumPy adds them, so the sums are the very same.
     """
-    if (len(values) + 1) % _LANES:
-        return float(values.sum()) + last
+    if len(values) % _LANES:
+        return float(values[:-1].sum()) + last
     # Every eighth value in a lane, and the last one at the end of the last lane.
-    lanes = np.append(values, 0.0).reshape(-1, _LANES).sum(axis=0).tolist()
+    values[-1] = 0.0
+    lanes = values.reshape(-1, _LANES).sum(axis=0).tolist()
     one, two, three, four, five, six, seven, eight = lanes
     sums: Floats = ((one + two) + (three + four)) + ((five + six) + (seven + (eight + last)))
     return sums

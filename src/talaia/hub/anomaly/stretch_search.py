@@ -29,7 +29,7 @@ _LAG_BYTES = 800
 _CANDIDATES, _SUM_OFF = 5, 1_000.0
 # So many stretches are multiplied at once: larger products are shared out among all cores, which
 # for so small ones takes many times as long. Distances of so many are brought into line at once.
-_PRODUCT_ROWS, _ROWS_AT_ONCE = 12, 60
+_PRODUCT_ROWS, _ROWS_AT_ONCE = 12, 48
 
 
 def stretches_of(values: Floats) -> Floats:
@@ -107,35 +107,43 @@ def _rough_distances(
         kind: of the numbers to reckon in.
 
     Returns:
-        rows × `STRETCHES`, the farthest first, each less its own square.
+        rows × `STRETCHES` or more, the farthest first, each less its own square; infinite beyond
+        these.
 
     """
-    # |b|² - 2ab of each pair as one product: the square of b stands in a row of its own.
-    others = np.empty((LENGTH + 1, len(stretches)), kind)
-    others[:LENGTH] = stretches.T
-    np.einsum("ij,ij->i", stretches, stretches, out=others[LENGTH], casting="same_kind")
+    # |b|² - 2ab of each pair as one product: the square of b stands in a row of its own. Behind the
+    # last one there is room for those that the last rows are not held against.
+    others = np.zeros((LENGTH + 1, len(stretches) + _ROWS_AT_ONCE), kind)
+    there = others[:, : len(stretches)]
+    there[:LENGTH] = stretches.T
+    np.einsum("ij,ij->i", stretches, stretches, out=there[LENGTH], casting="same_kind")
     mine = np.ones((len(newest), LENGTH + 1), kind)
     np.multiply(newest, -2.0, out=mine[:, :LENGTH], casting="same_kind")
-    apart = np.empty((len(newest), STRETCHES), kind)
-    for at in range(0, len(rows), _ROWS_AT_ONCE):
-        some = rows[at : at + _ROWS_AT_ONCE] - rows[at]
-        columns = others[:, rows[at] : rows[at] + some[-1] + STRETCHES]
-        upto, wide = at + len(some), columns.shape[1]
-        # With room for one more in each row: see below.
-        room = np.empty(len(some) * (wide + 1), kind)
-        made = room[: len(some) * wide].reshape(len(some), wide)
-        for row in range(0, len(some), _PRODUCT_ROWS):
-            rest = slice(row, row + _PRODUCT_ROWS)
-            np.matmul(mine[at:upto][rest], columns, out=made[rest])
-        # Each row is held against other columns, as many further as it is later.
-        if some[-1] == len(some) - 1:
-            # So those of rows one after the other are a slanting band, which in rows of one more
-            # stands upright.
-            apart[at:upto] = room.reshape(len(some), wide + 1)[:, :STRETCHES]
-            continue
-        for place, row in enumerate(some.tolist()):
-            apart[at + place] = made[place, row : row + STRETCHES]
+    if rows[-1] - rows[0] == len(rows) - 1:
+        return _multiply_next(mine, others[:, rows[0] :])
+    apart = np.empty((len(rows), STRETCHES), kind)
+    for at, row in enumerate(rows.tolist()):
+        np.matmul(mine[at], others[:, row : row + STRETCHES], out=apart[at])
     return apart
+
+
+def _multiply_next(mine: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
+    """Multiply each row with `STRETCHES` columns, that begin one further on for each next row."""
+    # Of a product of many rows with all their columns these are a slanting band. In memory where
+    # each row has one more than the product's, the band stands upright.
+    wide = STRETCHES + _ROWS_AT_ONCE - 1
+    upright = np.empty((len(mine), wide + 1), mine.dtype)
+    memory = upright.reshape(-1)
+    for at in range(0, len(mine), _ROWS_AT_ONCE):
+        some = mine[at : at + _ROWS_AT_ONCE]
+        begin = at * (wide + 1)
+        made = memory[begin : begin + len(some) * wide].reshape(len(some), wide)
+        columns = others[:, at : at + wide]
+        for row in range(0, len(some), _PRODUCT_ROWS):
+            part = slice(row, row + _PRODUCT_ROWS)
+            np.matmul(some[part], columns, out=made[part])
+    upright[:, STRETCHES:] = np.inf
+    return upright
 
 
 def _least_of(apart: NDArray[Any], many: int) -> tuple[NDArray[Any], NDArray[np.int64]]:
