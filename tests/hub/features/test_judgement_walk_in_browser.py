@@ -121,6 +121,9 @@ async def see_the_cause(page, hub) -> None:
     await page.get_by_role("link", name="Cause of The body").click()
     unusual = page.locator("section").filter(has_text="Unusual, the most first")
     await expect(unusual.get_by_role("listitem").first).to_contain_text("The body")
+    # And which of its signals made it so.
+    made_so = unusual.get_by_role("list", name="What made it so").get_by_role("listitem")
+    await expect(made_so.first).to_contain_text("Battery, Voltage")
     await look_at_both_sizes(page, "walk-cause")
     await page.goto(f"{hub.origin}/sites/agv/live")
     heading = page.get_by_role("heading", name="Voltage", exact=True)

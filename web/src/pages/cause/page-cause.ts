@@ -20,6 +20,7 @@ import { formatNumber } from "../../format/number.js";
 import { formatClock } from "../../format/time.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
+import { signalLabels } from "../../state/signal-labels.js";
 import type { CauseShape, EventShape, KnownShape, LogLineShape, SeenShape, SimilarShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
@@ -27,6 +28,7 @@ import { momentQuery } from "../logbook/logbook-query.js";
 import { CauseApi } from "./cause-api.js";
 import { ALL, causeQuery, excessOf, knownText, momentOf, repeatable, repeatedComment, sortEvents, subjectsOf, verdictText, type Verdict } from "./cause-words.js";
 import "../../elements/analysis/sighting-card.js";
+import "../../elements/analysis/signal-shares.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -181,6 +183,7 @@ export class PageCause extends LitElement {
           <t-status kind=${over ? "warn" : "ok"} word=${over ? msg("anomaly") : msg("near it")}></t-status>
           <span>${msg(str`${formatNumber(one.score, 2)}, told from ${formatNumber(one.bar, 2)} (${one.detector})`)}</span>
         </div>
+        <t-signal-shares .shares=${one.shares} .labels=${this.detail.value === undefined ? new Map() : signalLabels(this.detail.value)}></t-signal-shares>
       </div>
       <svg class="excess" viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width=${100 * excessOf(one)} height="6"></rect></svg>
     </li>`;
