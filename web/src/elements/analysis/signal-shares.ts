@@ -53,7 +53,11 @@ export class SignalShares extends LitElement {
         ${quietText}
       }
       @media (max-width: 34rem) {
+        ul {
+          gap: var(--t-space-2);
+        }
         li {
+          row-gap: 0;
           grid-template-columns: minmax(3rem, 1fr) minmax(0, 15rem);
         }
         .name {

@@ -62,6 +62,9 @@ export class PageCause extends LitElement {
       .rows li {
         grid-template-columns: minmax(0, 1fr) auto;
       }
+      .rows t-signal-shares {
+        grid-column: 1 / -1;
+      }
       .excess {
         inline-size: 8rem;
         block-size: 0.6rem;
@@ -183,9 +186,9 @@ export class PageCause extends LitElement {
           <t-status kind=${over ? "warn" : "ok"} word=${over ? msg("anomaly") : msg("near it")}></t-status>
           <span>${msg(str`${formatNumber(one.score, 2)}, told from ${formatNumber(one.bar, 2)} (${one.detector})`)}</span>
         </div>
-        <t-signal-shares .shares=${one.shares} .labels=${this.detail.value === undefined ? new Map() : signalLabels(this.detail.value)}></t-signal-shares>
       </div>
       <svg class="excess" viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width=${100 * excessOf(one)} height="6"></rect></svg>
+      ${one.shares.length === 0 || this.detail.value === undefined ? nothing : html`<t-signal-shares .shares=${one.shares} .labels=${signalLabels(this.detail.value)}></t-signal-shares>`}
     </li>`;
   }
 
