@@ -6,7 +6,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field, StringConstraints
 
-from talaia.hub.api.schemas.anomaly_schemas import ShareShape
+# pydantic reads it at run time.
+from talaia.hub.api.schemas.anomaly_schemas import ShareShape  # noqa: TC001
 from talaia.hub.api.schemas.common import Schema
 
 __all__ = ["CauseShape", "KnownAsk", "KnownShape", "SimilarShape", "StateShape", "UnusualShape"]
