@@ -230,6 +230,8 @@ class Gateway(Peer):
 
     boot = "boot-1"
     sequence = 0
+    # What it was told to be stored; -1: it does not say.
+    acked = -1
     description = DESCRIPTION
 
     async def take(self, message) -> None:
@@ -247,7 +249,8 @@ class Gateway(Peer):
         return await self.hear(Welcome)
 
     def hello_message(self, description=DESCRIPTION, *, boot="boot-1", site="agv") -> Hello:
-        return Hello(site=site, boot=boot, description=description, catalogue="c1")
+        said = {"site": site, "boot": boot, "description": description, "catalogue": "c1"}
+        return Hello(**said, acked=self.acked)
 
     async def samples(self, *rows, live=True, first=None) -> None:
         """Send rows of address, time (µs), value or text."""

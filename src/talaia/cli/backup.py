@@ -27,8 +27,14 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
     # Half a second of a core, which --help and wrong words do not wait for.
-    from talaia.hub.store.backup import write_backup
+    from talaia.hub.store.backup import histories_elsewhere, write_backup
 
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
-    print(f"backup: {write_backup(settings.url, options.data, options.folder, SystemClock())}")
+    folder = write_backup(settings.url, options.data, options.folder, SystemClock())
+    print(f"backup: {folder}")
+    for server, sites in histories_elsewhere(folder).items():
+        print(
+            f"not in it: the history of {', '.join(sites)}, on the server {server!r}; back that"
+            " database up with its own tools, at the same time"
+        )
     return 0

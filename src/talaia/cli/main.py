@@ -91,6 +91,9 @@ COMMANDS = {
     "move-files": Subcommand(
         "talaia.cli.moving.main", "move a hub's recordings and pictures into a bucket", "hub,s3"
     ),
+    "history": Subcommand(
+        "talaia.cli.history.main", "move a site's history to another server, or list them", "hub"
+    ),
     "probe": Subcommand("talaia.cli.probe", "list what a live robot offers", "ros2"),
     "init": Subcommand("talaia.cli.init", "write a site description of a live robot", ""),
     "check": Subcommand("talaia.cli.checking.command_line", "check a site description", ""),
@@ -119,7 +122,8 @@ COMMANDS = {
 _PRIVATE = frozenset(
     {
         *("account", "audit", "backup", "configure", "demo", "demo-indi", "enrol", "gateway"),
-        *("hub", "import", "move-files", "record", "restore", "support-bundle", "up", "update"),
+        *("history", "hub", "import", "move-files", "record", "restore", "support-bundle"),
+        *("up", "update"),
     }
 )
 

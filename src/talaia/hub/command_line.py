@@ -193,6 +193,8 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
     )
     add_audit_options(parser)
     _add_cluster(parser)
+    said = "names databases for sites' histories besides the hub's own, and which has whose"
+    parser.add_argument("--history-servers", type=Path, metavar="FILE", help=said)
     add_files_options(parser)
     parser.add_argument(
         "--simulated-site",
@@ -271,6 +273,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         files_region=options.files_region,
         files_key_file=options.files_key_file,
         files_ca=options.files_ca,
+        history_servers=options.history_servers,
         history_bytes=max(0, round(options.history_gb * 1e9)),
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
         sightings_days=max(0.0, options.sightings_days),

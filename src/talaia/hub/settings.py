@@ -42,6 +42,8 @@ class Settings:
         files_key_file: file of the key that opens the bucket; none: it is in the environment.
         files_ca: authorities of that store's certificate (PEM); none takes the system's.
         notify_networks: messages about alarms may go to these besides public addresses.
+        history_servers: file that names databases for histories besides; none: all are in the
+            hub's own.
         history_bytes: the history's blocks may take so many bytes; then the oldest go. 0: no limit.
         file_bytes: a file that a gateway sends may be so large (bytes).
         recordings_bytes: those of one site may take so many bytes; then its oldest go. 0: no limit.
@@ -97,6 +99,7 @@ class Settings:
     files_key_file: Path | None = None
     files_ca: Path | None = None
     notify_networks: tuple[Network, ...] = ()
+    history_servers: Path | None = None
     history_bytes: int = 0
     file_bytes: int = 4 * 1024**3
     recordings_bytes: int = 20_000_000_000

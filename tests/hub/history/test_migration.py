@@ -16,7 +16,7 @@ from talaia.hub.store.tables import metadata
 from .samples import ALL, batch
 
 VERSIONS = "talaia.hub.store.migrations.versions"
-NAMES = ("0002_history", "0010_history_views", "0014_sensor_kinds")
+NAMES = ("0002_history", "0010_history_views", "0014_sensor_kinds", "0045_history_servers")
 steps = [importlib.import_module(f"{VERSIONS}.{name}") for name in NAMES]
 
 

@@ -14,10 +14,13 @@ from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.backup import restore_server, take_restored, write_backup
 from talaia.hub.store.database import Database
 from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.hub.store.tables import metadata
 from talaia.wire.frames import Ack
 
+from ..conftest import settings_in
 from ..databases import SERVERS, empty_database
 from ..history.samples import ALL, batch
 
@@ -239,3 +242,15 @@ def test_a_database_that_is_busy_is_not_taken_for_a_damaged_one(tmp_path) -> Non
     assert set_aside_if_damaged(f"sqlite:///{path}?timeout=0", HandClock()) is None
     assert path.exists()
     holder.close()
+
+
+async def test_what_is_on_another_server_is_told_and_not_in_the_backup(tmp_path, capsys) -> None:
+    settings = settings_in(tmp_path)
+    database = Database(settings.url)
+    homes = HistoryHomes(database)
+    for site, server in (("agv", "east"), ("lab", "east"), ("hall", OWN)):
+        await homes.add_home(site, server)
+    await database.close()
+    target = tmp_path.parent / f"{tmp_path.name}-backup"
+    assert main(["backup", str(target), "--data", str(tmp_path)]) == 0
+    assert "not in it: the history of agv, lab, on the server 'east'" in capsys.readouterr().out

@@ -253,6 +253,7 @@ export const SENTENCES: readonly (readonly [said: string, text: (...values: read
   ["the gateway itself", () => msg("the gateway itself")],
   ["the gateway, which cannot read its disk ({})", (v0 = "") => msg(str`the gateway, which cannot read its disk (${v0})`)],
   ["the group was described anew meanwhile; try again", () => msg("the group was described anew meanwhile; try again")],
+  ["the history cannot be read now; nothing is lost, try again soon", () => msg("the history cannot be read now; nothing is lost, try again soon")],
   ["the hub cannot store anything now; try again later", () => msg("the hub cannot store anything now; try again later")],
   ["the hub failed; its log says more", () => msg("the hub failed; its log says more")],
   ["the hub failed; see its log", () => msg("the hub failed; see its log")],

@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from talaia.cli.history.server_options import add_history_servers
 from talaia.cli.importing.times import TimeUnit
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--data", type=Path, default=Path("talaia-data"), help="the hub's data folder (talaia-data)"
     )
+    add_history_servers(parser)
     parser.add_argument(
         "--dry-run", action="store_true", help="show what would be imported, and write nothing"
     )

@@ -11,7 +11,7 @@ from talaia.clock import SystemClock
 from talaia.hub.accounts import append_audit_record
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.limits import HistoryLimits
-from talaia.hub.history.store import HistoryStore
+from talaia.hub.history.servers.build_history import build_history, check_homes
 from talaia.hub.live.files.import_inbox import BAD, ImportInbox, ImportResult, answer_of
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.store.database import Database
@@ -102,7 +102,7 @@ async def _deliver_files(settings: Settings, paths: Sequence[Path]) -> list[Impo
     clock = SystemClock()
     database = Database(settings.url)
     # Neither rows to show nor tidying: this writer lives for one import, and a hub follows.
-    history = HistoryStore(settings.url, clock, HistoryLimits(show_s=0, tidy_s=0))
+    history = build_history(settings, database, clock, HistoryLimits(show_s=0, tidy_s=0))
     registry = SiteRegistry(database, clock)
 
     async def taken(head: Head, how: ImportResult) -> None:
@@ -120,6 +120,8 @@ async def _deliver_files(settings: Settings, paths: Sequence[Path]) -> list[Impo
         # The hub may never have run with this version; the schema must fit before anything is
         # written.
         await database.migrate()
+        if not settings.history_servers:
+            await check_homes(database)
         await history.open()
         try:
             inbox = ImportInbox(history, settings.data, taken)

@@ -53,7 +53,11 @@ def import_files(options: argparse.Namespace) -> int:
         options: as `talaia.cli.importing.command_line` reads them.
 
     """
-    settings = Settings(data=options.data, database_url=Settings.url_from())
+    settings = Settings(
+        data=options.data,
+        database_url=Settings.url_from(),
+        history_servers=options.history_servers,
+    )
     site = _load_site(options.site, settings)
     named = _named_columns(options.column)
     reads: list[_Read] = []

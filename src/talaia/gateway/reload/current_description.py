@@ -43,7 +43,9 @@ class PreparedDescription(NamedTuple):
     catalogue: str
     addresses: list[str]
 
-    def make_hello(self, boot: str, time_us: int, accepts: AcceptedChanges) -> Hello:
+    def make_hello(
+        self, boot: str, time_us: int, accepts: AcceptedChanges, acked: int = -1
+    ) -> Hello:
         """Give what a hub is greeted with."""
         return Hello(
             version=__version__,
@@ -55,6 +57,7 @@ class PreparedDescription(NamedTuple):
             source=compress_text(self.source) if self.source else b"",
             # Without a text there is nothing that a change could begin with.
             accepts=accepts if self.source else AcceptedChanges.NO,
+            acked=acked,
         )
 
     def make_update(

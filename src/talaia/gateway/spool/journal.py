@@ -257,6 +257,10 @@ class Spool:
         if below > self._acked.get(boot, 0):
             self._acked[boot] = below
 
+    def acked_below(self, boot: str) -> int:
+        """Give below which sample of ``boot`` a hub has said that all is stored."""
+        return self._acked.get(boot, 0)
+
     def rewind_acknowledged(self, below: int) -> None:
         """Take back what of this boot was acknowledged from ``below`` on: the hub has lost it.
 

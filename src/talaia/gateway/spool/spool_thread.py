@@ -85,6 +85,10 @@ class SpoolThread:
         """
         self._spool.acknowledge_samples(boot, below)
 
+    def acked_below(self, boot: str) -> int:
+        """See `Spool.acked_below`; it is one look into a dictionary."""
+        return self._spool.acked_below(boot)
+
     def rewind_acknowledged(self, below: int) -> None:
         """See `Spool.rewind_acknowledged`; done before whatever is asked for after it."""
         self._thread.submit(self._spool.rewind_acknowledged, below).add_done_callback(_log_failure)

@@ -127,7 +127,9 @@ async def keep_link(
     def hello() -> Hello:
         nonlocal told
         told = reload.turn
-        return reload.now.make_hello(boot, clock.wall_ns() // 1000, settings.accepts)
+        return reload.now.make_hello(
+            boot, clock.wall_ns() // 1000, settings.accepts, spool.acked_below(boot)
+        )
 
     def beside(welcome: Welcome) -> asyncio.Task[None]:
         # The hub knows a channel by its former name only from this run's description.

@@ -12,6 +12,7 @@ from starlette.exceptions import HTTPException
 
 from talaia.errors import TalaiaError
 from talaia.hub.errors import FilesDown, LibraryMissing, StoreDown
+from talaia.hub.history.errors import HistoryAway
 
 if TYPE_CHECKING:
     from fastapi import FastAPI, Request, Response
@@ -62,6 +63,7 @@ def answer_problems(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _handle_invalid)
     app.add_exception_handler(StoreDown, _handle_store)
     app.add_exception_handler(FilesDown, _handle_files)
+    app.add_exception_handler(HistoryAway, _handle_history)
     app.add_exception_handler(LibraryMissing, _handle_library)
     app.add_exception_handler(Exception, _handle_failure)
 
@@ -103,6 +105,14 @@ async def _handle_files(_request: Request, error: Exception) -> Response:
     # Its loss is in the log once, however many ask.
     said = error.problem if isinstance(error, FilesDown) else str(error)
     return problem_response(503, "files", said, 2)
+
+
+async def _handle_history(request: Request, error: Exception) -> Response:
+    # Where it is, and why it is away, is for the log: addresses of servers are not for everybody.
+    _LOG.error("%s %s is refused: %s", request.method, request.url.path, error)
+    return problem_response(
+        503, "history", "the history cannot be read now; nothing is lost, try again soon", 5
+    )
 
 
 async def _handle_failure(request: Request, error: Exception) -> Response:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.history import HistoryPages
-from talaia.hub.features.feature import Feature
+from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.history.limits import HistoryLimits
-from talaia.hub.history.store import HistoryStore
+from talaia.hub.history.servers.build_history import build_history, check_homes
+from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.live.offline_sites import OfflineSites
 
 if TYPE_CHECKING:
@@ -32,9 +33,12 @@ class HistoryFeature(Feature):
         """Keep samples in ``store``; none: in the database of the settings."""
         limits = HistoryLimits(bytes=core.settings.history_bytes)
         # With connections of its own: a long read must not hold up sessions or the log.
-        self.store = store or HistoryStore(
-            core.settings.url, core.clock, limits, on_connect=core.on_connect
+        self.store = store or build_history(
+            core.settings, core.database, core.clock, limits, on_connect=core.on_connect
         )
+        self._core = core
+        if isinstance(self.store, HistoryServers):
+            self.tasks = [BackgroundTask(name="servers", run=self.store.run)]
         # Sites of before, which are shown while their gateways are away.
         self._known_sites = OfflineSites(
             sites=core.sites, registry=registry, history=self.store, clock=core.clock
@@ -43,6 +47,8 @@ class HistoryFeature(Feature):
 
     async def open(self) -> None:
         """Open it, and know the sites of before with their last values."""
+        if not self._core.settings.history_servers:
+            await check_homes(self._core.database)
         await self.store.open()
         await self._known_sites.restore_sites()
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.errors import HistoryAway
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +38,7 @@ class DatabaseThreads:
         """Run ``work`` in one of the threads.
 
         Raises:
-            HistoryError: the database cannot be read.
+            HistoryAway: the database cannot be read.
 
         """
         loop = asyncio.get_running_loop()
@@ -47,7 +47,7 @@ class DatabaseThreads:
         except SQLAlchemyError as error:
             # SQLAlchemy's own text has the statement and its parameters; people need the reason.
             reason = getattr(error, "orig", None) or error
-            raise HistoryError(
+            raise HistoryAway(
                 f"{self._address} cannot be read: {reason}", "check that it can be reached"
             ) from error
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from talaia.hub.errors import HubError
 
-__all__ = ["HistoryBusy", "HistoryError"]
+__all__ = ["HistoryAway", "HistoryBusy", "HistoryError"]
 
 
 class HistoryError(HubError):
@@ -16,6 +16,10 @@ class HistoryError(HubError):
 
     def __str__(self) -> str:
         return f"history: {super().__str__()}"
+
+
+class HistoryAway(HistoryError):
+    """The server that has a site's history cannot be used now; the hub goes on without it."""
 
 
 class HistoryBusy(HistoryError):

@@ -13,9 +13,11 @@ from talaia.hub.store import history_tables as tables
 from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sqlalchemy import Connection, Engine
 
-__all__ = ["ChannelStorage", "Storage", "read_storage"]
+__all__ = ["ChannelStorage", "Storage", "join_storage", "read_storage"]
 
 _block = tables.block
 
@@ -94,6 +96,18 @@ def read_storage(engine: Engine, now_us: int) -> Storage:
     place = _database_place(engine)
     free, size = _disk_space(engine)
     return Storage(kind, place, total, spare, free, size, blocks, channels)
+
+
+def join_storage(found: Sequence[Storage]) -> Storage:
+    """Give what several databases take together; the first is the one whose disk is told."""
+    own = found[0]
+    return own._replace(
+        place="; ".join(one.place for one in found),
+        database_bytes=sum(one.database_bytes for one in found),
+        spare_bytes=sum(one.spare_bytes for one in found),
+        blocks_bytes=sum(one.blocks_bytes for one in found),
+        channels=[channel for one in found for channel in one.channels],
+    )
 
 
 def _database_kind(connection: Connection) -> str:

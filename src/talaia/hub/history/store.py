@@ -6,7 +6,6 @@ Long, because all that the history promises stands here in one place.
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from talaia.hub.history.database_threads import DatabaseThreads
@@ -18,7 +17,9 @@ from talaia.hub.history.queries.long_reads import LongReads
 from talaia.hub.history.queries.reader import Reader
 from talaia.hub.history.queries.statistics import read_statistics
 from talaia.hub.history.queries.window import FARTHEST_US
+from talaia.hub.history.repeated_work import RepeatedWork
 from talaia.hub.history.sensors.sensor_registry import SensorRegistry
+from talaia.hub.history.servers.site_transfer import SiteTransfer
 from talaia.hub.history.storage import read_storage
 from talaia.hub.history.writing.block_index import BlockIndex
 from talaia.hub.history.writing.retention_periods import RetentionPeriods
@@ -39,8 +40,6 @@ if TYPE_CHECKING:
     from collections.abc import (
         AsyncGenerator,
         AsyncIterator,
-        Awaitable,
-        Callable,
         Collection,
         Mapping,
         Sequence,
@@ -53,6 +52,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.series import Series
     from talaia.hub.history.queries.statistics import Statistics
     from talaia.hub.history.sensors.sensor_views import StoredSensorKind
+    from talaia.hub.history.servers.write_term import WriteTerm
     from talaia.hub.history.storage import Storage
     from talaia.hub.store.database_url import OnConnect
     from talaia.model.site import Site
@@ -65,7 +65,7 @@ class HistoryStore:
     """Samples for good, in one SQL database; nothing of it runs on the event loop.
 
     One program at a time may have a database's history open. Times are microseconds since the
-    epoch (UTC).
+    epoch (UTC). By ``transfer`` a site comes from another server, or goes to one.
     """
 
     def __init__(
@@ -75,8 +75,9 @@ class HistoryStore:
         limits: HistoryLimits | None = None,
         *,
         on_connect: OnConnect | None = None,
+        term: WriteTerm | None = None,
     ) -> None:
-        """Prepare for a SQLAlchemy URL with a synchronous driver; ``on_connect`` may refuse one.
+        """Prepare for a SQLAlchemy URL; ``on_connect`` may refuse a connection, ``term`` writing.
 
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
@@ -86,6 +87,8 @@ class HistoryStore:
         # One connection that writes, and a few that read at the same time.
         self._writing = open_engine(url, writes=True, on_connect=on_connect)
         self._reading = open_engine(url, writes=False, on_connect=on_connect)
+        if term is not None:
+            term.guard_engine(self._writing)
         self._limits = limits
         # Which blocks and channels there are; changed by the writing thread alone.
         self._ledger = ledger = BlockIndex(self._writing, clock, limits)
@@ -98,11 +101,7 @@ class HistoryStore:
         self._threads = DatabaseThreads(address, READERS - 2, "history-reader")
         # Files and counts, which must not take the charts' threads.
         self._long_reads = LongReads(
-            address=address,
-            engine=self._reading,
-            ledger=ledger,
-            reader=self._reader,
-            limits=limits,
+            address=address, engine=self._reading, ledger=ledger, reader=self._reader, limits=limits
         )
         self._clock = clock
         # How long each channel is kept.
@@ -118,8 +117,18 @@ class HistoryStore:
         )
         # What signals are, and their views for SQL.
         self._sensors = SensorRegistry(self._threads, self._reading, self._writing)
-        # What comes again and again: showing the newest readings, and dropping the oldest.
-        self._tasks: list[asyncio.Task[None]] = []
+        # What of a site comes from another server, or goes to one.
+        self.transfer = SiteTransfer(
+            threads=self._threads,
+            reading=self._reading,
+            writing=self._writing,
+            writer=self._writer,
+            sensors=self._sensors,
+            ledger=ledger,
+            tidier=self._tidier,
+        )
+        # Showing the newest readings, and dropping the oldest.
+        self._repeated = RepeatedWork()
 
     async def create_tables(self) -> None:
         """Make the history's tables where no migration does, for tools and tests."""
@@ -134,18 +143,12 @@ class HistoryStore:
         """
         await self._writer.start()
         await self._sensors.load_sensors()
-        for every_s, work in (
-            (self._limits.show_s, self.write_plain_rows),
-            (self._limits.tidy_s, self.apply_retention),
-        ):
-            if every_s:
-                self._tasks.append(asyncio.create_task(_repeat_forever(every_s, work)))
+        self._repeated.start_work(self._limits.show_s, self.write_plain_rows)
+        self._repeated.start_work(self._limits.tidy_s, self.apply_retention)
 
     async def close(self) -> None:
         """Store what waits, and let go of the database."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._repeated.end_work()
         await self._sensors.close()
         # Last, so that what the others asked it for is stored.
         await self._writer.stop()
@@ -194,8 +197,8 @@ class HistoryStore:
 
         """
         channels = [channel.address for channel in site.channels()]
-        await self._writer.complete_job(Describe(site.site, channels))
         self._periods.describe_site(site)
+        await self._writer.complete_job(Describe(site.site, channels))
         await self._sensors.describe_site(site, self._ledger.names.channels)
 
     async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
@@ -235,9 +238,8 @@ class HistoryStore:
             HistoryError: the database cannot be read.
 
         """
-        return await self._threads.run_query(
-            read_storage, self._reading, self._clock.wall_ns() // 1000
-        )
+        now_us = self._clock.wall_ns() // 1000
+        return await self._threads.run_query(read_storage, self._reading, now_us)
 
     @property
     def cached_bytes(self) -> int:
@@ -288,10 +290,9 @@ class HistoryStore:
         """
         if width < 1:
             raise HistoryError(f"a chart of {width} pixels cannot be drawn", "ask for 1 or more")
+        window = {"from_us": from_us, "to_us": to_us, "width": width}
         reading = self._reader.read_series
-        return await self._threads.run_query(
-            reading, site, addresses, from_us=from_us, to_us=to_us, width=width, steps=steps
-        )
+        return await self._threads.run_query(reading, site, addresses, steps=steps, **window)
 
     async def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
@@ -371,11 +372,3 @@ class HistoryStore:
         self._checkpoints.close()
         self._reading.dispose()
         self._writing.dispose()
-
-
-async def _repeat_forever(period_s: float, work: Callable[[], Awaitable[object]]) -> None:
-    while True:
-        await asyncio.sleep(period_s)
-        # The writing thread logs what goes wrong, once; the next time comes anyway.
-        with suppress(HistoryError):
-            await work()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
+from talaia.hub.history.errors import HistoryAway
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["ImportedSites", "OfflineSites"]
 
 _LOG = logging.getLogger(__name__)
+# Why, and where it is, is for admins.
+_HISTORY_AWAY = "its history is on a server that is away, and its gateway has not connected"
 
 
 class OfflineSites:
@@ -58,7 +61,12 @@ class OfflineSites:
             live.presence.since_us = live.presence.last_seen_us = known.last_seen_us
             # Shown in the place of a lost link, which this process has not seen.
             live.presence.why = "its gateway has not connected since the hub was started"
-            await self._remember_values(known.site, live)
+            try:
+                await self._remember_values(known.site, live)
+            except HistoryAway as error:
+                # Its gateway comes all the same, and is watched, stopped and driven.
+                live.presence.why = _HISTORY_AWAY
+                _LOG.warning("the last values of %s are not known: %s", known.site, error)
 
     async def _remember_values(self, site: str, live: LiveSite) -> None:
         addresses = [channel.address for channel in live.every]

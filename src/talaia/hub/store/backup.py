@@ -24,6 +24,7 @@ from talaia.hub.errors import StoreError
 from talaia.hub.lock import LOCK
 from talaia.hub.store.dialects.sqlite import copy_file
 from talaia.hub.store.dump import VERSION_TABLE, copy_tables, open_plain
+from talaia.hub.store.history_servers.home_tables import OWN
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "DATABASE",
     "WAITING",
+    "histories_elsewhere",
     "restore_folder",
     "restore_server",
     "take_restored",
@@ -83,6 +85,17 @@ def write_backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
         reason = getattr(error, "orig", None) or error
         raise StoreError(f"the backup cannot be written: {reason}") from error
     return target
+
+
+def histories_elsewhere(backup: Path) -> dict[str, list[str]]:
+    """Give by server the sites whose history was on it, and is not in a backup."""
+    with closing(sqlite3.connect(f"file:{backup / DATABASE}?mode=ro", uri=True)) as database:
+        rows = database.execute("SELECT server, site FROM history_homes ORDER BY server, site")
+        found: dict[str, list[str]] = {}
+        for server, site in rows:
+            if server != OWN:
+                found.setdefault(server, []).append(site)
+    return found
 
 
 def restore_folder(source: Path, data: Path) -> Path:

@@ -22,6 +22,7 @@ from talaia.hub.store import (
 )
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
+from talaia.hub.store.history_servers import home_tables as _home_tables
 from talaia.hub.store.lead import lead_table as _lead_table
 from talaia.hub.store.tables import metadata
 
@@ -39,6 +40,7 @@ _ = (
     _alert_notice_tables,
     _board_tables,
     _file_tables,
+    _home_tables,
     _history_tables,
     _lead_table,
     _map_tables,

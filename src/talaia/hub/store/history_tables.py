@@ -40,6 +40,8 @@ __all__ = [
     "boot",
     "catalogue",
     "channel",
+    "copied",
+    "counter",
     "gap",
     "hot",
     "recent",
@@ -210,7 +212,29 @@ sensor = Table(
     UniqueConstraint("view_name"),
 )
 
+# The number that the next one of a kind gets, where rows that had the last ones were deleted.
+counter = Table(
+    "history_counter",
+    metadata,
+    Column("name", String(20), primary_key=True),
+    Column("next_number", BigInteger, nullable=False),
+)
+
+# What of a site that moves here has come: of each channel, by its number where it comes from, the
+# blocks up to this one. `move` tells one move from another.
+copied = Table(
+    "history_copied",
+    metadata,
+    _key_column("site", EXACT_NAME),
+    _key_column("source_channel"),
+    Column("address", EXACT_NAME, nullable=False),
+    Column("move", String(32), nullable=False),
+    Column("block_id", BigInteger, nullable=False),
+)
+
 HISTORY_TABLES = (
+    counter,
+    copied,
     channel,
     boot,
     stored_range,

@@ -43,6 +43,8 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
         source: the text of the description's file as a person wrote it, deflated; empty where it
             is not from one file that may be changed.
         accepts: which changes the gateway takes from the hub: ``no``, ``readings`` or ``all``.
+        acked: below which sample of this boot a hub has said that all is stored; -1: not said. A
+            hub whose history is away answers with it.
 
     """
 
@@ -57,6 +59,7 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
     time_us: Micros = 0
     source: Deflated = b""
     accepts: Word = ""
+    acked: Annotated[int, Meta(ge=-1, le=2**62)] = -1
 
 
 class Event(EventFields, frozen=True, kw_only=True, tag="event"):

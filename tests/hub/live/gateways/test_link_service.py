@@ -1,6 +1,7 @@
 """From the gateway to pages: values, acknowledgements, coming and going."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -23,6 +24,8 @@ from talaia.wire.browser import (
 from talaia.wire.columns import unpack_columns
 from talaia.wire.frames import Ack, Beat, BeatReply, Bye, Hello, ResendRequest, SampleGap, Welcome
 from talaia.wire.message import PROTOCOL, is_compatible
+
+from ...conftest import RunningHub
 
 RECORDED = Path(__file__).parents[3] / "wire" / "recorded" / "first.json"
 NOW = 1_700_000_000_000_000
@@ -290,3 +293,65 @@ async def test_subscription_asked_for_while_the_database_was_away_is_granted_by_
     await gateway.samples(("base/speed", NOW + 1, 0.75))
     assert (await page.hear(Values)).sub == 1
     assert not [each for each in page.heard if isinstance(each, Subscribed)]
+
+
+async def test_a_gateway_is_served_while_the_server_of_its_history_is_away(settings) -> None:
+    disk = settings.data / "disk"
+    servers = settings.data / "servers.yaml"
+    servers.write_text(f"servers: {{east: 'sqlite:///{disk}/talaia.db'}}\ndefault: east\n")
+    async with RunningHub(replace(settings, history_servers=servers), None) as hub:
+        await hub.populate()
+        # One that does not say what it was told could take any answer for lost samples.
+        older = await hub.gateway()
+        await older.say(older.hello_message())
+        assert (await older.hear(Bye)).after_s > 0
+        gateway = await hub.gateway()
+        gateway.acked = 7
+        # What it was told stays: neither more is stored, nor is anything lost.
+        assert (await gateway.hello()).acked == 7
+        page = await hub.page("operator")
+        await subscribed(page, "power/charge", "base/speed")
+        await gateway.samples(("base/speed", NOW, 0.5), first=7)
+        assert columns(await page.hear(Values)).value.tolist() == [0.5]
+        asked = await (await hub.client("operator")).get(
+            "/api/sites/agv/history", params={"channel": "base/speed", "from_us": 0, "to_us": 1}
+        )
+        assert (asked.status_code, asked.json()["code"]) == (503, "history")
+        assert not [message for message in gateway.heard if isinstance(message, Ack)]
+        disk.mkdir()
+        await hub.hub.history.store.mend_servers()
+        # Sent before, and kept: it is stored by itself; what came before it is still missing.
+        assert (await gateway.hear(Ack)).below == 0
+        await gateway.samples(*[("base/speed", NOW - 9 + at, 0.25) for at in range(7)], first=0)
+        await gateway.hear(Ack, lambda ack: ack.below == 8)
+
+
+async def test_a_hub_that_starts_without_the_server_of_a_history_says_so(settings) -> None:
+    disk = settings.data / "disk"
+    disk.mkdir()
+    servers = settings.data / "servers.yaml"
+    servers.write_text(f"servers: {{east: 'sqlite:///{disk}/talaia.db'}}\ndefault: east\n")
+    settings = replace(settings, history_servers=servers)
+    async with RunningHub(settings, None) as hub:
+        await hub.populate()
+        gateway = await hub.gateway()
+        await gateway.hello()
+        await gateway.samples(("base/speed", NOW, 0.5))
+        await gateway.hear(Ack, lambda ack: ack.below == 1)
+        keys = hub.keys
+    disk.rename(settings.data / "elsewhere")
+    async with RunningHub(settings, None) as hub:
+        page = await hub.page("operator")
+        site = await page.hear(SiteUpdate)
+        assert "its history is on a server that is away" in site.why
+        outlook = (await (await hub.client("admin")).get("/api/storage/outlook")).json()
+        assert "the history of agv is on 'east', which is away" in outlook["trouble"]
+        (settings.data / "elsewhere").rename(disk)
+        gateway = await hub.gateway(key=keys["agv"])
+        gateway.acked, gateway.sequence = 1, 1
+        assert (await gateway.hello()).acked == 1
+        await gateway.samples(("base/speed", NOW + 1, 0.75))
+        await hub.hub.history.store.mend_servers()
+        await gateway.hear(Ack, lambda ack: ack.below == 2)
+        found = await hub.hub.history.store.read_series("agv", ["base/speed"], 0, 2**62, width=9)
+        assert found[0].value.tolist() == [0.5, 0.75]

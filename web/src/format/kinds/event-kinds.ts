@@ -111,6 +111,7 @@ const KINDS: Readonly<Record<string, string>> = {
   "heartbeat taken again": msg("heartbeat taken again"),
   "heartbeat withheld": msg("heartbeat withheld"),
   "history imported": msg("history imported"),
+  "history moved": msg("history moved"),
   "hub started": msg("hub started"),
   "hub stopped": msg("hub stopped"),
   "interlock acts": msg("interlock acts"),

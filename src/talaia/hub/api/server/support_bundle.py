@@ -101,7 +101,10 @@ class SupportBundlePages:
     def _settings_files(self) -> list[Path]:
         """Name the files of settings that this hub was given, with whatever secrets they have."""
         settings = self._settings
-        named = (settings.oidc, settings.mqtt, settings.alpaca, settings.audit_hub)
+        named = (
+            *(settings.oidc, settings.mqtt, settings.alpaca, settings.audit_hub),
+            settings.history_servers,
+        )
         return [path for path in named if path is not None and path.is_file()]
 
 

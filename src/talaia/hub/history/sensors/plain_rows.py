@@ -98,6 +98,16 @@ class Recent:
             rows.append({"time_us": time_us, "channel_id": channel, "value": value, "text": words})
         return rows
 
+    def forget_channels(self, channels: list[int]) -> None:
+        """Write no more readings of channels that are gone."""
+        self._sum_up()
+        known = [channel for channel in channels if channel < self._pending.size]
+        self._pending[known] = False
+        self._turn[known] = 0
+        for channel in known:
+            self._texts.pop(channel, None)
+            self._written_texts.pop(channel, None)
+
     def _sum_up(self) -> None:
         """Keep of the batches what is newest of each channel."""
         batches, self._batches, self._samples = self._batches, [], 0

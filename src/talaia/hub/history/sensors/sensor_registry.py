@@ -105,6 +105,11 @@ class SensorRegistry:
             if (kind := self._kinds.pop((site, old), None)) is not None:
                 self._kinds.setdefault((site, new), kind)
 
+    def forget_site(self, site: str) -> None:
+        """Forget what a site's signals are, whose rows are deleted."""
+        for key in [key for key in self._kinds if key[0] == site]:
+            del self._kinds[key]
+
     async def _show_sensors(self, site: str, sensors: list[SensorView]) -> None:
         async with self._one_site:
             try:

@@ -14,7 +14,7 @@ from talaia.hub.history.sensors.view_sql import DropView, view_name, view_statem
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from sqlalchemy import Connection, Engine, Row
 
@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "StoredSensorKind",
+    "adopt_sensors",
+    "drop_sensors",
     "kinds_of",
     "read_kinds",
+    "read_sensors",
     "remember_sensors",
     "rename_sensors",
     "show_sensors",
@@ -174,6 +177,44 @@ def show_sensors(
             )
     _LOG.info("%d sensors of %s have their views", len(wanted), site)
     return len(wanted)
+
+
+def read_sensors(engine: Engine, site: str) -> list[dict[str, Any]]:
+    """Give the rows of a site's sensors, those of former descriptions too."""
+    with engine.begin() as connection:
+        rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).mappings()
+        return [dict(row) for row in rows]
+
+
+def adopt_sensors(engine: Engine, site: str, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write down what sensors of another server are, unless it is known; they have no views yet."""
+    with engine.begin() as connection:
+        known = set(connection.scalars(select(_sensor.c.address).where(_sensor.c.site == site)))
+        taken = set(inspect(connection).get_table_names())
+        taken |= set(connection.scalars(select(_sensor.c.view_name)))
+        number = len(taken)
+        for row in rows:
+            if row["address"] in known:
+                continue
+            while (name := view_name(site, row["address"], number, taken)) in taken:
+                number += 1
+            taken.add(name)
+            connection.execute(insert(_sensor), {**row, "view_name": name, "made_of": ""})
+
+
+def drop_sensors(engine: Engine, site: str) -> int:
+    """Drop the views of some of a site's sensors, and their rows; give how many."""
+    with engine.begin() as connection:
+        query = select(_sensor.c.address, _sensor.c.view_name).where(_sensor.c.site == site)
+        rows = connection.execute(query.limit(_AT_ONCE)).all()
+        there = set(inspect(connection).get_view_names()) if rows else set()
+        for row in rows:
+            if row.view_name in there:
+                connection.execute(DropView(row.view_name))
+            connection.execute(
+                delete(_sensor).where(_sensor.c.site == site, _sensor.c.address == row.address)
+            )
+    return len(rows)
 
 
 def _remember(connection: Connection, site: str, sensor: SensorView, name: str) -> None:

@@ -21,11 +21,10 @@ from sqlalchemy import delete, func, insert, select
 from talaia.hub.history.blocks.block import concatenate_samples, decode_block
 from talaia.hub.history.blocks.journal import part_of, read_row, write_row
 from talaia.hub.history.blocks.journal_rows import JournalRows
-from talaia.hub.history.blocks.ranges import Ranges
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.plain_rows import Recent
-from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
-from talaia.hub.history.writing.channel_ids import Names
+from talaia.hub.history.writing.bulk_writes import insert_rows
+from talaia.hub.history.writing.channel_ids import Names, write_counters
 from talaia.hub.history.writing.compaction import (
     Newest,
     Saved,
@@ -36,29 +35,38 @@ from talaia.hub.history.writing.compaction import (
 )
 from talaia.hub.history.writing.open_blocks import Chunk, Tails
 from talaia.hub.history.writing.retention import delete_blocks
+from talaia.hub.history.writing.seal_choice import SealChoice
+from talaia.hub.history.writing.site_jobs import adopt_blocks, count_outside, forget_site
+from talaia.hub.history.writing.stored_runs import StoredRuns
 from talaia.hub.history.writing.writer_jobs import (
+    Adopt,
+    AdoptRuns,
     Append,
     Below,
     Describe,
     Drop,
+    Forget,
     GapJob,
+    ReadRuns,
     Rename,
+    SealSite,
     Show,
     checked_columns,
 )
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from sqlalchemy import Connection, Engine
 
     from talaia.clock import Clock
     from talaia.hub.history.limits import HistoryLimits
     from talaia.hub.history.writing.retention import Doomed
+    from talaia.hub.history.writing.site_jobs import Adopted, Forgotten
     from talaia.hub.history.writing.writer_jobs import Job
 
-__all__ = ["BlockIndex", "sealing_size"]
+__all__ = ["BlockIndex"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -93,6 +101,11 @@ class _Draft:
         self.ranges: dict[int, set[int]] = {}
         # Something got a number or another name, which has to be written though no row is.
         self.named = False
+        # What came from another server, and sites that have gone to one.
+        self.adopted: list[Adopted] = []
+        self.forgotten: list[Forgotten] = []
+        # Ranges are written though no row of the journal goes.
+        self.writes_runs = False
         # In `rows`; how much is sealed next goes by it.
         self.samples = 0
 
@@ -126,40 +139,30 @@ class BlockIndex:
         self._recent = Recent()
         # The last rollup rows of each channel, to which its next block adds.
         self._newest: dict[int, Newest] = {}
-        # By boot, where the ranges begin that stand in the database: those that were joined go.
-        self._written_ranges: dict[int, set[int]] = {}
-        # By boot, the numbers of all samples that are stored: what comes again is passed over.
-        self._stored: dict[int, Ranges] = {}
-        # The same with what is recorded as lost; a gateway need not send below the first hole.
-        self._settled: dict[int, Ranges] = {}
-        # Boots whose ranges are not in the database as they are here.
-        self._changed: set[int] = set()
+        # What of each boot is stored or lost.
+        self._runs = StoredRuns()
         self._next_row = 1
         # From this number on readers take no block: their samples are in the tails still.
         self._next_block = 1
         self._journal = JournalRows()
         # What of the tails the next commit writes; compressed while nobody waits.
         self._plan: _Plan | None = None
-        # Channels with a block's worth, the fullest last, as they were when batches were dealt out.
-        self._full: list[int] = []
-        # Of which tails that is known, and after how many deals.
-        self._full_as_of: tuple[Tails | None, int] = (None, 0)
-        # Came since the last plan: the next one seals twice as many, so it does not fall behind.
-        self._samples = 0
+        # Chooses what is planned.
+        self._choice = SealChoice(limits)
         self.written = 0
 
     def load_index(self) -> None:
         """Read what is stored; also after a commit of which nobody knows whether it happened."""
         names = Names()
-        self._newest, self._written_ranges = {}, {}
-        self._stored, self._settled, self._changed = {}, {}, set()
+        self._newest, self._runs = {}, StoredRuns()
         self._journal = JournalRows()
         self._plan = None
         with self._engine.begin() as connection:
             names.load_names(connection)
-            _load_ranges(connection, self._written_ranges, self._stored, self._settled)
+            self._runs.load_runs(connection)
             last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
-            self._next_block = last_block + 1
+            # The last ones may have been dropped.
+            self._next_block = max(last_block + 1, names.next_of("block"))
             done = max(names.saved_row.values(), default=0)
             tails = Tails(self._next_block, done, self._limits.recent)
             for row in connection.execute(select(tables.tail)):
@@ -172,7 +175,7 @@ class BlockIndex:
                 tails.restore_tail(row.channel_id, samples)
                 ids = np.full(samples.time_us.size, row.channel_id, np.int64)
                 self._recent.add_chunks([Chunk(0, ids, *samples)])
-            self._next_row = done + 1
+            self._next_row = max(done + 1, names.next_of("row"))
             self._replay_journal(connection, names, tails)
         # Readers see the old state or the new one, never half of it.
         self.names, self.tails, self.run = names, tails, self.run + 1
@@ -204,29 +207,7 @@ class BlockIndex:
         if self._plan is not None:
             return
         tails = self.tails
-        if tails.is_due():
-            tails.deal_chunks()
-        enough = sealing_size(self._limits, len(tails.all_tails()))
-        if self._full_as_of != (tails, tails.deals):
-            self._full_as_of = (tails, tails.deals)
-            # The fullest last: of channels that run in step, none falls behind for good.
-            sizes = [(tail.size, channel) for channel, tail in tails.all_tails().items()]
-            self._full = [channel for size, channel in sorted(sizes) if size >= enough]
-        # Twice as many as come, so that they are never more than a few behind.
-        budget = 1 + self._samples // (enough // 2)
-        self._samples = 0
-        chosen = [self._full.pop() for _ in range(min(budget, len(self._full)))]
-        saved: list[int] = []
-        full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.all_tails())
-        if full and len(chosen) < budget:
-            waiting = [
-                (tail.oldest_row, channel)
-                for channel, tail in tails.all_tails().items()
-                if tail.oldest_row is not None and channel not in chosen
-            ]
-            for _, channel in sorted(waiting)[: budget - len(chosen)]:
-                full_enough = tails.all_tails()[channel].size >= self._limits.block // 2
-                (chosen if full_enough else saved).append(channel)
+        chosen, saved, enough = self._choice.choose_channels(tails, self._journal.samples)
         if chosen or saved:
             saves = [
                 save_tail(
@@ -242,10 +223,7 @@ class BlockIndex:
         )
         saved = _saved_rows(names)
         for row in rows:
-            past = row.first_seq + row.samples
-            self._stored.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, past)
-            self._settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, past)
-            self._changed.add(row.boot_id)
+            self._runs.add_stored(row.boot_id, row.first_seq, row.first_seq + row.samples)
             try:
                 columns = read_row(row.body)
             except HistoryError as error:
@@ -271,7 +249,7 @@ class BlockIndex:
                     self._take_gap(job, draft)
                 case Below():
                     boot = self.names.boots.get((job.site, job.boot), 0)
-                    return self._settled.get(boot, Ranges()).contiguous_end()
+                    return self._runs.settled_below(boot)
                 case Describe():
                     now_us = self._clock.wall_ns() // 1_000
                     self.names.channel_catalogue(job.site, job.addresses, now_us)
@@ -283,11 +261,44 @@ class BlockIndex:
                     draft.doomed += job.doomed
                 case Show():
                     draft.recent = self._recent.newest_rows()
+                case _:
+                    return self._answer_move(job, draft)
         except (HistoryError, UnicodeEncodeError) as error:
             # One batch that cannot be kept must not take the others of its commit with it.
             if isinstance(error, HistoryError):
                 return error
             return HistoryError(f"a text is not Unicode: {error}")
+        return 0
+
+    def _answer_move(
+        self, job: SealSite | ReadRuns | Adopt | AdoptRuns | Forget, draft: _Draft
+    ) -> int:
+        """Answer a job of a site's move to another server, or from one."""
+        # What is planned is written with it, and the next plan is made after it.
+        draft.named = True
+        match job:
+            case SealSite():
+                mine = self.names.of_site(job.site)
+                # Those that wait in batches are dealt out before the next plan.
+                self._choice.seal_soon(mine)
+                return count_outside(self.tails, mine, draft.chunks)
+            case ReadRuns():
+                for (site, boot), number in self.names.boots.items():
+                    if site == job.site:
+                        job.found[boot] = list(self._runs.stored_of(number))
+            case Adopt():
+                now_us = self._clock.wall_ns() // 1_000
+                adopted = adopt_blocks(job, self.names, self._next_block, now_us)
+                self._next_block += len(adopted.blocks)
+                draft.adopted.append(adopted)
+            case AdoptRuns():
+                for boot, ranges in job.runs.items():
+                    number = self.names.boot_id(job.site, boot)
+                    for first, past in ranges:
+                        self._runs.add_stored(number, first, past)
+                draft.writes_runs = True
+            case Forget():
+                draft.forgotten.append(forget_site(job, self.names))
         return 0
 
     def _add_batch(self, job: Append, draft: _Draft) -> None:
@@ -296,7 +307,7 @@ class BlockIndex:
         boot = self.names.boot_id(job.site, job.boot)
         now_us = self._clock.wall_ns() // 1_000
         catalogue = self.names.channel_catalogue(job.site, job.addresses, now_us)
-        stored = self._stored.setdefault(boot, Ranges())
+        stored = self._runs.stored_of(boot)
         parts = [
             (first, part_of(columns, first - job.first, past - job.first))
             for first, past in stored.missing_ranges(job.first, job.first + len(columns))
@@ -319,15 +330,13 @@ class BlockIndex:
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
             # At once, so that another batch of this commit is cut by it too.
-            stored.add_range(first, first + len(part))
-            self._settled.setdefault(boot, Ranges()).add_range(first, first + len(part))
-            self._changed.add(boot)
+            self._runs.add_stored(boot, first, first + len(part))
 
     def _take_gap(self, job: GapJob, draft: _Draft) -> None:
         row = _gap_row(job)
         boot = self.names.boot_id(job.site, job.boot)
         draft.gaps.append({"boot_id": boot, **row})
-        self._settled.setdefault(boot, Ranges()).add_range(job.first, job.last + 1)
+        self._runs.settled_of(boot).add_range(job.first, job.last + 1)
 
     def _seal_tail(self, channel: int, block: int) -> Sealed:
         tail = self.tails.all_tails()[channel]
@@ -354,9 +363,14 @@ class BlockIndex:
             self._recent.write_rows(connection, draft.recent)
         if draft.doomed:
             delete_blocks(connection, draft.doomed)
+            write_counters(connection, {"block": self._next_block})
             # The rollup rows that were known to be the last may be gone.
             for block in draft.doomed:
                 self._newest.pop(block.channel, None)
+        for adopted in draft.adopted:
+            adopted.write_rows(connection)
+            for channel in adopted.channels:
+                self._newest.pop(channel, None)
         for sealed in draft.seals:
             channel = sealed.channel
             newest = self._newest.get(channel)
@@ -365,7 +379,17 @@ class BlockIndex:
             draft.newest[channel] = sealed.write_blocks(connection, newest)
         for saved in draft.saves:
             saved.write_tail(connection)
+        if draft.writes_runs:
+            draft.ranges = self._runs.write_changed(connection)
+        if draft.forgotten:
+            self._forget_rows(connection, draft.forgotten)
         return self._delete_done(connection, draft)
+
+    def _forget_rows(self, connection: Connection, forgotten: Sequence[Forgotten]) -> None:
+        counters = {**self.names.counters, "block": self._next_block, "row": self._next_row}
+        write_counters(connection, counters)
+        for site in forgotten:
+            site.delete_rows(connection)
 
     def _delete_done(self, connection: Connection, draft: _Draft) -> int:
         """Delete journal rows that nobody needs; a range of numbers stands for them then."""
@@ -373,70 +397,41 @@ class BlockIndex:
         count = min(most, self._journal.count_below(self.tails.needed_row()))
         if count and (count == most or self._journal.samples > self._limits.journal // 8):
             last = self._journal.last_of_oldest(count)
-            self._write_ranges(connection, draft)
+            draft.ranges = self._runs.write_changed(connection)
             connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
             return last
         return 0
 
-    def _write_ranges(self, connection: Connection, draft: _Draft) -> None:
-        """Write the ranges of changed boots; those that were joined with others go."""
-        table = tables.stored_range
-        rows = []
-        for boot in self._changed:
-            ranges = list(self._stored[boot])
-            draft.ranges[boot] = {first for first, _ in ranges}
-            _delete_ranges(
-                connection, boot, self._written_ranges.get(boot, set()) - draft.ranges[boot]
-            )
-            rows += [
-                {"boot_id": boot, "first_seq": first, "past_seq": past} for first, past in ranges
-            ]
-        put_rows(connection, table, rows)
-
     def _apply_draft(self, draft: _Draft, last_gone: int) -> None:
         self._plan = None
-        self._samples += draft.samples
+        self._choice.samples += draft.samples
         self.names.clear_new()
         self._newest.update(draft.newest)
-        self._written_ranges.update(draft.ranges)
+        self._runs.mark_written(draft.ranges)
         for sealed in draft.seals:
             self.names.saved_row[sealed.channel] = sealed.row
         if draft.seals:
             self.tails.forget_sealed([sealed.channel for sealed in draft.seals], self._next_block)
         for saved in draft.saves:
             self.names.saved_row[saved.channel] = saved.row
+        if draft.adopted:
+            # From here on readers find them.
+            self.tails.forget_sealed([], self._next_block)
+        for site in draft.forgotten:
+            self.names.forget_site(site.site)
+            self._runs.forget_boots(site.boots)
+            self._recent.forget_channels(site.channels)
+            for channel in site.channels:
+                self._newest.pop(channel, None)
         if draft.saves:
             self.tails.mark_saved([saved.channel for saved in draft.saves])
         if last_gone:
-            self._changed.clear()
+            self._runs.clear_changed()
             self._journal.forget_rows(last_gone)
         self.tails.add_chunks(draft.chunks)
         self._recent.add_chunks(draft.chunks)
         for row in draft.rows:
             self._journal.append_row(row["id"], row["samples"])
-
-
-def _load_ranges(
-    connection: Connection,
-    written: dict[int, set[int]],
-    stored: dict[int, Ranges],
-    settled: dict[int, Ranges],
-) -> None:
-    """Fill in, by boot, where ranges begin, what is stored, and what is stored or lost."""
-    for row in connection.execute(select(tables.stored_range)):
-        written.setdefault(row.boot_id, set()).add(row.first_seq)
-        stored.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.past_seq)
-        settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.past_seq)
-    for row in connection.execute(select(tables.gap)):
-        settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.last_seq + 1)
-
-
-def sealing_size(limits: HistoryLimits, channels: int) -> int:
-    """Give how many samples a channel may hold in memory before they are made blocks."""
-    channels = max(1, channels)
-    most = max(limits.block, min(limits.largest, limits.held // channels))
-    # Ten thousand channels of a few thousand samples each would take most of a gigabyte.
-    return min(most, max(min(limits.block, limits.smallest), limits.most_held // channels))
 
 
 def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
@@ -469,13 +464,6 @@ def _gap_row(job: GapJob) -> dict[str, Any]:
         # PostgreSQL's texts hold no zero byte.
         "reason": job.reason.replace("\0", "�"),
     }
-
-
-def _delete_ranges(connection: Connection, boot: int, firsts: Iterable[int]) -> None:
-    table = tables.stored_range
-    for first in firsts:
-        gone = (table.c.boot_id == boot, table.c.first_seq == first)
-        connection.execute(delete(table).where(*gone))
 
 
 def _select_samples(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 from sqlalchemy import select, update
 
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.writing.bulk_writes import insert_rows
+from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection, Table
 
-__all__ = ["Catalogue", "Names"]
+__all__ = ["Catalogue", "Names", "write_counters"]
 
 _LOG = logging.getLogger(__name__)
 _LONGEST_NAME = 200
@@ -59,22 +59,34 @@ class Names:
         self._lists: dict[tuple[str, tuple[str, ...]], Catalogue] = {}
         # Rows that the next commit writes, with their tables.
         self._new: list[tuple[Table, dict[str, Any]]] = []
+        # By kind, the number that the next one gets. A number that was given once is never given
+        # again, though its row be deleted: blocks, batches and views name each other by numbers.
+        self._next: dict[str, int] = {}
         # New addresses that the next commit writes, by channel id.
         self._renamed: dict[int, str] = {}
 
     def load_names(self, connection: Connection) -> None:
         """Read all names from the database."""
+        for row in connection.execute(select(tables.counter)):
+            self._next[row.name] = row.next_number
         table = tables.channel
         for row in connection.execute(select(table)):
+            self._count_up("channel", row.id)
             self.channels[row.site, row.address] = row.id
             self.saved_row[row.id] = row.saved_row
             self.longest_us[row.id] = row.longest_us
         for row in connection.execute(select(tables.boot)):
+            self._count_up("boot", row.id)
             self.boots[row.site, row.boot] = row.id
         for row in connection.execute(select(tables.catalogue)):
+            self._count_up("catalogue", row.id)
             self._add_catalogue(
                 Catalogue(row.id, np.frombuffer(row.channels, "<u4").astype(np.int64))
             )
+
+    def next_of(self, kind: str) -> int:
+        """Give the number that the next one of a kind gets, as far as it is known here."""
+        return self._next.get(kind, 1)
 
     def boot_id(self, site: str, boot: str) -> int:
         """Give the number of a boot, a new one if need be.
@@ -87,7 +99,7 @@ class Names:
         if known is None:
             # Before it gets a number: nothing of a refused name is kept.
             _check_names(site, boot)
-            known = self.boots[site, boot] = len(self.boots) + 1
+            known = self.boots[site, boot] = self._take_number("boot")
             self._new.append((tables.boot, {"id": known, "site": site, "boot": boot}))
         return known
 
@@ -108,6 +120,35 @@ class Names:
                 self._lists.clear()
             self._lists[key] = known
         return known
+
+    def channel_number(self, site: str, address: str, since_us: int) -> int:
+        """Give the number of a channel, a new one if need be.
+
+        Raises:
+            HistoryError: a name no database would keep.
+
+        """
+        _check_names(site, address)
+        return self._channel_id(site, address, since_us)
+
+    def of_site(self, site: str) -> set[int]:
+        """Give the numbers of a site's channels."""
+        return {number for (owner, _), number in self.channels.items() if owner == site}
+
+    def forget_site(self, site: str) -> None:
+        """Forget a site's channels and boots, whose rows are deleted."""
+        for key in [key for key in self.channels if key[0] == site]:
+            number = self.channels.pop(key)
+            self.saved_row.pop(number, None)
+            self.longest_us.pop(number, None)
+        for key in [key for key in self.boots if key[0] == site]:
+            del self.boots[key]
+        self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """The number that comes next of each kind."""
+        return {kind: self.next_of(kind) for kind in ("channel", "boot", "catalogue")}
 
     def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """Let channels have other addresses; one whose new address has a history stays."""
@@ -147,18 +188,27 @@ class Names:
     def _channel_id(self, site: str, address: str, now_us: int) -> int:
         known = self.channels.get((site, address))
         if known is None:
-            known = self.channels[site, address] = len(self.channels) + 1
+            known = self.channels[site, address] = self._take_number("channel")
             self.saved_row[known] = self.longest_us[known] = 0
             row = {"id": known, "site": site, "address": address, "since_us": now_us}
             self._new.append((tables.channel, {**row, "saved_row": 0, "longest_us": 0}))
         return known
+
+    def _take_number(self, kind: str) -> int:
+        number = self.next_of(kind)
+        self._next[kind] = number + 1
+        return number
+
+    def _count_up(self, kind: str, number: int) -> None:
+        if number >= self.next_of(kind):
+            self._next[kind] = number + 1
 
     def _find_catalogue(self, channels: NDArray[np.int64]) -> Catalogue:
         # Little-endian on every machine: it is compared with what the database has.
         data = channels.astype("<u4").tobytes()
         known = self._catalogues.get(data)
         if known is None:
-            known = Catalogue(len(self._catalogues) + 1, channels)
+            known = Catalogue(self._take_number("catalogue"), channels)
             self._add_catalogue(known)
             self._new.append((tables.catalogue, {"id": known.id, "channels": data}))
         return known
@@ -166,6 +216,12 @@ class Names:
     def _add_catalogue(self, catalogue: Catalogue) -> None:
         self._catalogues[catalogue.channels.astype("<u4").tobytes()] = catalogue
         self._by_id[catalogue.id] = catalogue
+
+
+def write_counters(connection: Connection, counters: Mapping[str, int]) -> None:
+    """Record which numbers come next, by kind: rows that had the last ones are deleted."""
+    rows = [{"name": kind, "next_number": number} for kind, number in counters.items()]
+    put_rows(connection, tables.counter, rows)
 
 
 def _check_names(*names: str) -> None:

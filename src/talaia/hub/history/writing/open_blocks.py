@@ -150,6 +150,11 @@ class Tails:
                     self._single = 0
             self._waiting += sum(chunk.time_us.size for chunk in chunks)
 
+    def waiting_channels(self) -> set[int]:
+        """Give the channels of batches that are not dealt out; for the writing thread only."""
+        ids = [chunk.channel for chunk in self._recent]
+        return set(np.unique(np.concatenate(ids)).tolist()) if ids else set()
+
     def is_due(self) -> bool:
         """Tell whether enough batches wait to be dealt out."""
         enough = min(_OF_EACH * len(self._tails), _MOST_WAITING)

@@ -53,9 +53,13 @@ class Tidier:
         # Of all blocks; 0: no limit.
         self._most_bytes = most_bytes
         self._clock = clock
+        # Sites that move: nothing is dropped meanwhile, or it would come there after all.
+        self.held_for: set[str] = set()
 
     async def drop_old_blocks(self) -> int:
         """See `HistoryStore.apply_retention`."""
+        if self.held_for:
+            return 0
         now_us = self._clock.wall_ns() // 1000
         before_us = self._periods.oldest_kept(self._ledger.names.channels, now_us)
         dropped = 0

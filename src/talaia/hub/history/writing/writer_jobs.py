@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,13 +15,19 @@ if TYPE_CHECKING:
     from talaia.hub.history.writing.retention import Doomed
 
 __all__ = [
+    "Adopt",
+    "AdoptRuns",
     "Append",
+    "ArrivingChannel",
     "Below",
     "Describe",
     "Drop",
+    "Forget",
     "GapJob",
     "Job",
+    "ReadRuns",
     "Rename",
+    "SealSite",
     "Show",
     "checked_columns",
 ]
@@ -80,7 +86,84 @@ class Drop(NamedTuple):
     doomed: Sequence[Doomed]
 
 
-Job = Append | GapJob | Below | Describe | Rename | Show | Drop
+class SealSite(NamedTuple):
+    """Make blocks of all that a site has outside of them; answers how many channels still have.
+
+    It is asked again until that is none; samples that come meanwhile are sealed, too.
+    """
+
+    site: str
+
+
+class ReadRuns(NamedTuple):
+    """Ask what of each boot of a site is stored; ``found`` is filled in by the writing thread."""
+
+    site: str
+    found: dict[str, list[tuple[int, int]]]
+
+
+class ArrivingChannel(NamedTuple):
+    """A channel of a site that comes from another server.
+
+    Attributes:
+        source: its number there.
+        since_us: since when it has been known (µs, UTC).
+        block: its last block that has come, with those of the same job, by the number there.
+
+    """
+
+    source: int
+    address: str
+    since_us: int
+    block: int
+
+
+class Adopt(NamedTuple):
+    """Store what comes from another server; rows have the channels' numbers of there.
+
+    Attributes:
+        move: tells this move from any other.
+        blocks: rows of blocks, each with its body.
+        rollups: rows in place of those that came before.
+        recent: readings that views show.
+
+    """
+
+    site: str
+    move: str
+    channels: Sequence[ArrivingChannel]
+    blocks: Sequence[tuple[dict[str, Any], bytes]] = ()
+    rollups: Sequence[dict[str, Any]] = ()
+    recent: Sequence[dict[str, Any]] = ()
+
+
+class AdoptRuns(NamedTuple):
+    """Count as stored what was on another server."""
+
+    site: str
+    runs: Mapping[str, Sequence[tuple[int, int]]]
+
+
+class Forget(NamedTuple):
+    """Delete the rest of a site: channels, boots, and what of it is in the journal."""
+
+    site: str
+
+
+Job = (
+    Append
+    | GapJob
+    | Below
+    | Describe
+    | Rename
+    | Show
+    | Drop
+    | SealSite
+    | ReadRuns
+    | Adopt
+    | AdoptRuns
+    | Forget
+)
 
 
 def checked_columns(job: Append) -> Columns:

@@ -44,9 +44,10 @@ class ScoreWriter:
         """Store what waits.
 
         Raises:
-            SQLAlchemyError, TalaiaError, OSError: the rest is not stored; it goes on waiting.
+            SQLAlchemyError, TalaiaError, OSError: of a site, it is not stored; it goes on waiting.
 
         """
+        failure: Exception | None = None
         for site in [site for site, waiting in self._waiting.items() if waiting]:
             # Swapped, so that scores that come during the write wait apart.
             waiting, self._waiting[site] = self._waiting[site], []
@@ -63,9 +64,13 @@ class ScoreWriter:
                 await self._history.append_samples(
                     site, self._run, first, addresses=addresses, columns=columns
                 )
-            except _FAILS:
+            except _FAILS as error:
                 # Those that came meanwhile stand behind.
                 self._waiting[site] = (waiting + self._waiting[site])[:_MOST_SCORES]
-                raise
-            # Only when they are stored: after a failure they keep their numbers.
-            self._first[site] = first + len(waiting)
+                # Others may be on a server that is there.
+                failure = error
+            else:
+                # Only when they are stored: after a failure they keep their numbers.
+                self._first[site] = first + len(waiting)
+        if failure is not None:
+            raise failure

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
+from talaia.hub.history.errors import HistoryAway
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.gateway_words import is_described
 from talaia.hub.live.gateways.handed_down import HandedDown
@@ -24,7 +25,7 @@ from talaia.wire.errors import PeerError
 from talaia.wire.sealing import decompress_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from talaia.hub.live.gateways.change_requests import ChangeRequestClient
     from talaia.hub.live.gateways.channel_maps import ChannelMaps
@@ -89,8 +90,12 @@ class DescriptionIntake:
 
     async def handle_hello(
         self, hello: frames.Hello, description: Site, source: str, gateway: int
-    ) -> None:
+    ) -> Mapping[str, str]:
         """Take in what a gateway says of its site when it comes.
+
+        Returns:
+            What channels are called from now on, by their former addresses, where the history is
+            away and that has to be stored before anything else.
 
         Raises:
             SQLAlchemyError, TalaiaError, OSError: not all of it is stored.
@@ -103,9 +108,13 @@ class DescriptionIntake:
         if live is None or live.gateway.fingerprint != told:
             # Before `describe`, which would make new channels for the new names.
             if live is not None:
-                await self._history.rename_channels(
-                    site, list_renames(live.description, description)
-                )
+                moves = list_renames(live.description, description)
+                try:
+                    await self._history.rename_channels(site, moves)
+                except HistoryAway:
+                    # The description of before stays in the registry: a hub that is started anew
+                    # meanwhile finds the same new names again.
+                    return moves
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
             await self._history.describe_site(description)
         # The text that a person wrote may change while what it describes does not.
@@ -114,6 +123,7 @@ class DescriptionIntake:
             await self._versions.add_version(
                 site, source or hello.description, gateway=gateway, who="", note=note
             )
+        return {}
 
     def notify_followers(self, live: LiveSite) -> None:
         """Let every part that follows a description take the site's new one."""

@@ -16,6 +16,7 @@ from talaia import __version__
 from talaia.errors import TalaiaError
 from talaia.first_completed import until_first
 from talaia.hub.errors import HubBusy
+from talaia.hub.history.errors import HistoryAway
 from talaia.hub.live.gateways.channel_maps import ChannelMaps
 from talaia.hub.live.gateways.description_intake import Redescription, source_of
 from talaia.hub.live.gateways.doubles.gateway_places import REPLACED
@@ -177,8 +178,8 @@ class LinkService:
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
             async with self._admission.wait_turn():
-                await self._describing.handle_hello(hello, description, source, key.id)
-                acked = await ingest.first_missing(hello.boot)
+                later = await self._describing.handle_hello(hello, description, source, key.id)
+                acked = await _first_missing(ingest, hello)
         except HubBusy as error:
             await link.send_farewell(str(error), TRY_LATER, self._admission.after_s)
             return
@@ -187,6 +188,8 @@ class LinkService:
             said = "the hub cannot store anything now; try again later"
             await link.send_farewell(said, TRY_LATER, STORE_AFTER_S)
             return
+        if later:
+            ingest.rename_channels(later)
         # Again: while this one waited for its turn another may have been linked. Nothing is
         # awaited from the last look to `_attach_link`, so no other comes between.
         if not await self._places.wait_place(link, key, hello, address):
@@ -402,6 +405,23 @@ class LinkService:
     def _now_us(self) -> int:
         # Beats measure spans, which a clock that is set must not change.
         return self._clock.monotonic_ns() // 1000
+
+
+async def _first_missing(ingest: Ingest, hello: frames.Hello) -> int:
+    """Give what is stored of a gateway's run; what it was told last, while its history is away.
+
+    Raises:
+        HistoryAway: it is, and the gateway is of a version that does not say what it was told.
+
+    """
+    try:
+        return await ingest.first_missing(hello.boot)
+    except HistoryAway as error:
+        # Less would be taken for samples that the hub has lost, and more would lose some.
+        if hello.acked < 0:
+            raise
+        _LOG.warning("samples of %s wait at its gateway: %s", hello.site, error)
+        return hello.acked
 
 
 def _refusal_code(error: Exception) -> int:

@@ -39,6 +39,8 @@ class Dialect(Protocol):
         has_checkpoints: somebody has to keep its journal short.
         remedy: what to do when it cannot be opened.
         lead: how it says which of several hubs leads; none: only one hub can use it.
+        idle_bound: ends the session of a hub that stands still within a transaction, which would
+            keep every other one from writing; empty: there is no such session.
 
     """
 
@@ -49,6 +51,7 @@ class Dialect(Protocol):
     has_checkpoints: bool
     remedy: str
     lead: LeadWords | None
+    idle_bound: str
 
     # ── connections ──
 

@@ -41,6 +41,7 @@ class PostgresqlDialect:
     has_checkpoints = False
     remedy = "check that the server runs, and that the database and its user are there"
     lead: LeadWords | None = POSTGRESQL_LEAD
+    idle_bound = "SET idle_in_transaction_session_timeout = '10s'"
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
         """Bound the time it takes to be let in, where the driver can."""

@@ -54,6 +54,7 @@ class SqliteDialect:
     has_checkpoints = True
     remedy = "check that its folder exists and is writable"
     lead: LeadWords | None = None
+    idle_bound = ""
 
     def connect_arguments(self, driver: str) -> Mapping[str, Any]:
         """Let requests that were cut off give their locks back."""

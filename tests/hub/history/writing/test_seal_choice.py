@@ -3,7 +3,7 @@
 import pytest
 
 from talaia.hub.history.limits import HistoryLimits
-from talaia.hub.history.writing.block_index import sealing_size
+from talaia.hub.history.writing.seal_choice import sealing_size
 
 pytestmark = pytest.mark.pure
 

@@ -1,0 +1,127 @@
+"""A move is asked for in the accounts' database; the hub does it, or this where none runs."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from typing import TYPE_CHECKING
+
+from talaia.cli.errors import CliError
+from talaia.clock import SystemClock
+from talaia.hub.accounts import append_audit_record
+from talaia.hub.errors import CannotStart
+from talaia.hub.history.limits import HistoryLimits
+from talaia.hub.history.servers.build_history import build_history
+from talaia.hub.history.servers.history_servers import HistoryServers
+from talaia.hub.lock import HubRuns, hub_lock
+from talaia.hub.store.database import Database
+from talaia.hub.store.database_url import parse_database_url
+from talaia.hub.store.history_servers.history_homes import HistoryHomes
+from talaia.hub.store.history_servers.home_tables import OWN
+from talaia.hub.store.lead.only_hub import hold_only_hub
+from talaia.hub.store.sites.site_registry import SiteRegistry
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from talaia.hub.settings import Settings
+    from talaia.hub.store.history_servers.history_homes import HistoryHome
+
+__all__ = ["list_histories", "move_history"]
+
+# Between two looks at how far it is (s).
+_LOOK_S = 1.0
+
+
+async def list_histories(settings: Settings, tell: Callable[[str], None]) -> None:
+    """Tell which server has which site's history.
+
+    Raises:
+        HubError: the database cannot be opened.
+
+    """
+    async with _open_database(settings) as database:
+        homes = {home.site: home for home in await HistoryHomes(database).list_homes()}
+        sites = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
+    for site in sorted(sites | homes.keys()):
+        home = homes.get(site)
+        tell(f"{site}: {OWN}" if home is None else _line_of(home))
+
+
+async def move_history(
+    settings: Settings, site: str, server: str, tell: Callable[[str], None]
+) -> None:
+    """Move a site's history, and tell how far it is.
+
+    Raises:
+        HubError: the database cannot be opened.
+        CliError: there is no such site.
+
+    """
+    async with _open_database(settings) as database:
+        homes = HistoryHomes(database)
+        known = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
+        if site not in known and await homes.find_home(site) is None:
+            raise CliError(f"there is no site {site!r}; talaia history list names them")
+        before = await homes.find_home(site)
+        asked = await homes.ask_move(site, server, own=OWN)
+        if before is None or before.moving_to != asked.moving_to:
+            said = f"the history of {site} from {asked.server} to {server}"
+            await append_audit_record(database, "history moved", said, site)
+        line = ""
+        while True:
+            home = await homes.find_home(site)
+            if home is None or not (home.moving_to or home.erase_at):
+                break
+            if (now := _line_of(home)) != line:
+                line = now
+                tell(line)
+            await _move_here(settings, database, homes)
+            await asyncio.sleep(_LOOK_S)
+    tell(f"{site}: {server}")
+
+
+async def _move_here(settings: Settings, database: Database, homes: HistoryHomes) -> None:
+    """Do it where no hub runs; else the hub does."""
+    with contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(hub_lock(settings.data))
+        except HubRuns:
+            return
+        async with contextlib.AsyncExitStack() as waiting:
+            if parse_database_url(settings.url).dialect.is_server:
+                try:
+                    await waiting.enter_async_context(hold_only_hub(settings.url, lambda: None))
+                except CannotStart:
+                    # A hub on another machine has the database.
+                    return
+            limits = HistoryLimits(show_s=0, tidy_s=0)
+            history = build_history(settings, database, SystemClock(), limits)
+            if not isinstance(history, HistoryServers):
+                raise CliError("--history-servers: name the file that names them, as for the hub")
+            await history.open()
+            try:
+                await history.move_sites()
+            finally:
+                await history.close()
+
+
+def _line_of(home: HistoryHome) -> str:
+    said = f"{home.site}: {home.server}"
+    if home.moving_to:
+        said += f", on its way to {home.moving_to}"
+        if home.all_blocks:
+            said += f": {home.done_blocks} of {home.all_blocks} blocks"
+    elif home.erase_at:
+        said += f", what was left at {home.erase_at} is being erased"
+    return f"{said}; it waits: {home.problem}" if home.problem else said
+
+
+@contextlib.asynccontextmanager
+async def _open_database(settings: Settings) -> AsyncIterator[Database]:
+    database = Database(settings.url)
+    try:
+        await database.migrate()
+        yield database
+    finally:
+        await database.close()

@@ -1,0 +1,1 @@
+"""Which server has a site's history, and which hub writes there."""

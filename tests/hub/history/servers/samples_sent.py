@@ -1,0 +1,28 @@
+"""Samples as a gateway sends them, and whether they are all there."""
+
+from ..samples import ALL, batch, rows_of, wanted
+
+ADDRESSES = ["base/x", "base/word"]
+
+
+def rows_between(first, past):
+    """Give samples with sequence numbers from ``first`` on; each fifth is a text."""
+    return [
+        (1, 10**15 + number, f"w{number}") if number % 5 == 0 else (0, 10**15 + number, number / 7)
+        for number in range(first, past)
+    ]
+
+
+async def send(history, site, first, past, boot="b"):
+    """Send samples, as a gateway does."""
+    await history.append_samples(
+        site, boot, first, addresses=ADDRESSES, columns=batch(rows_between(first, past))
+    )
+
+
+async def assert_whole(history, site, past):
+    """See that each sample up to ``past`` is there once, and that no more is asked for."""
+    series = await history.read_series(site, ADDRESSES, *ALL, width=10_000)
+    for channel, found in enumerate(series):
+        assert rows_of(found) == wanted(rows_between(0, past), channel)
+    assert await history.stored_below(site, "b") == past
