@@ -285,7 +285,8 @@ export class PastBoard extends Store {
     // The moment first, and all samples around it once it is shown: who jumps about needs none of them.
     if (!this.playing && !this.values.isReady(us)) this.values.moment.load(us, most);
     else if (this.playing || (this.isSettled && this.isShown(us))) this.values.chunks.load(us, us, most);
-    this.feed.load(0, most);
+    // Values and the film first: a window of charts is more work than all of them.
+    if (!this.isBlink || this.values.isReady(us)) this.feed.load(0, most);
     this.topics.load(this.playing ? Math.min(MOST_TOPICS_AHEAD_S, TOPICS_AHEAD_S * this.speed) * SECOND_US : 0, most);
     if (aheadUs === 0) return;
     this.values.chunks.load(us, us + aheadUs);
