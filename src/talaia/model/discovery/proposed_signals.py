@@ -14,7 +14,13 @@ import msgspec
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
 from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
-from talaia.model.discovery.rules.field_names import JOINTS, joint_title, name_of_field, plain_name
+from talaia.model.discovery.rules.field_names import (
+    FORM_PARTS,
+    JOINTS,
+    joint_title,
+    name_of_field,
+    plain_name,
+)
 from talaia.model.discovery.rules.unwanted_fields import wanted_fields
 from talaia.model.discovery.rules.whole_topics import LEVELS
 from talaia.model.discovery.topic_words import free_word, last_part
@@ -135,7 +141,7 @@ class ProposedSignals:
         if not topic.stamped or topic.latched:
             # What is latched is as old as it likes when somebody comes to hear it.
             return
-        name = f"{plain_name(last_part(topic.topic))} delay"
+        name = f"{plain_name(last_part(topic.topic, FORM_PARTS))} delay"
         signals[free_word(word_of(name), signals)] = Signal(
             name=name,
             unit="s",
