@@ -13,6 +13,7 @@ from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import RosSource, source_as
 from talaia.model.discovery.generate_description import DescriptionProposal, propose_description
 from talaia.model.discovery.probe_report import Found
+from talaia.model.discovery.rules.stop_choice import StopAnswers
 from talaia.model.site import DeviceKind, Signal, SignalType
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
@@ -161,6 +162,17 @@ def test_nothing_of_a_robot_is_called_as_something_else_beside_it(folder: str, n
         for part in (device.signals, device.streams, device.commands):
             names = [one.name for one in part.values()]
             assert sorted(set(names)) == sorted(names), device.name
+
+
+def test_what_stops_a_robot_has_no_second_button_that_lets_go_of_it() -> None:
+    found = found_of(read_robot("chosen", "two_arms"))
+    answers = StopAnswers(topic="/emergency_stop")
+    made = propose_description(found, "duo", "Duo", "UTC", answers=answers)
+    assert "/emergency_stop" not in commands_of(made)
+    assert any(line.startswith("/emergency_stop: STOP of Vehicle base") for line in made.left_out)
+    assert silent_omissions(found, made) == []
+    # Nobody said that it is STOP.
+    assert "/emergency_stop" in commands_of(propose_description(found, "duo", "Duo", "UTC"))
 
 
 def test_two_arms_are_told_apart_by_their_buttons() -> None:

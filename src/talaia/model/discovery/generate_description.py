@@ -56,6 +56,7 @@ from talaia.model.discovery.rules.stop_choice import (
     StopChoice,
     choices_of,
     with_answers,
+    without_commands,
 )
 from talaia.model.discovery.rules.unwanted_devices import without_devices
 from talaia.model.discovery.rules.unwanted_fields import hidden_reason
@@ -177,6 +178,11 @@ def propose_description(
             stop = with_answers(device.drive.stop, answers, choice)
             drive = msgspec.structs.replace(device.drive, stop=stop)
             devices[choice.device] = msgspec.structs.replace(device, drive=drive)
+            if stop.topic:
+                left_out.append(
+                    f"{stop.topic}: STOP of {device.name} sends it, and no command does"
+                )
+                devices = without_commands(devices, stop.topic)
     # Last: which tiles there are goes by what the checks have left.
     boards = robot_boards(found, devices)
     proposed = msgspec.structs.replace(proposed, devices=devices, boards=boards)
