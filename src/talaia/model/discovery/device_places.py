@@ -53,13 +53,20 @@ _NO_BASE = re.compile(
 
 # What people write in capitals, where a topic has small letters.
 _ABBREVIATIONS = {
-    *("bms", "can", "cpu", "dvl", "ekf", "fmu", "gnss", "gps", "hmi", "imu", "io", "led", "mcu"),
-    *("ptz", "rc", "rgb", "rov", "rtk", "tcp", "ups", "usb", "usv", "utm"),
+    *("bms", "can", "cctv", "cpu", "dvl", "ekf", "fmu", "gnss", "gps", "hmi", "imu", "io", "led"),
+    *("mcu", "pdu", "ptz", "rc", "rgb", "rov", "rtk", "tcp", "ups", "usb", "usv", "utm"),
 }
 # Namespaces that say what is in them, whatever its type: `/rov/camera/tilt` is of the camera.
-_SPOKEN_SPACES = {
-    "camera": ("camera", "Camera", DeviceKind.CAMERA),
-    "battery": ("power", "Battery", DeviceKind.POWER),
+_KINDS_OF_SPACES = {
+    "allsky": DeviceKind.CAMERA,
+    "battery": DeviceKind.POWER,
+    "camera": DeviceKind.CAMERA,
+    "cctv": DeviceKind.CAMERA,
+    "dome": DeviceKind.DOME,
+    "pdu": DeviceKind.POWER,
+    "telescope": DeviceKind.TELESCOPE,
+    "weather": DeviceKind.WEATHER,
+    "weather_station": DeviceKind.WEATHER,
 }
 # Of topics in a namespace, so many in a hundred are in the robot's own if it has one.
 _OWN_SHARE = 80
@@ -84,6 +91,8 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
     """
     spaces = topic.strip("/").split("/")[:-1]
     if type_name in PICTURES or type_name == "sensor_msgs/msg/CameraInfo":
+        if spaces and _KINDS_OF_SPACES.get(spaces[-1]) is DeviceKind.CAMERA:
+            return _named_place("", "", DeviceKind.CAMERA, spaces)
         # A camera's topics share its namespace (`/front/image_raw`, `/front/camera_info`), and
         # that names the picture; what stands before it names the device.
         return _named_place("camera", "Camera", DeviceKind.CAMERA, spaces[:-1])
@@ -108,7 +117,7 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
             # Its namespace is the robot's: an IMU in it is a part of what drives.
             driven = _driven_space(spaces, found)
             return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, driven)
-        return _named_place(*_SPOKEN_SPACES.get(spaces[-1], ("", "", DeviceKind.OTHER)), spaces)
+        return _named_place("", "", _KINDS_OF_SPACES.get(spaces[-1], DeviceKind.OTHER), spaces)
     package = type_name.split("/", 1)[0]
     if "/srv/" in type_name or "/action/" in type_name:
         # A service without a namespace belongs to what drives: it is the robot as a whole.

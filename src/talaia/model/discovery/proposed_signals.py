@@ -175,13 +175,25 @@ class ProposedSignals:
                 if signal.primary is not wanted:
                     signals[word] = msgspec.structs.replace(signal, primary=wanted)
 
+    def _is_of_the_sky(self, topic: str) -> bool:
+        """Tell whether an altitude is an angle, of whose unit its name says nothing.
+
+        It is one of the Sun or the Moon, or stands beside an azimuth.
+        """
+        above, _, last = topic.rpartition("/")
+        words = last.lower().split("_")
+        if not {"altitude", "alt"} & {*words}:
+            return False
+        beside = {f"{above}/azimuth", f"{above}/az"}
+        return bool({"sun", "moon"} & {*words}) or any(one.topic in beside for one in self._topics)
+
     def _signal_of(self, topic: TopicFound, field: FieldFound, name: str) -> Signal:
         if topic.type == JOINTS:
             return _joint_signal(topic, field, self._joints.get(field.name), modelled=self._joints)
         if field.path.startswith("data") and not field.unit and field.type in _MEASURED:
             # Of std_msgs only the topic's name tells what the number is.
             said = unit_in_name(last_part(topic.topic, ("data",)))
-            if said is not None:
+            if said is not None and not self._is_of_the_sky(topic.topic):
                 field = msgspec.structs.replace(field, unit=said.unit, scale=said.scale)
         return _signal_of(topic, field, name)
 
