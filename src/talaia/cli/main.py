@@ -106,6 +106,7 @@ COMMANDS = {
     "support-bundle": Subcommand(
         "talaia.cli.support.support_bundle", "gather what a helper needs, without secrets", ""
     ),
+    "docs": Subcommand("talaia.cli.examining.docs", "print a guide of the documentation", ""),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
     "completion": Subcommand(
         "talaia.cli.examining.completion",

@@ -51,6 +51,6 @@ def unguarded_notice(site: Site) -> str:
         lacks = "the description has no interlocks and no enclosure"
     return (
         f"{who} not close or park by {themselves}: {lacks}. In rain, in wind or without weather "
-        f"data only a person closes or parks {them}. docs/how-to/interlocks.md shows how to "
+        f"data only a person closes or parks {them}. `talaia docs interlocks` says how to "
         "change that."
     )
