@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
 import pytest
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from talaia.wire.frames import LogLine, RobotLogAck, RobotLogBatch
@@ -13,7 +13,6 @@ from talaia.wire.frames import LogLine, RobotLogAck, RobotLogBatch
 from ..chromium import sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
-AXE = Path(__file__).parents[3] / "web/node_modules/axe-core/axe.min.js"
 NOW = 1_700_000_000_000_000
 
 
@@ -112,9 +111,7 @@ async def test_who_may_see_little_is_told_so_tile_by_tile(chromium, hub, gateway
     # Nothing of the dashboard stands around it, on a phone neither.
     await guest.set_viewport_size({"width": 390, "height": 844})
     assert await guest.evaluate("document.documentElement.scrollWidth") <= 390
-    await guest.evaluate(AXE.read_text(encoding="utf-8"))
-    report = await guest.evaluate("axe.run(document, {resultTypes: ['violations']})")
-    assert [(each["id"], len(each["nodes"])) for each in report["violations"]] == []
+    assert await find_violations(guest) == []
     assert guest.errors == []
 
 
@@ -189,9 +186,7 @@ async def test_a_board_in_the_past_shows_it_and_sends_nothing(chromium, hub, gat
 
     await page.set_viewport_size({"width": 390, "height": 844})
     assert await page.evaluate("document.documentElement.scrollWidth") <= 390
-    await page.evaluate(AXE.read_text(encoding="utf-8"))
-    report = await page.evaluate("axe.run(document, {resultTypes: ['violations']})")
-    assert [(each["id"], len(each["nodes"])) for each in report["violations"]] == []
+    assert await find_violations(page) == []
     await bar.get_by_role("button", name="Back to now").click()
     await expect(bar).to_have_count(0)
     await page.set_viewport_size({"width": 1440, "height": 900})

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from talaia.wire.frames import CommandRequest, StopRequest
@@ -15,9 +16,6 @@ from ..chromium import sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 ROOT = Path(__file__).parents[3]
-AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
-RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).violations.flatMap(
-  ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 WIDTH = "document.documentElement.scrollWidth"
 SCREENS = ((390, "light"), (820, "dark"), (1440, "night"), (2560, "light"))
 OBSERVATORY = (ROOT / "examples" / "observatory" / "site.yaml").read_text()
@@ -80,13 +78,12 @@ async def keep_picture(page, name: str) -> None:
 
 async def assert_screens(page, name: str) -> None:
     """Nothing is wider than its screen, and axe finds nothing, from a phone to a wall."""
-    await page.evaluate(AXE.read_text())
     for width, theme in SCREENS:
         await page.set_viewport_size({"width": width, "height": 900})
         await page.evaluate("theme => { document.documentElement.dataset.theme = theme }", theme)
         await expect(page.locator("t-loading")).to_have_count(0)
         await keep_picture(page, f"cockpit-{name}-{width}-{theme}")
-        assert await page.evaluate(RUN) == [], (width, theme)
+        assert await find_violations(page) == [], (width, theme)
         assert await page.evaluate(WIDTH) <= width, theme
 
 

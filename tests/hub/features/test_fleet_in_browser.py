@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from talaia.wire import frames
@@ -15,9 +16,6 @@ from ..chromium import sign_in
 from ..live.missions.test_missions import LASTING, NOW, end_command
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
-AXE = Path(__file__).parents[3] / "web" / "node_modules" / "axe-core" / "axe.min.js"
-RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).violations.flatMap(
-  ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 SCREENS = ((390, "dark"), (1440, "light"))
 # One more below the example's `interlocks`, which end it.
 LOCK = """
@@ -48,12 +46,11 @@ async def fleet(hub):
 
 async def assert_screens(page, name: str) -> None:
     """Nothing overflows and axe finds nothing, on a phone in the dark and on a desk."""
-    await page.evaluate(AXE.read_text(encoding="utf-8"))
     for width, theme in SCREENS:
         await page.set_viewport_size({"width": width, "height": 900})
         await page.emulate_media(color_scheme=theme)
         assert await page.evaluate("document.documentElement.scrollWidth") <= width
-        assert await page.evaluate(RUN) == [], f"{name} at {width}"
+        assert await find_violations(page) == [], f"{name} at {width}"
         if folder := os.environ.get("TALAIA_PICTURES"):
             picture = Path(folder) / f"{name}-{width}-{theme}.png"
             await page.evaluate("scrollTo(0, 0)")

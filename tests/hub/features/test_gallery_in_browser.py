@@ -12,15 +12,13 @@ import re
 from pathlib import Path
 
 import pytest
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from ..chromium import program_or_skip
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(1500)]
 ROOT = Path(__file__).parents[3]
-AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
-RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).violations.flatMap(
-  ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 # What is wider than its tile; what scrolls sideways on purpose has a place of its own inside.
 CLIPPED = """gallery => [...gallery.renderRoot.querySelectorAll('figure')].flatMap(figure => {
     const inside = figure.querySelector('t-board-tile').renderRoot.querySelector('.inside');
@@ -45,7 +43,7 @@ async def look(page, tile: str, width: int, theme: str) -> list[str]:
         path = Path(folder) / f"tile-{tile}-{width}-{theme}.png"
         await page.screenshot(path=path, full_page=True)
     gallery = page.locator("t-page-gallery")
-    found = [*await page.evaluate(RUN), *await gallery.evaluate(CLIPPED)]
+    found = [*await find_violations(page), *await gallery.evaluate(CLIPPED)]
     if (wide := await page.evaluate(WIDTH)) > width:
         found.append(f"the page is {wide} px wide")
     return [f"{tile} at {width} px, {theme}: {each}" for each in found]
@@ -75,7 +73,6 @@ async def test_each_tile_in_each_state_keeps_the_rules_of_axe_and_fits(hub, chro
     found, states = [], {}
     for at, tile in enumerate(tiles):
         await page.goto(f"{hub.origin}/gallery?tile={tile}")
-        await page.evaluate(AXE.read_text(encoding="utf-8"))
         for width, theme in SCREENS if table else (SCREENS[at % len(SCREENS)],):
             found += await look(page, tile, width, theme)
         states[tile] = await page.locator("t-page-gallery figure").count()

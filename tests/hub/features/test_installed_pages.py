@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import uvicorn
 from fastapi import FastAPI
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from talaia.hub.api.guarded_routes import add_guarded, set_guards
@@ -21,8 +22,6 @@ from ..chromium import sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
 ROOT = Path(__file__).parents[3]
-AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
-RUN = "async () => (await axe.run(document)).violations.map(({id}) => id)"
 WIDTH = "document.documentElement.scrollWidth"
 # A browser registers it once the page has time; a page is its own from then on.
 CONTROLLED = """async () => { await navigator.serviceWorker.ready;
@@ -89,11 +88,10 @@ async def test_pages_open_without_a_hub_as_one_that_says_so_and_come_back_by_the
 
 
 async def assert_axe_finds_nothing_in_any_theme(page) -> None:
-    await page.evaluate(AXE.read_text())
     for theme, width in (("light", 390), ("dark", 820), ("night", 1440), ("light", 2560)):
         await page.set_viewport_size({"width": width, "height": 844})
         await page.evaluate("theme => { document.documentElement.dataset.theme = theme }", theme)
-        assert await page.evaluate(RUN) == [], theme
+        assert await find_violations(page) == [], theme
         assert await page.evaluate(WIDTH) <= width
 
 

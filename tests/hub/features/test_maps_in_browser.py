@@ -7,9 +7,9 @@ import io
 import json
 import struct
 import time
-from pathlib import Path
 
 import pytest
+from page_accessibility import find_violations
 from PIL import Image
 from playwright.async_api import expect
 
@@ -17,7 +17,6 @@ from ..chromium import sign_in
 from .test_maps import MAPPED, NOW
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
-AXE = Path(__file__).parents[3] / "web/node_modules/axe-core/axe.min.js"
 # In no theme of ours.
 TILE = (200, 30, 180)
 
@@ -56,12 +55,6 @@ def settings(settings, tmp_path):
     Image.new("RGB", (256, 256), TILE).save(picture, "PNG")
     (folder / "yard.pmtiles").write_bytes(pmtiles(picture.getvalue()))
     return dataclasses.replace(settings, maps=folder)
-
-
-async def violations(page) -> list[tuple[str, int]]:
-    await page.evaluate(AXE.read_text(encoding="utf-8"))
-    report = await page.evaluate("axe.run(document, {resultTypes: ['violations']})")
-    return [(each["id"], len(each["nodes"])) for each in report["violations"]]
 
 
 async def has_tile_colour(page) -> bool:
@@ -108,7 +101,7 @@ async def test_a_fleet_stands_on_a_map_whose_ground_a_person_chooses(
     await form.get_by_label("I allow that").check()
     await form.get_by_role("button", name="Allow it").click()
     await expect(page.get_by_text("asks tiles.example.org", exact=True)).to_be_visible()
-    assert await violations(page) == []
+    assert await find_violations(page) == []
     for size in ((390, 844), (1440, 900)):
         await page.set_viewport_size({"width": size[0], "height": size[1]})
         assert await page.evaluate("document.documentElement.scrollWidth") <= size[0]
@@ -159,7 +152,7 @@ async def test_a_thousand_sites_are_there_and_found_by_a_word(chromium, hub, gat
     await page.get_by_label("Search sites").fill("")
     await page.get_by_label("Order").select_option("battery")
     await expect(page.get_by_text("battery 0 %").first).to_be_visible()
-    assert await violations(page) == []
+    assert await find_violations(page) == []
     await page.set_viewport_size({"width": 390, "height": 844})
     assert await page.evaluate("document.documentElement.scrollWidth") <= 390
     assert page.errors == []

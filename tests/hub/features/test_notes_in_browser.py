@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from ..chromium import sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
-AXE = Path(__file__).parents[3] / "web/node_modules/axe-core/axe.min.js"
 NOW = 1_700_000_000_000_000
 NOTES = "/api/sites/agv/notes"
-
-
-async def violations(page) -> list[tuple[str, int]]:
-    await page.evaluate(AXE.read_text(encoding="utf-8"))
-    report = await page.evaluate("axe.run(document, {resultTypes: ['violations']})")
-    return [(each["id"], len(each["nodes"])) for each in report["violations"]]
 
 
 async def test_a_note_is_written_on_the_past_board_s_bar_and_found_everywhere(
@@ -129,7 +121,7 @@ async def test_notes_are_searched_changed_and_removed_on_their_page(chromium, hu
     await expect(rows).to_have_count(2)
     await page.set_viewport_size({"width": 390, "height": 844})
     assert await page.evaluate("document.documentElement.scrollWidth") <= 390
-    assert await violations(page) == []
+    assert await find_violations(page) == []
     # Who has no right there reads none, and is offered to write none.
     guest = await sign_in(chromium, hub, "guest", to="/sites/agv/notes")
     await expect(guest.get_by_text("No notes yet")).to_be_visible()
@@ -153,5 +145,5 @@ async def test_the_bar_of_the_past_leaves_a_phone_to_the_board(chromium, hub, ga
     await bar.get_by_role("button", name="More of the bar").click()
     await expect(bar.get_by_label("Speed")).to_be_visible()
     assert await page.evaluate("document.documentElement.scrollWidth") <= 390
-    assert await violations(page) == []
+    assert await find_violations(page) == []
     assert page.errors == []

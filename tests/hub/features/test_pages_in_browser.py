@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
+from page_accessibility import find_violations
 from playwright.async_api import TimeoutError as NotYet, expect
 
 from talaia.model.yaml_text.load import dump_site, read_site
@@ -15,7 +16,6 @@ from ..chromium import PASSWORD, sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
 ROOT = Path(__file__).parents[3]
-AXE = ROOT / "web" / "node_modules" / "axe-core" / "axe.min.js"
 EXAMPLE = read_site(ROOT / "examples" / "observatory" / "site.yaml")
 OBSERVATORY = replace(EXAMPLE, site="agv", interlocks={}, enclosures={}, alarms={}, night=None)
 # A page of each kind, and what is on it once it is whole.
@@ -29,8 +29,6 @@ PAGES = {
     "/admin/people": "h1",
     "/nowhere": "h1",
 }
-RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).violations.flatMap(
-  ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 SIGNAL = "weather/wind"
 NOW = 1_700_000_000_000_000
 COVER = """() => getComputedStyle(document.querySelector('t-app').renderRoot
@@ -67,10 +65,7 @@ async def follow_link(page, path: str) -> None:
 
 async def assert_axe_finds_nothing(hub, page) -> None:
     """And nothing is wider than a phone; a page of each kind is looked at."""
-    if not AXE.is_file():
-        pytest.fail("no axe-core in web/node_modules: `make setup` installs it")
     await page.goto(f"{hub.origin}/home")
-    await page.evaluate(AXE.read_text())
     broken = {}
     for at, (path, whole) in enumerate(PAGES.items()):
         # Half of them as a phone shows them at night: the rules are of structure and of colours.
@@ -85,7 +80,7 @@ async def assert_axe_finds_nothing(hub, page) -> None:
         await expect(page.locator(f"main > * :is({whole})").first).to_be_visible()
         # A moment later: words that still fade in are of no colour that anybody reads.
         await expect(page.locator("t-loading")).to_have_count(0)
-        if found := await page.evaluate(RUN):
+        if found := await find_violations(page):
             broken[path] = found
         # On a busy machine the width of before is still laid out for a moment.
         most = 390 if phone else 1440
@@ -146,14 +141,13 @@ async def assert_a_person_signs_in_where_they_are(hub, page, gateway) -> None:
     await page.set_viewport_size({"width": 390, "height": 844})
     await page.goto(f"{hub.origin}/sites/agv/live")
     await page.evaluate("window.loadedOnce = true")
-    await page.evaluate(AXE.read_text())
     await gateway.samples((SIGNAL, NOW, 11.5))
     await expect(page.get_by_text("11.5").first).to_be_visible()
     await end_sessions(hub)
     await expect(page.get_by_label("Password")).to_be_focused()
     # Nothing of the page can be read behind it, and Escape leads nowhere, however often.
     assert await page.evaluate(COVER) == await page.evaluate(GROUND)
-    assert await page.evaluate(RUN) == []
+    assert await find_violations(page) == []
     assert await page.evaluate(WIDTH) <= 390
     for _ in range(2):
         await page.keyboard.press("Escape")

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from page_accessibility import find_violations
 from playwright.async_api import expect
 
 from talaia.wire.frames import LogLine, RobotLogAck, RobotLogBatch
@@ -15,9 +16,6 @@ from talaia.wire.frames import LogLine, RobotLogAck, RobotLogBatch
 from ..chromium import sign_in
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
-AXE = Path(__file__).parents[3] / "web" / "node_modules" / "axe-core" / "axe.min.js"
-RUN = """async () => (await axe.run(document, {resultTypes: ['violations']})).violations.flatMap(
-  ({id, nodes}) => nodes.map(({target}) => `${id}: ${target.flat(9).join(' ')}`))"""
 SCREENS = ((390, "dark"), (1440, "night"), (1440, "light"), (390, "light"))
 NODES = ("lidar", "base", "planner_server")
 COUNT = 250
@@ -71,14 +69,13 @@ async def test_a_robots_log_is_found_by_words_level_node_and_time_and_grows_by_i
 
 
 async def assert_screens(page) -> None:
-    await page.evaluate(AXE.read_text(encoding="utf-8"))
     for width, theme in SCREENS:
         await page.set_viewport_size({"width": width, "height": 900})
         await page.evaluate("theme => { document.documentElement.dataset.theme = theme }", theme)
         await page.evaluate("scrollTo(0, 0)")
         if folder := os.environ.get("TALAIA_PICTURES"):
             await page.screenshot(path=Path(folder) / f"log-{width}-{theme}.png")
-        assert await page.evaluate(RUN) == [], (width, theme)
+        assert await find_violations(page) == [], (width, theme)
         assert await page.evaluate("document.documentElement.scrollWidth") <= width, theme
     await page.set_viewport_size({"width": 1440, "height": 900})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from zoneinfo import ZoneInfo
 
 import msgspec
 import pytest
@@ -372,3 +373,57 @@ def test_whatever_cells_a_spreadsheet_has_its_requests_are_in_their_bounds(rows)
     for group in found.groups:
         follows_its_bounds(group)
     assert found.groups or found.problems
+
+
+def nina_exposure(**said: object) -> dict[str, object]:
+    kind = "NINA.Sequencer.SequenceItem.Imaging.TakeExposure, NINA.Sequencer"
+    return {"$type": kind, "ExposureTime": 60.0, "ImageType": "LIGHT", **said}
+
+
+def test_a_filter_that_nina_wrote_once_and_refers_to_later_is_known_each_time() -> None:
+    switch = "NINA.Sequencer.SequenceItem.FilterWheel.SwitchFilter, NINA.Sequencer"
+    items = [
+        {"$type": switch, "Filter": {"$id": "57", "_name": "Ha", "_position": 3}},
+        nina_exposure(Binning={"$id": "58", "X": 2, "Y": 2}),
+        {"$type": switch, "Filter": {"$id": "60", "_name": "L", "Self": {"$ref": "60"}}},
+        nina_exposure(ImageType="SNAPSHOT", Binning={"$ref": "58"}),
+        {"$type": switch, "Filter": {"$ref": "57"}},
+        nina_exposure(ImageType="DARKFLAT"),
+        {"$type": switch, "Filter": {"$ref": "none"}},
+        nina_exposure(),
+    ]
+    loop = {"$type": "NINA.Sequencer.Conditions.LoopCondition, NINA.Sequencer", "Iterations": 3}
+    said = json.loads(json.dumps(NINA))
+    (container,) = said["Items"]["$values"]
+    # Other programs write plain lists; a target's own loop counts, too.
+    container |= {"Items": items, "Conditions": [loop]}
+    (group,), problems = read("nina", said)
+    assert problems == []
+    found = [
+        (one.filter, one.binning, one.count, one.type) for one in group.requests[0].configurations
+    ]
+    assert found == [
+        ("Ha", 2, 3, ImageType.LIGHT),
+        ("L", 2, 3, ImageType.LIGHT),
+        ("Ha", 1, 3, ImageType.DARK),
+        ("", 1, 3, ImageType.LIGHT),
+    ]
+
+
+def test_ekos_times_are_those_of_the_site_and_also_end_a_window() -> None:
+    text = EKOS.replace(
+        "<Condition>ASAP</Condition>", "<Condition value='2027-01-15T22:00:00'>At</Condition>", 1
+    ).replace(
+        "</StartupCondition>",
+        "</StartupCondition><CompletionCondition>"
+        "<Condition value='2027-01-15T23:30:00'>At</Condition></CompletionCondition>",
+        1,
+    )
+    window = Window(start=1_800_000_000.0, end=1_800_100_000.0)
+    madrid = ImportDefaults("P1", window, zone=ZoneInfo("Europe/Madrid"))
+    (group,), _ = read_request_file("ekos", text, madrid)
+    # 21:00 and 22:30 in UTC.
+    assert group.requests[0].windows == (Window(start=1_800_046_800.0, end=1_800_052_200.0),)
+    early = text.replace("2027-01-15T23:30:00", "2026-01-15T23:30:00")
+    _, problems = read_request_file("ekos", early, madrid)
+    assert "before the window's begin" in problems[0].message

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _FOREVER = {"Cache-Control": "public, max-age=31536000, immutable"}
 # May be kept, but is asked about each time: a new version of the hub has new files.
 _FRESH = {"Cache-Control": "no-cache"}
+# Browsers ask for the page's icon each time that its address changes, as it does with each moment.
+_ICONS = {"Cache-Control": "public, max-age=3600"}
+_ICON_KINDS = {".ico", ".png", ".svg"}
 # Said here, since the system's own table differs from machine to machine. No other file goes out.
 _KINDS: Mapping[str, str] = {
     ".css": "text/css; charset=utf-8",
@@ -76,7 +79,8 @@ class Pages:
             return problem_response(404, "unknown", "there is nothing here")
         found = self._find_file(path)
         if found is not None and found.name != "index.html":
-            headers = _FOREVER if path.startswith("assets/") else _FRESH
+            named = _ICONS if found.suffix in _ICON_KINDS else _FRESH
+            headers = _FOREVER if path.startswith("assets/") else named
             return self._file_response(request, found, headers)
         # A file of a former version: the page in its place would be run as a script.
         if path.startswith("assets/") or (found is None and Path(path).suffix in _KINDS):

@@ -168,8 +168,8 @@ def _window(where: str, said: Mapping[str, str], before: Window) -> Window:
     return Window(**times)
 
 
-def read_moment(where: str, text: str) -> float:
-    """Read a date and time (ISO 8601; without a zone: UTC); gives s since the epoch.
+def read_moment(where: str, text: str, zone: dt.tzinfo = dt.UTC) -> float:
+    """Read a date and time (ISO 8601; without a zone: in ``zone``); gives s since the epoch.
 
     Raises:
         Misread: it is none.
@@ -178,7 +178,7 @@ def read_moment(where: str, text: str) -> float:
     try:
         moment = dt.datetime.fromisoformat(text.strip())
         if moment.tzinfo is None:
-            moment = moment.replace(tzinfo=dt.UTC)
+            moment = moment.replace(tzinfo=zone)
         return moment.timestamp()
     except (ValueError, OverflowError) as error:
         raise Misread(

@@ -44,7 +44,7 @@ class _Job:
         self.line = line
         self.texts: dict[str, str] = {}
         self.constraints: dict[str, str] = {}
-        self.start = ""
+        self.start = self.end = ""
         self.steps: set[str] = set()
 
 
@@ -89,6 +89,8 @@ class _Listener:
             job.constraints[said] = self._value
         elif inside == ["StartupCondition", "Condition"] and said == "At":
             job.start = self._value
+        elif inside == ["CompletionCondition", "Condition"] and said == "At":
+            job.end = self._value
         elif inside == ["Steps", "Step"]:
             job.steps.add(said)
         else:
@@ -133,13 +135,6 @@ def _read_job(job: _Job, defaults: ImportDefaults) -> Request:
     degrees = read_number(f"{where}, J2000DE", job.texts.get("Coordinates/J2000DE"))
     if not 0.0 <= hours < 24.0:
         raise Misread(f"{where}, J2000RA", f"expected 0 to 24 h, found {hours:g}")
-    window = defaults.window
-    if job.start:
-        # Ekos writes the time of its machine without a zone; UTC is what can be known here.
-        start = read_moment(f"{where}, StartupCondition", job.start)
-        if start >= window.end:
-            raise Misread(f"{where}, StartupCondition", "it begins after the window's end")
-        window = Window(start=max(start, window.start), end=window.end)
     return make_request(
         where,
         IcrsTarget(
@@ -150,8 +145,24 @@ def _read_job(job: _Job, defaults: ImportDefaults) -> Request:
         ),
         configurations=defaults.configurations,
         constraints=_constraints(where, job, defaults.constraints),
-        windows=(window,),
+        windows=(_read_window(where, job, defaults),),
     )
+
+
+def _read_window(where: str, job: _Job, defaults: ImportDefaults) -> Window:
+    """Give when a job may run; Ekos writes the local time of its observatory, without a zone."""
+    window, zone = defaults.window, defaults.zone
+    if job.start:
+        start = read_moment(f"{where}, StartupCondition", job.start, zone)
+        if start >= window.end:
+            raise Misread(f"{where}, StartupCondition", "it begins after the window's end")
+        window = Window(start=max(start, window.start), end=window.end)
+    if job.end:
+        end = read_moment(f"{where}, CompletionCondition", job.end, zone)
+        if end <= window.start:
+            raise Misread(f"{where}, CompletionCondition", "it ends before the window's begin")
+        window = Window(start=window.start, end=min(end, window.end))
+    return window
 
 
 def _read_angle(where: str, job: _Job) -> float | None:

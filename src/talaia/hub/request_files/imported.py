@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from datetime import UTC, tzinfo
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
@@ -78,6 +79,8 @@ class ImportDefaults(NamedTuple):
         window: when they may be observed.
         configurations: what is taken.
         constraints: under which conditions.
+        zone: the site's time zone, for times that are written without one by a program that goes
+            by its observatory's.
 
     """
 
@@ -85,6 +88,7 @@ class ImportDefaults(NamedTuple):
     window: Window
     configurations: tuple[Configuration, ...] = (Configuration(exposure=60.0),)
     constraints: Constraints = Constraints()
+    zone: tzinfo = UTC
 
 
 def make_request(

@@ -37,12 +37,16 @@ __all__ = ["read_nina"]
 
 _TYPES = {
     "LIGHT": ImageType.LIGHT,
+    "SNAPSHOT": ImageType.LIGHT,
     "FLAT": ImageType.SKY_FLAT,
     "DARK": ImageType.DARK,
+    "DARKFLAT": ImageType.DARK,
     "BIAS": ImageType.BIAS,
 }
 # Instructions that turn a camera to the target's angle.
 _TURNING = frozenset({"CenterAndRotate", "SolveAndRotate"})
+# What several instructions have in common, and holds no instructions itself.
+_SHARED = frozenset({"Filter", "Binning", "InputCoordinates"})
 _MOST = 1000
 # Containers inside containers; a sequence has a handful.
 _DEEPEST = 60
@@ -56,6 +60,7 @@ def read_nina(text: str, defaults: ImportDefaults) -> ImportedGroups:
         said = msgspec.json.decode(text.lstrip("\ufeff").encode())
     except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
         return ImportedGroups([], [FileProblem("$", f"this is no JSON: {error}"[:300])])
+    _put_references(said)
     requests: list[Request] = []
     problems: list[FileProblem] = []
     for where, container in _containers("$", said, 0):
@@ -75,6 +80,29 @@ def read_nina(text: str, defaults: ImportDefaults) -> ImportedGroups:
         id=NEW, proposal=defaults.proposal, name=name, operator=operator, requests=tuple(requests)
     )
     return ImportedGroups([group], problems)
+
+
+def _put_references(said: object) -> None:
+    """Put what is only referred to in its place: a filter that is used twice is written once.
+
+    N.I.N.A. writes each object with its ``$id`` where it first stands, and ``{"$ref": ID}`` from
+    then on. Only plain values are put in: a child refers to its parent, too, which has no end.
+    """
+    known: dict[str, _Said] = {}
+    referring: list[tuple[_Said, str]] = []
+    waiting: list[object] = [said]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, list):
+            waiting += one
+        elif isinstance(one, dict):
+            waiting += one.values()
+            known[str(one.get("$id"))] = one
+            shared = [name for name in _SHARED & one.keys() if isinstance(one[name], dict)]
+            referring += [(one, name) for name in shared if "$ref" in one[name]]
+    for one, name in referring:
+        meant = known.get(str(one[name]["$ref"]), {})
+        one[name] = {k: v for k, v in meant.items() if not isinstance(v, dict | list)}
 
 
 def _containers(where: str, said: object, depth: int) -> Iterator[tuple[str, _Said]]:
@@ -104,7 +132,8 @@ def _read_container(where: str, said: _Said, defaults: ImportDefaults) -> Reques
     # The sign stands beside: -00° 30′ would lose it.
     south = bool(place.get("NegativeDec")) or str(place.get("DecDegrees")).startswith("-")
     name = str(target.get("TargetName") or said.get("Name") or "")[:100]
-    taken = tuple(_exposures(where, said.get("Items"), times=1, chosen="", depth=0))
+    times = _loops(where, said)
+    taken = tuple(_exposures(where, said.get("Items"), times=times, chosen="", depth=0))
     return make_request(
         where,
         IcrsTarget(
@@ -185,7 +214,7 @@ def _exposures(
 def _loops(where: str, container: _Said) -> int:
     """Give how often a container is done; what ends by time or altitude counts once."""
     conditions = container.get("Conditions")
-    listed = conditions.get("$values", []) if isinstance(conditions, dict) else []
+    listed = conditions.get("$values", []) if isinstance(conditions, dict) else conditions
     for one in listed if isinstance(listed, list) else []:
         if isinstance(one, dict) and "LoopCondition" in str(one.get("$type", "")):
             count = read_number(f"{where}.Conditions.Iterations", one.get("Iterations", 1))

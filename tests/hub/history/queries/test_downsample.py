@@ -6,6 +6,7 @@ from hypothesis import given, strategies as st
 from talaia.hub.history.queries.downsample import (
     bucket_extremes,
     bucket_starts,
+    distinct_positions,
     edges_of,
     pixel_width,
 )
@@ -55,3 +56,9 @@ def test_one_pixel_takes_all() -> None:
     assert pixel_width(1000, 1) == 0
     assert bucket_starts(np.array([1, 500, 999]), 0).tolist() == [0]
     assert bucket_starts(np.empty(0, np.int64), 0).size == 0
+
+
+@given(st.lists(st.lists(st.integers(0, 50))))
+def test_positions_of_several_lists_stand_once_and_in_order(lists) -> None:
+    arrays = [np.array(one, np.intp) for one in [[], *lists]]
+    assert distinct_positions(arrays).tolist() == sorted({at for one in lists for at in one})

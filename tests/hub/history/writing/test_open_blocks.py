@@ -55,6 +55,21 @@ def test_a_snapshot_has_each_sample_of_a_channel_once_and_in_order(rows, deal) -
         assert flat(tails.channel_snapshot(channel).samples) == sent
 
 
+@given(batches, st.integers(0, 40_000), st.integers(0, 40_000))
+def test_a_snapshot_of_a_window_lacks_nothing_of_it_also_after_more_has_come(
+    rows, from_us, to_us
+) -> None:
+    tails = Tails(1, 0, 4)
+    for row, samples in enumerate(rows, 1):
+        tails.add_chunks([chunk_of(row, samples)])
+        tails.deal_chunks()
+        for channel in range(CHANNELS):
+            every = flat(tails.channel_snapshot(channel).samples)
+            some = flat(tails.channel_snapshot(channel, from_us, to_us).samples)
+            wanted = [one for one in every if from_us <= one[0] <= to_us]
+            assert [one for one in some if from_us <= one[0] <= to_us] == wanted
+
+
 @given(batches)
 def test_no_journal_row_is_given_up_that_holds_a_sample_found_nowhere_else(rows) -> None:
     tails = tails_of(rows, deal=False)

@@ -35,6 +35,7 @@ declare global {
 }
 
 /** Properties that change the picture. */
+const NEVER = (): boolean => false;
 const DRAWN: readonly (keyof Chart)[] = [
   "series",
   "marks",
@@ -82,6 +83,8 @@ export class Chart extends LitElement implements Paintable {
   @property({ attribute: false, hasChanged: isOther }) span: TimeSpan | null = null;
   /** Gives the window of a chart that moves; it wins over `span`. */
   @property({ attribute: false }) follow: FollowWindow | null = null;
+  /** Whether it keeps its picture, since what is to be drawn next is about to come. */
+  @property({ attribute: false }) isHeld: () => boolean = NEVER;
   @property({ attribute: false }) axis: ChartAxis = NO_AXIS;
   /** Rounds are drawn together with the charts that share it. */
   @property({ attribute: false }) painter: PaintScheduler | null = null;
@@ -113,6 +116,8 @@ export class Chart extends LitElement implements Paintable {
   private size = { width: 0, height: 0 };
   private onScreen = false;
   private dirty = true;
+  /** It kept its picture the last time that it was asked. */
+  private wasHeld = false;
   private drawnVersion = -1;
   private stops: (() => void)[] = [];
   private speakTimer: ReturnType<typeof setTimeout> | undefined;
@@ -200,6 +205,10 @@ export class Chart extends LitElement implements Paintable {
 
   needsPaint(nowMs: number): boolean {
     if (!this.onScreen || this.view === null) return false;
+    if (this.isHeld()) {
+      this.wasHeld = true;
+      return false;
+    }
     // Half a pixel is seen as movement; less is not worth a picture, unless something new came.
     return this.dirty || (this.shown !== null && this.follow !== null && (this.isFresh || this.movedPart(nowMs) >= MOVED));
   }
@@ -223,6 +232,7 @@ export class Chart extends LitElement implements Paintable {
     const span = this.follow?.(nowMs) ?? this.span;
     const { view, palette } = this;
     if (span === null || view === null || palette === null) return;
+    if (this.wasHeld) this.adoptSize(view);
     this.shown = span;
     this.dirty = false;
     this.drawnVersion = this.dataVersion();
@@ -241,6 +251,16 @@ export class Chart extends LitElement implements Paintable {
     this.placeCursor();
     const tell = window.__talaiaPainted;
     if (tell !== undefined) for (const { address, samples } of this.series) tell(address, samples.newestUs, samples.newest);
+  }
+
+  /** What is written around it has changed with what is drawn now: drawn as large as it is, it need not be drawn again. */
+  private adoptSize(view: UplotView): void {
+    this.wasHeld = false;
+    const box = this.place.getBoundingClientRect();
+    const [width, height] = [Math.floor(box.width), Math.floor(box.height)];
+    if (width === this.size.width && height === this.size.height) return;
+    this.size = { width, height };
+    view.resize(this.size);
   }
 
   /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */
@@ -268,7 +288,9 @@ export class Chart extends LitElement implements Paintable {
     inView.observe(this);
     const sized = new ResizeObserver(([entry]) => {
       if (entry === undefined) return;
+      const { width, height } = this.size;
       this.size = { width: Math.floor(entry.contentRect.width), height: Math.floor(entry.contentRect.height) };
+      if (this.view !== null && width === this.size.width && height === this.size.height) return;
       if (this.view === null) void this.createView();
       else this.view.resize(this.size);
       this.markDirty();

@@ -2,6 +2,8 @@
  * A board's past: the moment that all of its tiles show, how it moves, and what was recorded around it.
  *
  * It is told the time by whoever owns it: `tick` is called for each picture.
+ *
+ * Long, because all that follows the moment has to agree about it: what is asked for, told and held back.
  */
 
 import { SECOND_US } from "../../series/zone-clock.js";
@@ -19,6 +21,8 @@ export const PAST_SPEEDS: readonly number[] = [1, 2, 5, 10];
 const EVERY_MS = 100;
 /** So long after the last jump the moment counts as settled (ms). */
 const SETTLED_MS = 150;
+/** So long after a jump (ms) nothing is drawn but what is known whole: it would be drawn twice. */
+const BLINK_MS = 300;
 /** So much play time (s) is asked for ahead of the moment. */
 const AHEAD_S = 8;
 /** Without any sample for so long (µs), the board says that nothing was recorded. */
@@ -69,6 +73,7 @@ export class PastBoard extends Store {
   private tickedMs = -Infinity;
   private loadSoon = false;
   private wasSettled = false;
+  private wasBlink = false;
   private dragged = false;
   private ended = false;
   private closed = false;
@@ -133,16 +138,26 @@ export class PastBoard extends Store {
     return this.time.nowMs() - this.jumpedMs >= SETTLED_MS;
   }
 
+  /** For a blink after a jump charts keep their picture, and are drawn once: with what has come by then. */
+  get holdsCharts(): boolean {
+    return this.isBlink && !this.feed.isReady;
+  }
+
+  /** A jump was a moment ago, and no hand goes on: nothing has to be drawn that is about to be drawn anew. */
+  private get isBlink(): boolean {
+    return !this.dragged && this.time.nowMs() - this.jumpedMs < BLINK_MS;
+  }
+
   get state(): PastState {
     const { us, values, feed } = this;
-    if (values.chunks.failure !== null || feed.failure !== null) return "failed";
-    if (!values.chunks.isReady(us, us) || !feed.isReady) return "loading";
+    if (values.failure !== null || feed.failure !== null) return "failed";
+    if (!values.isReady(us) || !feed.isReady) return "loading";
     return values.watchesAny && !(us - values.newestUs() <= SILENT_US) ? "silent" : "ready";
   }
 
   /** Why the hub gave nothing; null while it does. */
   get failure(): unknown {
-    return this.values.chunks.failure ?? this.feed.failure;
+    return this.values.failure ?? this.feed.failure;
   }
 
   play(): void {
@@ -160,7 +175,7 @@ export class PastBoard extends Store {
   /** @param us later than now is now */
   seek(us: number): void {
     const { endUs } = this;
-    this.values.chunks.retry();
+    this.values.retry();
     this.feed.retry();
     this.topics.retry();
     this.jumpTo(Math.max(0, Math.min(us, endUs)));
@@ -180,7 +195,7 @@ export class PastBoard extends Store {
   }
 
   retry(): void {
-    this.values.chunks.retry();
+    this.values.retry();
     this.feed.retry();
     this.topics.retry();
     this.update();
@@ -189,8 +204,9 @@ export class PastBoard extends Store {
   /** Moves on to the time that it is. */
   tick(): void {
     const now = this.time.nowMs();
-    const settles = this.isSettled && !this.wasSettled;
+    const settles = (this.isSettled && !this.wasSettled) || (this.wasBlink && !this.isBlink);
     this.wasSettled = this.isSettled;
+    this.wasBlink = this.isBlink;
     if (!this.playing) {
       if (settles) this.update();
       return;
@@ -218,7 +234,7 @@ export class PastBoard extends Store {
 
   close(): void {
     this.closed = true;
-    this.values.chunks.close();
+    this.values.close();
     this.feed.close();
     this.topics.close();
     this.replays.clear();
@@ -231,6 +247,7 @@ export class PastBoard extends Store {
     this.jumped += 1;
     this.jumpedMs = now;
     this.wasSettled = false;
+    this.wasBlink = this.isBlink;
     for (const replay of this.replays) replay.toldUs = Number.NaN;
   }
 
@@ -257,7 +274,7 @@ export class PastBoard extends Store {
     for (const replay of this.replays) this.tellReplay(replay);
     this.topics.advance(this.toldJumps !== this.jumped);
     this.toldJumps = this.jumped;
-    this.values.notifyWatchers();
+    if (!this.isBlink || this.values.isReady(us)) this.values.notifyWatchers();
     this.notifyWatchers();
   }
 
@@ -265,7 +282,9 @@ export class PastBoard extends Store {
     const { us } = this;
     const aheadUs = this.playing ? AHEAD_S * SECOND_US * this.speed : 0;
     const most = this.dragged && !this.isSettled ? MOST_WHILE_DRAGGED : undefined;
-    this.values.chunks.load(us, us, most);
+    // The moment first, and all samples around it once it is shown: who jumps about needs none of them.
+    if (!this.playing && !this.values.isReady(us)) this.values.moment.load(us, most);
+    else if (this.playing || (this.isSettled && this.isShown(us))) this.values.chunks.load(us, us, most);
     this.feed.load(0, most);
     this.topics.load(this.playing ? Math.min(MOST_TOPICS_AHEAD_S, TOPICS_AHEAD_S * this.speed) * SECOND_US : 0, most);
     if (aheadUs === 0) return;
@@ -273,11 +292,16 @@ export class PastBoard extends Store {
     this.feed.load(aheadUs);
   }
 
+  /** All that stands on the board at the moment is known. */
+  private isShown(us: number): boolean {
+    return this.values.isReady(us) && this.feed.isReady && this.topics.isReady(us);
+  }
+
   private tellReplay(replay: Replay): void {
     const { us } = this;
     const { site, channels, listener, toldUs } = replay;
-    if (!this.values.chunks.isReady(us, us)) return;
     const first = Number.isNaN(toldUs) || us < toldUs;
+    if (first ? !this.values.isReady(us) : !this.values.chunks.isReady(us, us)) return;
     const found = channels.flatMap((channel, index) => {
       const latest = this.values.latestReading(site, channel);
       const readings = first ? (latest === undefined ? [] : [latest]) : this.values.readingsBetween(channel, toldUs, us);

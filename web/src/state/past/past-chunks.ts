@@ -2,6 +2,7 @@
 
 import type { HistoryAnswer, SeriesShape, ValueList, ValueShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
+import { firstIndexFrom } from "../../series/binary-search.js";
 import { channelGroups } from "./channel-groups.js";
 
 /** What is asked of the hub. */
@@ -18,10 +19,14 @@ export interface PastColumn {
   readonly before: ValueShape | null;
 }
 
-/** How long a stretch is (µs), for how many pixels it is asked, and whether what came before it counts. */
+/**
+ * How long a stretch is (µs), for how many pixels it is asked, how many that follow one another are asked for
+ * `together` in one question, and whether what came before it counts (then each is asked for alone).
+ */
 export interface ChunkForm {
   readonly lengthUs: number;
   readonly width: number;
+  readonly together: number;
   readonly withLast: boolean;
 }
 
@@ -33,8 +38,16 @@ interface Chunk {
   untilUs: number;
 }
 
-/** Stretches that are asked for at a time: who scrubs wants the last one, not all between. */
+/** Stretches that follow one another. */
+interface Run {
+  readonly first: number;
+  count: number;
+  readonly channels: readonly string[];
+}
+
+/** Questions that run at a time: who scrubs wants the last one, not all between. */
 const MOST_RUNNING = 2;
+/** Stretches that are kept, for each that is asked for together. */
 const MOST_KEPT = 16;
 
 export class PastChunks {
@@ -71,7 +84,10 @@ export class PastChunks {
   load(fromUs: number, toUs: number, most = MOST_RUNNING): void {
     if (this.failure !== null) return;
     const untilUs = Math.min(toUs, this.nowUs());
-    for (let i = this.indexOf(fromUs); i <= this.indexOf(untilUs); i += 1) this.loadChunk(i, untilUs, most);
+    for (const { first, count, channels } of this.missingRuns(fromUs, untilUs)) {
+      if (this.running >= most) return;
+      void this.askFor(first, count, channels);
+    }
   }
 
   /** Everything wanted of a stretch is known, as far as time has come. */
@@ -112,17 +128,21 @@ export class PastChunks {
     return Math.floor(us / this.form.lengthUs);
   }
 
-  private loadChunk(index: number, neededUs: number, most: number): void {
-    const { lengthUs } = this.form;
-    const endUs = (index + 1) * lengthUs;
-    let chunk = this.chunks.get(index);
-    const grown = chunk !== undefined && chunk.untilUs < Math.min(endUs, neededUs);
-    const missing = this.wanted.filter((channel) => (grown || chunk?.columns.has(channel) !== true) && chunk?.asked.has(channel) !== true);
-    if (chunk !== undefined) this.markUsed(index, chunk);
-    if (missing.length === 0 || this.running >= most) return;
-    chunk ??= { columns: new Map(), asked: new Set(), untilUs: 0 };
-    this.markUsed(index, chunk);
-    void this.askFor(chunk, index, missing);
+  /** What is not known, as stretches that follow one another and lack the same channels. */
+  private missingRuns(fromUs: number, untilUs: number): Run[] {
+    const { lengthUs, together } = this.form;
+    const runs: Run[] = [];
+    for (let index = this.indexOf(fromUs); index <= this.indexOf(untilUs); index += 1) {
+      const chunk = this.chunks.get(index);
+      if (chunk !== undefined) this.markUsed(index, chunk);
+      const grown = chunk !== undefined && chunk.untilUs < Math.min((index + 1) * lengthUs, untilUs);
+      const channels = this.wanted.filter((channel) => (grown || chunk?.columns.has(channel) !== true) && chunk?.asked.has(channel) !== true);
+      if (channels.length === 0) continue;
+      const last = runs.at(-1);
+      if (last !== undefined && last.first + last.count === index && last.count < together && last.channels.join("\n") === channels.join("\n")) last.count += 1;
+      else runs.push({ first: index, count: 1, channels });
+    }
+    return runs;
   }
 
   /** The one used longest ago stands first, and goes first. */
@@ -130,39 +150,60 @@ export class PastChunks {
     this.chunks.delete(index);
     this.chunks.set(index, chunk);
     for (const oldest of this.chunks.keys()) {
-      if (this.chunks.size <= MOST_KEPT) return;
+      if (this.chunks.size <= MOST_KEPT * this.form.together) return;
       this.chunks.delete(oldest);
     }
   }
 
-  private async askFor(chunk: Chunk, index: number, channels: readonly string[]): Promise<void> {
+  private async askFor(first: number, count: number, channels: readonly string[]): Promise<void> {
     const askedUs = this.nowUs();
-    for (const channel of channels) chunk.asked.add(channel);
+    const asked = Array.from({ length: count }, (_, i) => {
+      const chunk = this.chunks.get(first + i) ?? { columns: new Map(), asked: new Set(), untilUs: 0 };
+      this.markUsed(first + i, chunk);
+      for (const channel of channels) chunk.asked.add(channel);
+      return chunk;
+    });
     this.running += 1;
     try {
-      for (const group of channelGroups(channels)) await this.askSome(chunk, index, group);
-      chunk.untilUs = askedUs;
+      for (const group of channelGroups(channels)) await this.askSome(asked, first, group);
+      for (const chunk of asked) chunk.untilUs = askedUs;
     } catch (error) {
       if (!this.ending.signal.aborted) this.failure = error;
     }
     this.running -= 1;
-    for (const channel of channels) chunk.asked.delete(channel);
+    for (const chunk of asked) for (const channel of channels) chunk.asked.delete(channel);
     if (this.ending.signal.aborted) return;
     this.version += 1;
     this.changed();
   }
 
-  private async askSome(chunk: Chunk, index: number, channels: readonly string[]): Promise<void> {
+  private async askSome(chunks: readonly Chunk[], first: number, channels: readonly string[]): Promise<void> {
     const { lengthUs, width, withLast } = this.form;
-    const fromUs = index * lengthUs;
+    const fromUs = first * lengthUs;
+    const count = chunks.length;
     const { signal } = this.ending;
     const [{ series }, { values }] = await Promise.all([
-      this.source.history(this.site, { channels, fromUs, toUs: fromUs + lengthUs, width }, signal),
+      this.source.history(this.site, { channels, fromUs, toUs: fromUs + count * lengthUs, width: count * width }, signal),
       withLast ? this.source.lastValues(this.site, channels, fromUs, signal) : Promise.resolve<ValueList>({ values: [] }),
     ]);
     for (const channel of series) {
       const before = values.find(({ address }) => address === channel.address) ?? null;
-      chunk.columns.set(channel.address, { series: channel, before });
+      chunks.forEach((chunk, i) => {
+        const cut = count === 1 ? channel : cutSeries(channel, fromUs + i * lengthUs, i + 1 === count ? Infinity : fromUs + (i + 1) * lengthUs);
+        chunk.columns.set(channel.address, { series: cut, before });
+      });
     }
   }
+}
+
+/** A part of a series, from one moment up to another (µs), without that. */
+function cutSeries(series: SeriesShape, fromUs: number, toUs: number): SeriesShape {
+  const [from, to] = [firstIndexFrom(series.t_us, fromUs), firstIndexFrom(series.t_us, toUs)];
+  return {
+    ...series,
+    t_us: series.t_us.slice(from, to),
+    v: series.v.slice(from, to),
+    ...(series.text == null ? {} : { text: series.text.slice(from, to) }),
+    gaps: series.gaps.filter((gap) => gap.from_us < toUs && gap.to_us >= fromUs),
+  };
 }

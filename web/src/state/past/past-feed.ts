@@ -7,11 +7,13 @@ import { Columns } from "../../series/columns.js";
 import { pauseAllowed } from "../../series/gaps.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { MINUTE_US, SECOND_US } from "../../series/zone-clock.js";
-import { samplesOf } from "./history-samples.js";
+import { gapsOfParts, joinSeries } from "./history-samples.js";
 import { PastChunks, type PastColumn, type PastSource } from "./past-chunks.js";
 
 /** Pixels of a wide tile: twice as many points come for each line, and all of them before a moment is shown. */
 const WIDTH = 800;
+/** A window is asked for in so many parts: what sticks out of it at its two ends is one of them, and not another window. */
+const PARTS = 8;
 const NO_TIMES = new Float64Array();
 
 interface Line {
@@ -111,8 +113,8 @@ export class PastFeed {
   }
 
   private makeChunks(): PastChunks {
-    const lengthUs = Math.max(MINUTE_US, this.lengthUs);
-    return new PastChunks(this.site, this.source, { lengthUs, width: WIDTH, withLast: false }, this.changed, this.nowUs);
+    const lengthUs = Math.ceil(Math.max(MINUTE_US, this.lengthUs) / PARTS);
+    return new PastChunks(this.site, this.source, { lengthUs, width: WIDTH / PARTS, together: PARTS + 1, withLast: false }, this.changed, this.nowUs);
   }
 }
 
@@ -156,11 +158,14 @@ class PastTrace {
   }
 
   get newestUs(): number {
-    return this.allTimes[this.newestIndex()] ?? Number.NaN;
+    // First: it puts together what has come, and with that the times.
+    const newest = this.newestIndex();
+    return this.allTimes[newest] ?? Number.NaN;
   }
 
   get newest(): number {
-    return this.allValues[this.newestIndex()] ?? Number.NaN;
+    const newest = this.newestIndex();
+    return this.allValues[newest] ?? Number.NaN;
   }
 
   get version(): number {
@@ -194,24 +199,14 @@ class PastTrace {
     const pieces = this.piecesNow();
     if (pieces.length === this.pieces.length && pieces.every((piece, i) => piece === this.pieces[i])) return;
     this.pieces = pieces;
-    const parts = pieces.map(({ series }) => samplesOf(series));
-    this.allTimes = joined(parts.map(({ times }) => times));
-    this.allValues = joined(parts.map(({ values }) => values));
+    const parts = pieces.map(({ series }) => series);
+    const { times, values, intervalUs } = joinSeries(parts);
     const { shown } = this.facts;
-    if (shown !== null) this.allValues = this.allValues.map((value) => toShown(shown, value));
-    this.intervalUs = Math.max(...parts.map(({ intervalUs }) => intervalUs).filter((us) => !Number.isNaN(us)), 0) || Number.NaN;
-    this.gaps.splice(0, Infinity, ...pieces.flatMap(({ series }) => series.gaps));
+    this.allTimes = times;
+    this.allValues = shown === null ? values : values.map((value) => toShown(shown, value));
+    this.intervalUs = intervalUs;
+    this.gaps.splice(0, Infinity, ...gapsOfParts(parts));
     this.columns = null;
     this.changes += 1;
   }
-}
-
-function joined(parts: readonly Float64Array[]): Float64Array {
-  const whole = new Float64Array(parts.reduce((sum, { length }) => sum + length, 0));
-  let at = 0;
-  for (const part of parts) {
-    whole.set(part, at);
-    at += part.length;
-  }
-  return whole;
 }

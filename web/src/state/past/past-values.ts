@@ -4,6 +4,7 @@ import { firstIndexFrom } from "../../series/binary-search.js";
 import { SECOND_US } from "../../series/zone-clock.js";
 import type { Reading, ReadingSource } from "../live-values.js";
 import { PastChunks, type PastColumn, type PastSource } from "./past-chunks.js";
+import { PastMoment } from "./past-moment.js";
 
 /** Every sample of up to 50 a second comes; of faster ones the least and the greatest of each 20 ms. */
 const WIDTH = 1000;
@@ -13,6 +14,8 @@ const CHUNK_US = 20 * SECOND_US;
 export class PastValues implements ReadingSource {
   readonly isPast = true;
   readonly chunks: PastChunks;
+  /** The values of the moment alone, which are there sooner than all around it. */
+  readonly moment: PastMoment;
   private readonly counts = new Map<string, number>();
   private readonly watchers = new Set<() => void>();
 
@@ -25,14 +28,38 @@ export class PastValues implements ReadingSource {
     changed: () => void,
     nowUs: () => number,
   ) {
-    this.chunks = new PastChunks(site, source, { lengthUs: CHUNK_US, width: WIDTH, withLast: true }, changed, nowUs);
+    this.chunks = new PastChunks(site, source, { lengthUs: CHUNK_US, width: WIDTH, together: 1, withLast: true }, changed, nowUs);
+    this.moment = new PastMoment(site, source, changed);
   }
 
   latestReading(site: string, channel: string): Reading | undefined {
     if (site !== this.site) return undefined;
     const us = this.us();
     const column = this.chunks.columnAt(channel, us);
-    return column === undefined ? undefined : readingAt(column, us);
+    if (column !== undefined) return readingAt(column, us);
+    const found = this.moment.valueAt(channel, us);
+    return found === undefined ? undefined : readingOf(found.t_us, found.v, found.text ?? null);
+  }
+
+  /** Every value of a moment is known. */
+  isReady(us: number): boolean {
+    return this.chunks.isReady(us, us) || this.moment.isKnown(us);
+  }
+
+  /** Why the hub gave nothing; null while it does. */
+  get failure(): unknown {
+    return this.chunks.failure ?? this.moment.failure;
+  }
+
+  /** After a failure: ask once more. */
+  retry(): void {
+    this.chunks.retry();
+    this.moment.retry();
+  }
+
+  close(): void {
+    this.chunks.close();
+    this.moment.close();
   }
 
   /** Age at the moment that is shown (s). */
@@ -85,6 +112,7 @@ export class PastValues implements ReadingSource {
     if (count > 0) this.counts.set(channel, count);
     else this.counts.delete(channel);
     this.chunks.wantChannels([...this.counts.keys()]);
+    this.moment.wantChannels([...this.counts.keys()]);
     this.wishChanged();
   }
 }

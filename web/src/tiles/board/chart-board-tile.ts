@@ -89,6 +89,13 @@ abstract class FeedTile extends LitElement {
     });
   }
 
+  protected readonly isHeld = (): boolean => this.context?.past?.holdsCharts ?? false;
+
+  /** What is written stays with what is drawn: words that come and go would move the chart, and it be drawn twice. */
+  protected override shouldUpdate(changed: PropertyValues<this>): boolean {
+    return changed.size > 0 || !this.isHeld();
+  }
+
   protected get isPast(): boolean {
     return (this.context?.past ?? null) !== null;
   }
@@ -97,7 +104,14 @@ abstract class FeedTile extends LitElement {
     return this.context?.feed?.ageS(signal.channels[0] ?? signal.address) ?? Number.NaN;
   }
 
+  /** What was recorded is being asked for: nobody knows yet whether there is anything. */
+  private get isComing(): boolean {
+    const past = this.context?.past ?? null;
+    return past !== null && past.feed.failure === null && !past.feed.isReady;
+  }
+
   protected isStale(signal: SignalShape): boolean {
+    if (this.isComing) return false;
     const age = this.ageOf(signal);
     return Number.isNaN(age) || this.context?.online !== true || age > signal.max_age;
   }
@@ -179,6 +193,7 @@ export class ChartBoardTile extends FeedTile {
         .axis=${this.axis}
         .levels=${this.levels}
         .follow=${this.follow}
+        .isHeld=${this.isHeld}
         .painter=${this.context?.painter ?? null}
         ?many-axes=${this.manyAxes && units.size > 1}
         zone=${this.context?.zone ?? "UTC"}
@@ -230,7 +245,7 @@ export class TimelineBoardTile extends FeedTile {
       ({ address }) => address,
       (signal) => html`<div class="line">
         <div class="name"><span>${signal.name}</span><b class=${this.isStale(signal) ? "stale" : ""}>${this.newestText(signal)}</b>${this.staleText(signal)}</div>
-        <t-chart class="state" .series=${this.listOf(signal)} .follow=${this.follow} .painter=${this.context?.painter ?? null} zone=${this.context?.zone ?? "UTC"} label=${this.isPast ? msg(str`${signal.name}, up to the moment`) : msg(str`${signal.name}, live`)}></t-chart>
+        <t-chart class="state" .series=${this.listOf(signal)} .follow=${this.follow} .isHeld=${this.isHeld} .painter=${this.context?.painter ?? null} zone=${this.context?.zone ?? "UTC"} label=${this.isPast ? msg(str`${signal.name}, up to the moment`) : msg(str`${signal.name}, live`)}></t-chart>
       </div>`,
     )}`;
   }

@@ -175,7 +175,7 @@ export class FilmView extends LitElement {
     return html`<video
         .muted=${true}
         playsinline
-        preload="auto"
+        preload="metadata"
         disablepictureinpicture
         ?hidden=${!plays}
         aria-label=${plays && this.shownUs > 0 ? msg(str`Film of ${name}, picture of ${this.moment(this.shownUs)}`) : msg(str`Film of ${name}`)}
@@ -255,6 +255,7 @@ export class FilmView extends LitElement {
     this.broken = "";
     this.shownUs = 0;
     this.asking?.abort();
+    this.asking = null;
     this.watching += 1;
     const { video } = this;
     if (film === null) {
@@ -262,15 +263,22 @@ export class FilmView extends LitElement {
       video.load();
       return;
     }
-    const path = filmPath(this.site, film.id);
-    video.src = path;
+    // Where to begin stands in the address: a browser that has to be told once it knows the file asks for it twice.
+    video.src = `${filmPath(this.site, film.id)}#t=${(Math.max(0, this.us - film.begin_us) / 1e6).toFixed(3)}`;
     this.watchFrames(this.watching);
+  }
+
+  /** Asked for once a picture is seen: it comes first. */
+  private loadTimes(film: FilmShape): void {
+    if (this.asking !== null) return;
     const asking = new AbortController();
     this.asking = asking;
-    fetchTimes(path, asking.signal).then(
+    fetchTimes(filmPath(this.site, film.id), asking.signal).then(
       (times) => {
         if (asking.signal.aborted) return;
         this.times = times;
+        // It may be the right picture already, and stay where it is.
+        if (this.video.paused && !this.video.seeking) this.holdsTime(film, this.video.currentTime);
         this.requestUpdate();
       },
       // Without them pictures are asked for by the clock alone.
@@ -338,13 +346,23 @@ export class FilmView extends LitElement {
     // One after the other: while fingers move the cursor, what comes in between is left out.
     if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
     const place = this.positionInFile(film);
-    if (Math.abs(video.currentTime - place) > SAME_S) video.currentTime = place;
+    if (Math.abs(video.currentTime - place) > SAME_S && !this.showsPictureAt(place)) video.currentTime = place;
+  }
+
+  /** What is seen is the picture of a place (s), and clearly within it: browsers round. */
+  private showsPictureAt(placeS: number): boolean {
+    const { times, video } = this;
+    if (times === null) return false;
+    const wanted = pictureAt(times, placeS * 1e6);
+    const us = video.currentTime * 1e6;
+    return us >= (times[wanted] ?? Infinity) + 1e6 * INTO_S && us < (times[wanted + 1] ?? Infinity) - 1e6 * INTO_S;
   }
 
   private readonly onMediaReady = (): void => {
     const { film, video } = this;
     // Standing still, the picture is that of the place: what is told of frames may come too late.
     if (film !== null && video.paused && !video.seeking) this.holdsTime(film, video.currentTime);
+    if (film !== null) this.loadTimes(film);
     this.followMoment();
     this.dispatchEvent(new CustomEvent("t-ready"));
   };

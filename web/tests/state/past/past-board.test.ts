@@ -16,6 +16,8 @@ const NOW = THEN + 60 * MINUTE;
 /** A robot that says each second how many seconds of its recording have passed; `base/word` says it in words. */
 class Recorder implements PastSource {
   readonly asked: { channels: readonly string[]; fromUs: number; toUs: number }[] = [];
+  /** Moments of which only the last values were asked for. */
+  readonly moments: { channels: readonly string[]; us: number }[] = [];
   broken = false;
   constructor(readonly fromUs = THEN - 10 * MINUTE, readonly toUs = NOW) {}
 
@@ -23,7 +25,7 @@ class Recorder implements PastSource {
     this.asked.push({ channels, fromUs, toUs });
     if (this.broken) return Promise.reject(new Error("down"));
     const times: number[] = [];
-    for (let us = Math.max(this.fromUs, fromUs); us < Math.min(this.toUs, toUs); us += S) times.push(us);
+    for (let us = Math.ceil(Math.max(this.fromUs, fromUs) / S) * S; us < Math.min(this.toUs, toUs); us += S) times.push(us);
     return Promise.resolve({
       series: channels.map((address) => ({
         address, kind: "exact" as const, t_us: times, v: times.map((us) => (address === "base/word" ? null : (us - THEN) / S)), gaps: [],
@@ -33,8 +35,10 @@ class Recorder implements PastSource {
   }
 
   lastValues(_site: string, channels: readonly string[], beforeUs: number): Promise<ValueList> {
-    const t = Math.min(beforeUs, this.toUs) - S;
-    return Promise.resolve({ values: t < this.fromUs ? [] : channels.map((address) => ({ address, t_us: t, v: (t - THEN) / S })) });
+    this.moments.push({ channels, us: beforeUs - 1 });
+    if (this.broken) return Promise.reject(new Error("down"));
+    const t = Math.min(Math.ceil(beforeUs / S) * S, this.toUs) - S;
+    return Promise.resolve({ values: t < this.fromUs ? [] : channels.map((address) => ({ address, t_us: t, v: address === "base/word" ? null : (t - THEN) / S, ...(address === "base/word" ? { text: `second ${String((t - THEN) / S)}` } : {}) })) });
   }
 }
 
@@ -84,14 +88,33 @@ describe("a board in the past", () => {
     expect([board.state, told > 0]).toEqual(["ready", true]);
   });
 
-  test("asks for all signals of the board at once, and once", async () => {
-    const { board, source } = boardAt(THEN);
+  test("asks for all signals of the moment at once, then for what is around it, and then for nothing more", async () => {
+    const { board, source, play } = boardAt(THEN);
     for (let i = 0; i < 20; i += 1) board.values.watchChannel("agv", `base/s${String(i)}`, () => undefined);
     await settle();
+    expect([source.asked, source.moments.map(({ channels, us }) => [channels.length, us])]).toEqual([[], [[20, THEN]]]);
+    await play(200);
+    expect(source.asked.map(({ channels }) => channels.length)).toEqual([20]);
+    // The last before the stretch, too.
+    expect(source.moments).toHaveLength(2);
     board.step(3 * S);
     board.step(-2 * S);
+    await play(200);
+    expect(board.values.latestReading("agv", "base/s3")?.value).toBe(1);
+    expect([source.asked.length, source.moments.length]).toEqual([1, 2]);
+  });
+
+  test("an answer for another moment is not shown, nor for other signals", async () => {
+    const { board } = boardAt(THEN + 10 * S);
+    board.values.watchChannel("agv", "base/speed", () => undefined);
+    await Promise.resolve();
+    board.seek(THEN + 300 * S);
     await settle();
-    expect(source.asked.map(({ channels }) => channels.length)).toEqual([20]);
+    expect(board.values.latestReading("agv", "base/speed")?.value).toBe(300);
+    board.values.watchChannel("agv", "base/more", () => undefined);
+    expect([board.values.isReady(board.us), board.values.latestReading("agv", "base/more")]).toEqual([false, undefined]);
+    await settle();
+    expect(board.values.latestReading("agv", "base/more")?.value).toBe(300);
   });
 
   test("plays at its speed, asks ahead, and never shows what is not there yet", async () => {
@@ -105,7 +128,8 @@ describe("a board in the past", () => {
       if (board.values.latestReading("agv", "base/speed") === undefined) missing.push(board.us);
     });
     await play(2000);
-    expect((board.us - THEN) / S).toBeCloseTo(70, 0);
+    // It waits for what comes with the first question, and for nothing after that.
+    expect((board.us - THEN) / S).toBe(69.5);
     expect(missing).toEqual([]);
     expect(source.asked.map(({ fromUs }) => (fromUs - THEN) / S)).toEqual([40, 60, 80, 100, 120, 140]);
     board.pause();
@@ -154,7 +178,7 @@ describe("a board in the past", () => {
   test("a hub that does not answer is said, and asked again", async () => {
     const source = new Recorder();
     source.broken = true;
-    const { board } = boardAt(THEN, source);
+    const { board, play } = boardAt(THEN, source);
     board.values.watchChannel("agv", "base/speed", () => undefined);
     await settle();
     expect(board.state).toBe("failed");
@@ -162,6 +186,9 @@ describe("a board in the past", () => {
     board.retry();
     await settle();
     expect(board.state).toBe("ready");
+    source.broken = true;
+    await play(300);
+    expect(board.state).toBe("failed");
   });
 
   test("who scrubs asks for where it stands, not for all between", async () => {
@@ -172,7 +199,8 @@ describe("a board in the past", () => {
     await settle();
     expect(board.values.latestReading("agv", "base/speed")?.value).toBe(2400);
     // Where it stood, the first on the way, and the last: one is under way at a time.
-    expect(source.asked.map(({ fromUs }) => (fromUs - THEN) / MINUTE)).toEqual([0, 1, 40]);
+    expect(source.moments.map(({ us }) => (us - THEN) / MINUTE)).toEqual([0, 1, 40]);
+    expect(source.asked).toEqual([]);
   });
 
   test("charts end at the moment, forwards and back", async () => {
@@ -190,6 +218,58 @@ describe("a board in the past", () => {
     expect(trace.version).not.toBe(before);
     expect(board.feed.currentWindow()).toEqual({ fromUs: THEN + 10 * S, toUs: THEN + 70 * S });
     expect(board.feed.ageS("base/speed")).toBe(0);
+  });
+
+  test("charts stay as they are for a blink after a jump, until theirs has come; not while a hand goes on", async () => {
+    const { board, play } = boardAt(THEN);
+    board.feed.subscribeSignals([SIGNAL]);
+    await settle();
+    await play(200);
+    const held: boolean[] = [board.holdsCharts];
+    board.seek(THEN + 20 * MINUTE);
+    held.push(board.holdsCharts);
+    await settle();
+    held.push(board.holdsCharts);
+    board.seek(THEN + 40 * MINUTE);
+    held.push(board.holdsCharts);
+    expect(held).toEqual([false, true, false, false]);
+    const silent = new PastBoard("agv", { history: () => new Promise(() => undefined), lastValues: () => new Promise(() => undefined) }, THEN, new Hands());
+    silent.feed.subscribeSignals([SIGNAL]);
+    silent.seek(THEN + MINUTE);
+    expect(silent.holdsCharts).toBe(true);
+  });
+
+  test("a chart's window is one question, and going on a little asks for the rest alone", async () => {
+    const { board, source } = boardAt(THEN + 10 * S);
+    board.feed.subscribeSignals([SIGNAL]);
+    await settle();
+    // Five minutes in parts of 37.5 s, of which one sticks out.
+    expect(source.asked.map(({ fromUs, toUs }) => [(fromUs - THEN) / S, (toUs - THEN) / S])).toEqual([[-300, 37.5]]);
+    board.seek(THEN + 100 * S);
+    await settle();
+    expect(source.asked.slice(1).map(({ fromUs, toUs }) => [(fromUs - THEN) / S, (toUs - THEN) / S])).toEqual([[37.5, 112.5]]);
+    const { times } = board.feed.channelOf("base/speed").trace;
+    expect([times[0], times.length]).toEqual([THEN - 225 * S, 326]);
+    expect([...times].map((us) => (us - THEN) / S)).toEqual(Array.from({ length: 326 }, (_, i) => i - 225));
+  });
+
+  test("a signal that comes once a minute has no gap where parts of the window meet, and a gap over several is one", async () => {
+    const gap = { from_us: THEN - 200 * S, to_us: THEN - 90 * S, reason: "link" };
+    const source: PastSource = {
+      history: (_site, { channels, fromUs, toUs }) => {
+        const times = [0, 1, 2, 3, 4].map((i) => THEN - i * MINUTE).filter((us) => us >= fromUs && us <= toUs).reverse();
+        return Promise.resolve({ series: channels.map((address) => ({ address, kind: "exact" as const, t_us: times, v: times.map(() => 1), gaps: [gap] })) });
+      },
+      lastValues: () => Promise.resolve({ values: [] }),
+    };
+    const board = new PastBoard("agv", source, THEN, new Hands());
+    board.feed.subscribeSignals([SIGNAL]);
+    await settle();
+    const { trace, gaps } = board.feed.channelOf("base/speed");
+    expect([...trace.times]).toEqual([THEN - 4 * MINUTE, gap.from_us + 1, THEN - 3 * MINUTE, THEN - 2 * MINUTE, THEN - MINUTE, THEN]);
+    expect([...trace.values]).toEqual([1, NaN, 1, 1, 1, 1]);
+    expect(trace.allowedUs).toBe(3 * MINUTE);
+    expect(gaps).toEqual([gap]);
   });
 
   test("a trail hears the last position first, then each one that the moment comes to", async () => {

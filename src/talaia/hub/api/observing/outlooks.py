@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from zoneinfo import ZoneInfo
 
 import msgspec
 from fastapi import APIRouter, Request
@@ -145,7 +146,11 @@ class OutlookPages:
             RequestState.DRAFT,
         ).requests[0]
         defaults = ImportDefaults(
-            asked.proposal, standing.windows[0], standing.configurations, standing.constraints
+            proposal=asked.proposal,
+            window=standing.windows[0],
+            configurations=standing.configurations,
+            constraints=standing.constraints,
+            zone=ZoneInfo(live_of(request).description.zone),
         )
         found = read_request_file(asked.kind, asked.text, defaults)
         return ImportAnswer(

@@ -77,6 +77,8 @@ EMPTY = BlockSamples(np.empty(0, np.int64), np.empty(0, np.float64), {})
 
 def concatenate_samples(parts: list[BlockSamples]) -> BlockSamples:
     """Put samples one after the other."""
+    # Of a past window there is often nothing in memory, or nothing in blocks: no copy then.
+    parts = [part for part in parts if part.time_us.size]
     if len(parts) < 2:
         return parts[0] if parts else EMPTY
     texts: dict[int, str] = {}

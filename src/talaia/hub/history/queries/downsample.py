@@ -12,9 +12,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
-__all__ = ["bucket_extremes", "bucket_starts", "edges_of", "pixel_width", "steps_of"]
+__all__ = [
+    "bucket_extremes",
+    "bucket_starts",
+    "distinct_positions",
+    "edges_of",
+    "pixel_width",
+    "steps_of",
+]
 
 
 def pixel_width(span_us: int, width: int, multiple_us: int = 1) -> int:
@@ -70,12 +79,24 @@ def bucket_extremes(
     )
 
 
+def distinct_positions(lists: Sequence[NDArray[np.intp]]) -> NDArray[np.intp]:
+    """Give the positions of all lists, each once and in order.
+
+    `numpy.unique` hashes first, which takes five times as long as to sort what is nearly in order.
+    """
+    positions = np.sort(np.concatenate(lists), kind="stable")
+    is_new = np.empty(positions.size, np.bool_)
+    is_new[:1] = True
+    np.not_equal(positions[1:], positions[:-1], out=is_new[1:])
+    return positions[is_new]
+
+
 def edges_of(starts: NDArray[np.intp], size: int) -> NDArray[np.intp]:
     """Give the first and the last position of each group, each once and in order.
 
     This is how texts are thinned: they have no least and no greatest.
     """
-    return np.unique(np.concatenate((starts, np.append(starts[1:], size) - 1)))
+    return distinct_positions((starts, np.append(starts[1:], size) - 1))
 
 
 def steps_of(value: NDArray[np.float64], starts: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -87,4 +108,4 @@ def steps_of(value: NDArray[np.float64], starts: NDArray[np.intp]) -> NDArray[np
     low, high = bucket_extremes(value, starts)
     held = value[last]
     other = np.where(value[high] != held, high, low)
-    return np.unique(np.concatenate((last, other[value[other] != held])))
+    return distinct_positions((last, other[value[other] != held]))

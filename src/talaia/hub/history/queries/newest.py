@@ -5,10 +5,9 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
 from sqlalchemy import select
 
-from talaia.hub.history.blocks.block import EMPTY, concatenate_samples, in_order
+from talaia.hub.history.blocks.block import EMPTY, in_order
 from talaia.hub.history.queries.window import (
     FARTHEST_US,
     StoredWindow,
@@ -66,14 +65,22 @@ def read_newest(
                 some = together[first : first + _AT_ONCE]
                 blocks = _newest_blocks(connection, cache, some)
                 for one in some:
-                    both = concatenate_samples([*blocks.get(one.window.channel, []), one.tail])
-                    if not both.time_us.size:
-                        continue
-                    # Of equal times the one that came last; the tail came after the blocks.
-                    at = both.time_us.size - 1 - int(np.argmax(both.time_us[::-1]))
-                    text = both.texts.get(at, "")
-                    found[one.address] = (int(both.time_us[at]), float(both.value[at]), text)
+                    last = _last_of([*blocks.get(one.window.channel, []), one.tail])
+                    if last is not None:
+                        found[one.address] = last
     return found
+
+
+def _last_of(parts: Sequence[BlockSamples]) -> tuple[int, float, str] | None:
+    """Give the newest of samples that are in order; of equal times the one that came last."""
+    newest: BlockSamples | None = None
+    for part in parts:
+        if part.time_us.size and (newest is None or part.time_us[-1] >= newest.time_us[-1]):
+            newest = part
+    if newest is None:
+        return None
+    at = newest.time_us.size - 1
+    return int(newest.time_us[at]), float(newest.value[at]), newest.texts.get(at, "")
 
 
 def _look_into_memory(

@@ -20,6 +20,7 @@ from talaia.hub.history.blocks.rows import to_float
 from talaia.hub.history.queries.downsample import (
     bucket_extremes,
     bucket_starts,
+    distinct_positions,
     edges_of,
     pixel_width,
     steps_of,
@@ -208,7 +209,7 @@ def _draw_series(
     elif steps:
         kept = steps_of(samples.value, starts)
     else:
-        kept = np.unique(np.concatenate(bucket_extremes(samples.value, starts)))
+        kept = distinct_positions(bucket_extremes(samples.value, starts))
     return Series(address, *samples.select_positions(kept), exact=False, gaps=gaps)
 
 

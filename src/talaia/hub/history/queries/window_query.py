@@ -29,6 +29,6 @@ def window_of(
     to_us = max(-FARTHEST_US, min(FARTHEST_US, int(to_us)))
     if channel is None or from_us > to_us:
         return None
-    samples, before = tails.channel_snapshot(channel)
+    samples, before = tails.channel_snapshot(channel, from_us, to_us)
     window = StoredWindow(channel, from_us, to_us, names.longest_us[channel], before, run)
     return window, samples

@@ -62,14 +62,27 @@ class Tail:
         self.size = 0
         self.oldest_row: int | None = None
         self.saved = False
+        # Between which times the first ``_bounded`` parts lie: found when a reader asks.
+        self._first_us, self._last_us = 2**63 - 1, -(2**63)
+        self._bounded = 0
 
     def add_samples(self, samples: BlockSamples) -> None:
         """Put samples at the end."""
         if len(self.parts) >= _PARTS:
             # A slow channel gets its samples one by one; a thousand small arrays are slow to read.
             self.parts = [concatenate_samples(self.parts)]
+            self._bounded = 0
         self.parts.append(samples)
         self.size += samples.time_us.size
+
+    def touches(self, from_us: int, to_us: int) -> bool:
+        """Whether any of it may lie in a window; most windows of the past are before all of it."""
+        for part in self.parts[self._bounded :]:
+            if part.time_us.size:
+                self._first_us = min(self._first_us, int(part.time_us.min()))
+                self._last_us = max(self._last_us, int(part.time_us.max()))
+        self._bounded = len(self.parts)
+        return self._first_us <= to_us and self._last_us >= from_us
 
 
 class Snapshot(NamedTuple):
@@ -189,11 +202,13 @@ class Tails:
             self._needed = min(rows, default=self.dealt_row + 1)
         return self._needed
 
-    def channel_snapshot(self, channel: int) -> Snapshot:
-        """Give what is held of a channel; from any thread."""
+    def channel_snapshot(
+        self, channel: int, from_us: int = -(2**63), to_us: int = 2**63 - 1
+    ) -> Snapshot:
+        """Give what is held of a channel: all of a window, perhaps more; from any thread."""
         with self._lock:
             tail = self._tails.get(channel)
-            parts = list(tail.parts) if tail is not None else []
+            parts = list(tail.parts) if tail is not None and tail.touches(from_us, to_us) else []
             recent = list(self._recent)
             block = self.block
         for chunk in recent:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from sqlalchemy import and_, delete, insert, select
+from sqlalchemy import and_, bindparam, delete, insert, select
 
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.store.tables import permissions, role_permissions, token_permissions
@@ -26,6 +26,17 @@ class Relation:
         self.table = table
         self.holder: Column[int] = table.c[holder]
         self.permission: Column[int] = table.c.permission_id
+        # Asked with each request: written once.
+        self.grants = (
+            select(
+                self.holder.label("holder"),
+                permissions.c.right_name,
+                permissions.c.site,
+                permissions.c.device,
+            )
+            .join(permissions, permissions.c.id == self.permission)
+            .where(self.holder.in_(bindparam("holders", expanding=True)))
+        )
 
 
 OF_ROLES = Relation(role_permissions, "role_id")
@@ -36,16 +47,7 @@ async def grants_of(
     connection: AsyncConnection, relation: Relation, holders: Collection[int]
 ) -> dict[int, Grants]:
     """Read the permissions of each holder."""
-    rows = await connection.execute(
-        select(
-            relation.holder.label("holder"),
-            permissions.c.right_name,
-            permissions.c.site,
-            permissions.c.device,
-        )
-        .join(permissions, permissions.c.id == relation.permission)
-        .where(relation.holder.in_(holders))
-    )
+    rows = await connection.execute(relation.grants, {"holders": list(holders)})
     held: dict[int, set[Permission]] = {holder: set() for holder in holders}
     for row in rows:
         held[row.holder].add(Permission(Right(row.right_name), row.site, row.device))

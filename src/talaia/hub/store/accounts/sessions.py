@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from sqlalchemy import and_, delete, insert, select, update
+from sqlalchemy import and_, bindparam, delete, insert, select, update
 
 from talaia.clock import SECOND
 from talaia.hub.auth.fresh_confirmations import FreshConfirmations
@@ -28,6 +28,32 @@ __all__ = ["LiveSession", "OpenSession", "Sessions"]
 
 # A use is written down at most this often, so that reading costs no writing.
 _TOUCH_US = 60_000_000
+# Each request asks it, and each time anew: a right that was taken back is gone with the next one.
+# Written once, since to put it together takes longer than the database does.
+_LIVE_SESSIONS = (
+    select(
+        sessions.c.token_hash,
+        sessions.c.created_us,
+        sessions.c.used_us,
+        users.c.id,
+        users.c.name,
+        has_factor().label("factor"),
+        users.c.code_alert_us,
+        users.c.password_hash,
+        sessions.c.provider,
+        users.c.role_id,
+        roles.c.name.label("role"),
+        roles.c.factor_required,
+    )
+    .join(users, users.c.id == sessions.c.user_id)
+    .join(roles, roles.c.id == users.c.role_id)
+    .where(
+        sessions.c.token_hash.in_(bindparam("hashes", expanding=True)),
+        ~users.c.disabled,
+        sessions.c.used_us > bindparam("used_after"),
+        sessions.c.created_us > bindparam("begun_after"),
+    )
+)
 
 
 class LiveSession(NamedTuple):
@@ -189,23 +215,7 @@ class Sessions:
     ) -> dict[str, LiveSession]:
         # A person who is disabled is out at once, whatever sessions they have.
         rows = await connection.execute(
-            select(
-                sessions.c.token_hash,
-                sessions.c.created_us,
-                sessions.c.used_us,
-                users.c.id,
-                users.c.name,
-                has_factor().label("factor"),
-                users.c.code_alert_us,
-                users.c.password_hash,
-                sessions.c.provider,
-                users.c.role_id,
-                roles.c.name.label("role"),
-                roles.c.factor_required,
-            )
-            .join(users, users.c.id == sessions.c.user_id)
-            .join(roles, roles.c.id == users.c.role_id)
-            .where(sessions.c.token_hash.in_(hashes), ~users.c.disabled, self.alive_now())
+            _LIVE_SESSIONS, {"hashes": list(hashes), **self._alive_after()}
         )
         people = rows.all()
         held = await grants_of(connection, OF_ROLES, {row.role_id for row in people})
@@ -231,12 +241,15 @@ class Sessions:
 
     def alive_now(self) -> ColumnElement[bool]:
         """Give the condition by which a session counts."""
-        now_us = self._now_us()
-        # Reckoned from when it was used and begun: another setting holds for open sessions too.
+        after = self._alive_after()
         return and_(
-            sessions.c.used_us > now_us - self._idle_us,
-            sessions.c.created_us > now_us - self._life_us,
+            sessions.c.used_us > after["used_after"], sessions.c.created_us > after["begun_after"]
         )
+
+    def _alive_after(self) -> dict[str, int]:
+        """Give after when it must have been used and begun (µs); settings hold for open ones."""
+        now_us = self._now_us()
+        return {"used_after": now_us - self._idle_us, "begun_after": now_us - self._life_us}
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
