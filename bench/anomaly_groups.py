@@ -27,6 +27,8 @@ import tracemalloc
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from talaia.cli.anomalies.judges import DETECTORS, make_judge
 from talaia.cli.anomalies.signal_rows import SignalRows
 from talaia.hub.anomaly.base import dump_detector
@@ -75,7 +77,10 @@ def judge_file(path: Path, detector: str, learn_rows: int) -> tuple[Counts, int]
         always = detector == ALWAYS
         judge = None if always else make_judge(detector, rows.signals, learn_rows)
         for number, row in enumerate(rows.read_rows(), 1):
-            found = judge is None or judge.judge_row(row.time_us, row.values).anomalous
+            found = always
+            if judge is not None:
+                times, values = np.array([row.time_us]), np.array([row.values])
+                found = judge.judge_rows(times, values)[0].anomalous
             if number > learn_rows:
                 counts[2 * (not found) + (row.labelled is not found)] += 1
     finally:

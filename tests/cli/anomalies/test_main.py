@@ -12,6 +12,7 @@ import pytest
 from talaia.cli.anomalies.command_line import DETECTOR_NAMES, main
 from talaia.cli.anomalies.judges import DETECTORS
 from talaia.cli.errors import BadRows, CliError
+from talaia.hub.anomaly.kinds import KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -172,3 +173,41 @@ def test_what_cannot_be_asked_for_is_told(tmp_path):
     wide = ["time," + ",".join(f"s{at}" for at in range(65))]
     with pytest.raises(CliError, match="at most 64 signals for 'group', found 65; choose some"):
         backtest(write_table(tmp_path, wide))
+
+
+def test_rows_of_a_long_table_are_judged_as_one_by_one_and_late_ones_repeat_the_last(
+    tmp_path, capsys
+):
+    lines = pump_lines(1_300, fault=1_000)
+    # Two late ones: one within what is judged at once, and the first of what follows.
+    lines[300], lines[513] = lines[10], lines[20]
+    # And a value that is not there.
+    lines[700] = "2020-03-09 10:11:39;;60.0;0.0;0.0"
+    path = write_table(tmp_path, lines)
+    assert backtest(path, "--detector", "change", "--rows") == 0
+    printed = capsys.readouterr()
+    rows = list(csv.DictReader(io.StringIO(printed.out)))
+    flow, heat = KINDS["change"].make(), KINDS["change"].make()
+    expected, newest = [], ""
+    for line in lines[1:]:
+        time, *cells = line.split(";")[:3]
+        if time > newest:
+            newest, at = time, len(expected)
+            scores = [
+                one.see(at, float(cell)) if cell else 0.0
+                for one, cell in zip((flow, heat), cells, strict=True)
+            ]
+        expected.append(f"{max(scores):.4f}")
+    assert [row["score"] for row in rows] == expected
+    assert "1" in {row["anomalous"] for row in rows[1_000:1_010]}
+    assert printed.err.startswith("not looked at")
+    assert "2 rows are not newer" in printed.err
+
+
+def test_what_was_read_before_a_bad_row_is_printed(tmp_path, capsys):
+    lines = pump_lines(700)
+    lines[601] = "2020-03-09 10:10:00;much;60.0;0.0;0.0"
+    path = write_table(tmp_path, lines)
+    with pytest.raises(BadRows, match="line 602"):
+        backtest(path, "--detector", "change", "--rows")
+    assert len(capsys.readouterr().out.splitlines()) == 601

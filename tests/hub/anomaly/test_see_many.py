@@ -9,7 +9,7 @@ import pytest
 
 from talaia.hub.anomaly.base import copy_detector, dump_detector
 from talaia.hub.anomaly.kinds import KINDS
-from talaia.hub.anomaly.rarity import Rarity
+from talaia.hub.anomaly.rarity import Rarity, rate_together
 from talaia.hub.anomaly.runner import DetectorRunner
 from talaia.model.alarms.anomaly import DetectorKind, Watch
 
@@ -51,6 +51,37 @@ def test_a_detector_scores_many_samples_as_one_by_one_and_knows_the_same_afterwa
     # And goes on alike.
     at, value = int(times[-1]) + SECOND, 22.0
     assert many.see(at, value) == pytest.approx(one.see(at, value), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["change", "season"])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_many_samples_are_judged_by_is_that_of_one_by_one_to_the_last_bit(kind, seed):
+    times, values = signal(seed, 4_000)
+    one, many = KINDS[kind].make(), KINDS[kind].make()
+    expected = []
+    for at, value in zip(times.tolist(), values.tolist(), strict=True):
+        one.see(at, value)
+        expected.append(one.magnitudes())
+    found = np.concatenate([many.rate_many(*part)[1] for part in in_parts(times, values, seed)])
+    assert (found == np.array(expected)).all()
+
+
+def test_rarities_found_together_are_those_of_each_by_itself():
+    rng = np.random.default_rng(8)
+    magnitudes = np.abs(rng.normal(0, 1, (3, 2_000))) * [[1.0], [1e-9], [1e6]]
+    # Of the second there is none now and then.
+    magnitudes[1, rng.random(2_000) < 0.1] = -1.0
+    alone, joined = ([Rarity(), Rarity(), Rarity(memory=50.0)] for _ in range(2))
+    found = [
+        rate_together(joined, part) for part in np.array_split(magnitudes, [7, 900, 903], axis=1)
+    ]
+    for place, one in enumerate(alone):
+        expected = [
+            one.rate_magnitude(each) if each >= 0 else 0.0 for each in magnitudes[place].tolist()
+        ]
+        assert np.abs(np.hstack(found)[place] - expected).max() < 1e-9
+        assert (one.weight, one.seen) == (joined[place].weight, joined[place].seen)
+        assert (one.bins == joined[place].bins).all()
 
 
 def test_rarities_keep_their_state_to_the_last_bit_over_a_rescaling():

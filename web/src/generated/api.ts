@@ -2568,6 +2568,7 @@ export interface UnusualShape {
   readonly bar: number;
   readonly at_us: number;
   readonly newest: boolean;
+  readonly shares: readonly ShareShape[];
 }
 
 /** Write a note at a moment (``from_us`` and ``to_us`` are the same), or over a span. */

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
 
 from talaia.cli.errors import CliError
 from talaia.hub.anomaly.groups.group import FEWEST_LEARNED, MOST_SIGNALS, most_learned
@@ -12,6 +13,10 @@ from talaia.hub.anomaly.kinds import KINDS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from talaia.hub.anomaly.base import Floats
 
 __all__ = ["DETECTORS", "RowJudge", "RowVerdict", "make_judge"]
 
@@ -37,8 +42,14 @@ class RowVerdict(NamedTuple):
 class RowJudge(Protocol):
     """Judges rows in the order of their times; each by itself and those before it."""
 
-    def judge_row(self, time_us: int, values: Sequence[float]) -> RowVerdict:
-        """Judge a row (µs since the epoch; NaN: no value) that is newer than the one before."""
+    def judge_rows(self, times: NDArray[np.int64], rows: Floats) -> list[RowVerdict]:
+        """Judge the next rows, each newer than the one before.
+
+        Args:
+            times: of the rows (n,), µs since the epoch.
+            rows: their values (n, signals); NaN: no value.
+
+        """
         ...
 
 
@@ -50,8 +61,11 @@ class GroupJudge:
         # A table's rows are its steps, however far they lie apart.
         self._group = ModalGroup(signals=list(signals), learn_rows=learn_rows, step_us=0)
 
-    def judge_row(self, time_us: int, values: Sequence[float]) -> RowVerdict:
-        """See `RowJudge.judge_row`."""
+    def judge_rows(self, times: NDArray[np.int64], rows: Floats) -> list[RowVerdict]:
+        """See `RowJudge.judge_rows`."""
+        return list(map(self._judge_row, times.tolist(), rows.tolist()))
+
+    def _judge_row(self, time_us: int, values: Sequence[float]) -> RowVerdict:
         score = self._group.see_row(time_us, values)
         if not self._group.anomalous:
             return RowVerdict(score, anomalous=False, signals=[])
@@ -75,20 +89,27 @@ class SeparateJudge:
         self._signals = list(signals)
         self._detectors = [kind.make() for _ in signals]
 
-    def judge_row(self, time_us: int, values: Sequence[float]) -> RowVerdict:
-        """See `RowJudge.judge_row`."""
-        scores = [
+    def judge_rows(self, times: NDArray[np.int64], rows: Floats) -> list[RowVerdict]:
+        """See `RowJudge.judge_rows`."""
+        scores = np.zeros(rows.shape)
+        for column, values, detector in zip(scores.T, rows.T, self._detectors, strict=True):
             # A value that is not there is passed over, as the hub does.
-            0.0 if math.isnan(value) else detector.see(time_us, value)
-            for detector, value in zip(self._detectors, values, strict=True)
+            there = np.isfinite(values)
+            if there.any():
+                column[there] = detector.see_many(times[there], values[there])
+        # Nothing is said of the rows that are learned from.
+        high = scores >= self._bar
+        high[: self._left] = False
+        self._left = max(0, self._left - len(rows))
+        verdicts = [
+            RowVerdict(score, anomalous=False, signals=[]) for score in scores.max(axis=1).tolist()
         ]
-        self._left = max(-1, self._left - 1)
-        high = [
-            f"{name} {score:.2f}"
-            for name, score in zip(self._signals, scores, strict=True)
-            if score >= self._bar and self._left < 0
-        ]
-        return RowVerdict(max(scores), anomalous=bool(high), signals=high)
+        for at in np.flatnonzero(high.any(axis=1)).tolist():
+            named = [
+                f"{self._signals[one]} {scores[at, one]:.2f}" for one in np.flatnonzero(high[at])
+            ]
+            verdicts[at] = RowVerdict(verdicts[at].score, anomalous=True, signals=named)
+        return verdicts
 
 
 def make_judge(detector: str, signals: Sequence[str], learn_rows: int) -> RowJudge:

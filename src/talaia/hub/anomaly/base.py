@@ -35,8 +35,10 @@ _NDARRAY = np.ndarray
 LARGEST = 1e150
 # Spread of a normal distribution, in its median absolute deviation.
 SPREAD_OF_MEDIAN = 1.4826
-# A peak of late fades so much with each sample.
+# A peak of late fades so much with each sample; what is left of it after 0, 1, 2 … of them, for
+# so many that nothing is left.
 _FADING = 0.98
+_FADED = _FADING ** np.arange(0.0, 2000.0)
 
 
 class AnomalyDetector(msgspec.Struct, kw_only=True):
@@ -120,7 +122,10 @@ def copy_detector(detector: D) -> D:
     """Copy a detector and all it has learned, in a tenth of what `copy.deepcopy` takes."""
     copied = copy.copy(detector)
     for name in detector.__struct_fields__:
-        setattr(copied, name, _copy_value(getattr(detector, name)))
+        value = getattr(detector, name)
+        # These are copied already; most fields are such.
+        if type(value) not in (float, int, str):
+            setattr(copied, name, _copy_value(value))
     return copied
 
 
@@ -142,10 +147,8 @@ def clamp_value(value: float) -> float:
 
 def fading_peak(peak: float, values: Floats) -> float:
     """Give the greatest of late after values have come (n,), from the one before them."""
-    many = len(values)
-    # Less than a number can hold is nothing.
-    faded = _FADING ** np.arange(many - 1, -1, -1.0)
-    return max(peak * _FADING**many, float((values * faded).max()))
+    late = values[-len(_FADED) :]
+    return max(peak * _FADING ** len(values), float((late * _FADED[len(late) - 1 :: -1]).max()))
 
 
 def format_number(value: float) -> str:

@@ -21,9 +21,11 @@ from talaia.hub.anomaly.base import (
     format_duration,
     format_number,
 )
-from talaia.hub.anomaly.rarity import Rarity
+from talaia.hub.anomaly.rarity import Rarity, rate_together
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 __all__ = ["ChangePointDetector"]
@@ -32,6 +34,8 @@ __all__ = ["ChangePointDetector"]
 _PACES = (1, 3, 12, 24)
 _BEFORE = 32
 _KEPT = _PACES[-1] * (_BEFORE + 1)
+# As NumPy adds up: in so many lanes, and more than so many values by halves.
+_LANES, _ADDED_IN_LANES = 8, 128
 
 
 class ChangePointDetector(AnomalyDetector, kw_only=True):
@@ -51,22 +55,31 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score the newest sample: the mean square of its rarities at all paces."""
+        sizes = self._measure_newest(time_us, value)
+        for at, size in enumerate(sizes):
+            if size >= 0.0:
+                self.scores[at] = self.rarities[at].rate_magnitude(size)
+                # What it was forgiven for is the greatest of late.
+                self.peak[at] = max(size, self.peak[at] * 0.98)
+        return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
+
+    def _measure_newest(self, time_us: int, value: float) -> list[float]:
+        """Take the newest sample; give its change at each pace, -1 where too few came."""
         if self.end == len(self.values):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.times[:_KEPT] = self.times[_KEPT:]
             self.end = _KEPT
         self.values[self.end], self.times[self.end] = clamp_value(value), time_us
         self.end += 1
+        sizes = [-1.0] * len(_PACES)
         for at, pace in enumerate(_PACES):
             # With less before it, a signal that drifts changes more with every sample.
             if self.end < (_BEFORE + 1) * pace:
                 break
             newest, before = self._mean_levels(pace)
             self.changes[at] = newest - before
-            self.scores[at] = self.rarities[at].rate_magnitude(abs(newest - before))
-            # What it was forgiven for is the greatest of late.
-            self.peak[at] = max(abs(newest - before), self.peak[at] * 0.98)
-        return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
+            sizes[at] = abs(newest - before)
+        return sizes
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
@@ -78,38 +91,48 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
     def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """See `AnomalyDetector.rate_many`."""
-        scores, rated, at = np.empty(len(values)), np.empty((len(values), len(_PACES))), 0
+        sizes = self.measure_many(times, values)
+        scores = self.score_sizes(sizes, rate_together(self.rarities, sizes))
+        return scores, np.maximum(sizes, 0.0).T
+
+    def measure_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """Take samples as `see_many` does; give the sizes of their changes, which nobody has rated.
+
+        Returns:
+            paces × n, -1 where too few came before.
+
+        """
+        sizes, at = np.empty((len(_PACES), len(values))), 0
         while at < len(values):
             room = len(self.values) - self.end
             # At the beginning paces join in one by one; and before the arrays are moved down.
             if self.end < _KEPT or room == 0:
-                scores[at] = self.see(int(times[at]), float(values[at]))
-                rated[at] = self.magnitudes()
+                sizes[:, at] = self._measure_newest(int(times[at]), float(values[at]))
                 at += 1
                 continue
-            upto = min(len(values), at + room)
-            part = slice(at, upto)
-            scores[part] = self._see_block(times[part], values[part], rated[part])
-            at = upto
-        return scores, rated
+            part = slice(at, min(len(values), at + room))
+            self._measure_block(times[part], values[part], sizes[:, part])
+            at = part.stop
+        return sizes
 
-    def _see_block(self, times: NDArray[np.int64], values: Floats, rated: Floats) -> Floats:
+    def _measure_block(self, times: NDArray[np.int64], values: Floats, sizes: Floats) -> None:
         first, many = self.end, len(values)
         self.values[first : first + many] = np.clip(values, -LARGEST, LARGEST)
         self.times[first : first + many] = times
         self.end += many
-        squares = np.zeros(many)
         for at, pace in enumerate(_PACES):
             kept = self.values[first - pace * (_BEFORE + 1) + 1 : self.end]
             newest = _moving_sums(kept[pace * _BEFORE :], pace) / pace
             before = _moving_sums(kept[: len(kept) - pace], pace * _BEFORE) / (pace * _BEFORE)
             changes = newest - before
-            rated[:, at] = sizes = np.abs(changes)
-            rarities = self.rarities[at].rate_many(sizes)
-            squares += rarities * rarities
-            self.changes[at], self.scores[at] = float(changes[-1]), float(rarities[-1])
-            self.peak[at] = fading_peak(self.peak[at], sizes)
-        scores: Floats = np.sqrt(squares / len(_PACES))
+            self.changes[at] = float(changes[-1])
+            np.abs(changes, out=sizes[at])
+
+    def score_sizes(self, sizes: Floats, rarities: Floats) -> Floats:
+        """Score changes (n,) by how rare they are at each pace (both paces × n)."""
+        self.scores = rarities[:, -1].tolist()
+        self.peak = [fading_peak(*one) for one in zip(self.peak, sizes, strict=True)]
+        scores: Floats = np.sqrt((rarities * rarities).sum(axis=0) / len(_PACES))
         return scores
 
     def _mean_levels(self, pace: int) -> tuple[float, float]:
@@ -148,8 +171,34 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
 
 def _moving_sums(values: Floats, length: int) -> Floats:
-    """Give the sum of each stretch of so many values."""
-    if length == 1:
-        return values
-    sums: Floats = np.lib.stride_tricks.sliding_window_view(values, length).sum(axis=1)
+    """Give the sum of each stretch of so many values.
+
+    The values of a stretch are added up in the order in which NumPy adds those of one stretch, so
+    the sums are the very same; but what two stretches have in common is added up once.
+    """
+    if length > _ADDED_IN_LANES:
+        half = length // 2 // _LANES * _LANES
+        if 2 * half == length:
+            halves = _moving_sums(values, half)
+            return halves[:-half] + halves[half:]
+        earlier = _moving_sums(values[: len(values) - length + half], half)
+        later = _moving_sums(values[half:], length - half)
+        return earlier + later
+    many = len(values) - length + 1
+    if length < _LANES:
+        return _sum_shifted(values, range(length), many)
+    # Every eighth value, for each of eight lanes; then the lanes in pairs, and what is left over.
+    whole = length // _LANES * _LANES
+    sums = _sum_shifted(values, range(0, whole, _LANES), many + _LANES - 1)
+    for apart in (1, 2, 4):
+        sums = sums[:-apart] + sums[apart:]
+    for shift in range(whole, length):
+        sums += values[shift : shift + many]
+    return sums
+
+
+def _sum_shifted(values: Floats, shifts: Sequence[int], many: int) -> Floats:
+    sums: Floats = values[shifts[0] : shifts[0] + many].copy()
+    for shift in shifts[1:]:
+        sums += values[shift : shift + many]
     return sums

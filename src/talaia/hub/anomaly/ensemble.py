@@ -11,6 +11,7 @@ import numpy as np
 from talaia.hub.anomaly.base import AnomalyDetector, Floats
 from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.knn_cad import Nearest
+from talaia.hub.anomaly.rarity import rate_together
 from talaia.hub.anomaly.seasonal import Season
 
 if TYPE_CHECKING:
@@ -61,14 +62,25 @@ class Together(AnomalyDetector, kw_only=True):
 
     def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """See `AnomalyDetector.rate_many`."""
-        change, changes = self.change.rate_many(times, values)
-        nearest, distances = self.nearest.rate_many(times, values)
-        season, offs = self.season.rate_many(times, values)
+        sizes = np.vstack(
+            (
+                self.change.measure_many(times, values),
+                self.nearest.measure_many(values),
+                self.season.measure_many(times, values),
+            )
+        )
+        paces = len(sizes) - 2
+        rated = rate_together(
+            [*self.change.rarities, self.nearest.rarity, self.season.rarity], sizes
+        )
+        change = self.change.score_sizes(sizes[:paces], rated[:paces])
+        nearest, season = rated[paces], rated[paces + 1]
+        self.nearest.score = float(nearest[-1])
         season = np.maximum(0.0, season - _SEASON_LESS)
         self.scores = [float(one[-1]) for one in (change, nearest, season)]
         both = np.sqrt((change * change + _SHARE * nearest * nearest) / (1.0 + _SHARE))
         scores: Floats = np.maximum(both, season)
-        return scores, np.hstack((changes, distances, offs))
+        return scores, np.maximum(sizes, 0.0).T
 
     def why(self) -> str:
         """Give the words of the one that speaks loudest."""

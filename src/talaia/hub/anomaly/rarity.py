@@ -9,6 +9,7 @@ every signal, whatever its unit, range and noise.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -17,16 +18,20 @@ from numpy.typing import NDArray  # noqa: TC002 - msgspec reads it at run time
 # msgspec reads it at run time.
 from talaia.hub.anomaly.base import Floats  # noqa: TC001
 
-__all__ = ["Rarity"]
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+__all__ = ["Rarity", "rate_together"]
 
 # Steps of 10 % from 1e-15 to 1e15.
 _STEP = math.log(1.1)
 _HALF, _BINS = 363, 727
 _RESCALE = 1e100
-# So many are rated at once: each is held against all before it in its block.
-_BLOCK = 128
-# Small numbers: a comparison of all with all is what this costs most.
-_BEFORE = np.tri(_BLOCK, k=-1).astype(np.int16)
+# So many of each are rated at once. Of those in the same part of a block each is held against all
+# others; the parts before it are counted by their steps.
+_BLOCK, _PART = 512, 16
+# Which of a part came before: those before in rows, their place in columns.
+_BEFORE = np.tri(_PART, k=-1).T.astype(np.int8)[:, :, None]
 
 
 class Rarity(msgspec.Struct, kw_only=True):
@@ -65,38 +70,7 @@ class Rarity(msgspec.Struct, kw_only=True):
         The state is the same to the last bit afterwards. The rarities differ by the rounding of
         sums that are added up in another order, some 1e-15.
         """
-        rarities = np.empty(len(magnitudes))
-        for first in range(0, len(magnitudes), _BLOCK):
-            block = magnitudes[first : first + _BLOCK]
-            rarities[first : first + _BLOCK] = self._rate_block(block)
-        return rarities
-
-    def _rate_block(self, magnitudes: Floats) -> Floats:
-        many = len(magnitudes)
-        growth = np.full(many + 1, math.exp(1.0 / self.memory))
-        growth[0] = self.weight
-        # Multiplied one after the other, as one by one: the weights are the very same.
-        weights = np.multiply.accumulate(growth)
-        if weights[-1] > _RESCALE:
-            # Once in hundreds of thousands of samples.
-            return np.array([self.rate_magnitude(float(one)) for one in magnitudes])
-        at, own = _bin_indices(magnitudes), weights[:many]
-        from_here = np.zeros(_BINS + 1)
-        np.cumsum(self.bins[::-1], out=from_here[_BINS - 1 :: -1])
-        sums = np.zeros(many)
-        np.cumsum(own[:-1], out=sums[1:])
-        short = at.astype(np.int16)
-        # What came before in this block, one row for each and those before it in the columns: 1
-        # where it was greater, 0 where alike and -1 where less; of alike ones the half counts.
-        signs = np.sign(short[None, :] - short[:, None]) * _BEFORE[:many, :many]
-        above = from_here[at + 1] + 0.5 * (self.bins[at] + sums + signs @ own)
-        total = (from_here[0] + sums) / own
-        rarities: Floats = np.log((total + 1.0) / (above / own + 1.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rarities /= np.log(total + 1.0)
-        rarities[: max(0, self.least - self.seen)] = 0.0
-        np.add.at(self.bins, at, own)
-        self.seen, self.weight = self.seen + many, float(weights[-1])
+        rarities: Floats = rate_together([self], magnitudes[None])[0]
         return rarities
 
     def learn_magnitude(self, magnitude: float, times: float = 50.0) -> None:
@@ -109,6 +83,104 @@ class Rarity(msgspec.Struct, kw_only=True):
         above = float(self.bins[at + 1 :].sum()) + 0.5 * same
         total = float(self.bins.sum()) / self.weight
         return math.log((total + 1.0) / (above / self.weight + 1.0)) / math.log(total + 1.0)
+
+
+def rate_together(rarities: Sequence[Rarity], magnitudes: Floats) -> Floats:
+    """Take magnitudes in their order, as `Rarity.rate_many` does, for several at once.
+
+    They know nothing of each other; but what it costs is mostly the number of steps, and those are
+    the same for all.
+
+    Args:
+        rarities: which rate them.
+        magnitudes: (rarities, n); below 0 where there is none.
+
+    Returns:
+        How rare each is (rarities, n), 0 where there is none.
+
+    """
+    rated = np.zeros(magnitudes.shape)
+    if magnitudes.size and magnitudes.min() < 0.0:
+        for place, (one, row) in enumerate(zip(rarities, magnitudes, strict=True)):
+            there = row >= 0.0
+            if there.any():
+                rated[place, there] = one.rate_many(row[there])
+        return rated
+    for first in range(0, magnitudes.shape[1], _BLOCK):
+        part = slice(first, first + _BLOCK)
+        rated[:, part] = _rate_block(rarities, magnitudes[:, part])
+    return rated
+
+
+def _rate_block(rarities: Sequence[Rarity], magnitudes: Floats) -> Floats:
+    kinds, many = magnitudes.shape
+    growth = np.empty((kinds, many + 1))
+    for row, one in zip(growth, rarities, strict=True):
+        row[0], row[1:] = one.weight, math.exp(1.0 / one.memory)
+    # Multiplied one after the other, as one by one: the weights are the very same.
+    weights = np.multiply.accumulate(growth, axis=1)
+    if weights[:, -1].max() > _RESCALE:
+        # Once in hundreds of thousands of samples.
+        return np.array(
+            [
+                [one.rate_magnitude(magnitude) for magnitude in row]
+                for one, row in zip(rarities, magnitudes.tolist(), strict=True)
+            ]
+        )
+    at, own = _bin_indices(magnitudes), weights[:, :many]
+    sums = np.zeros((kinds, many))
+    np.cumsum(own[:, :-1], axis=1, out=sums[:, 1:])
+    above = _weigh_above([one.bins for one in rarities], at, own)
+    totals = (np.array([[one.bins.sum()] for one in rarities]) + sums) / own
+    rated: Floats = np.log((totals + 1.0) / (above / own + 1.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rated /= np.log(totals + 1.0)
+    for place, one in enumerate(rarities):
+        rated[place, : max(0, one.least - one.seen)] = 0.0
+        np.add.at(one.bins, at[place], own[place])
+        one.seen, one.weight = one.seen + many, float(weights[place, -1])
+    return rated
+
+
+def _weigh_above(bins: Sequence[Floats], at: NDArray[np.int64], own: Floats) -> Floats:
+    """Sum up what was greater before each, and half of what was alike.
+
+    Args:
+        bins: what each had seen before the block.
+        at: the steps of the block (bins, n).
+        own: what they weigh (bins, n).
+
+    """
+    kinds, many = at.shape
+    # Most steps are empty: only those between the least and the greatest are looked at.
+    low, upto = int(at.min()), int(at.max()) + 1
+    width, parts = upto - low, -(-many // _PART)
+    # From the greatest on; the last part is filled up with what weighs nothing.
+    steps = np.zeros((kinds, parts * _PART), np.int16)
+    weights = np.zeros((kinds, parts * _PART))
+    np.subtract(upto - 1, at, out=steps[:, :many], casting="unsafe")
+    weights[:, :many] = own
+    # Where each stands in a table of parts, kinds and steps.
+    places = (np.arange(parts).repeat(_PART) * kinds + np.arange(kinds)[:, None]) * width + steps
+    came = np.bincount(places.ravel(), weights.ravel(), parts * kinds * width)
+    came = came.reshape(parts, kinds, width)
+    # What each part finds: all that came before it.
+    known = np.empty((parts, kinds, width))
+    for place, one in enumerate(bins):
+        known[0, place] = one[low:upto][::-1]
+    for part in range(1, parts):
+        np.add(known[part - 1], came[part - 1], out=known[part])
+    above = known.cumsum(axis=2).ravel()[places] - 0.5 * known.ravel()[places]
+    above += np.array([[one[upto:].sum()] for one in bins])
+    # And in its own part: 2 halves where it was greater, 1 where alike and 0 where less.
+    short = np.ascontiguousarray(steps.reshape(-1, _PART).T)
+    halves = (short[:, None] < short).view(np.int8)
+    halves += (short[:, None] <= short).view(np.int8)
+    halves *= _BEFORE
+    within = (halves * weights.reshape(-1, _PART).T[:, None]).sum(axis=0)
+    above += 0.5 * within.T.reshape(kinds, -1)
+    found: Floats = above[:, :many]
+    return found
 
 
 def _bin_index(magnitude: float) -> int:
@@ -133,6 +205,6 @@ def _bin_indices(magnitudes: Floats) -> NDArray[np.int64]:
     # At the edge of a step the last bit of the logarithm decides, and NumPy has another one.
     edges = np.abs(steps - np.rint(steps)) < 1e-9
     if edges.any():
-        for near in np.flatnonzero(edges & (magnitudes >= 1e-15) & (magnitudes <= 1e300)):
-            found[near] = _bin_index(float(magnitudes[near]))
+        edges &= (magnitudes >= 1e-15) & (magnitudes <= 1e300)
+        found[edges] = [_bin_index(magnitude) for magnitude in magnitudes[edges].tolist()]
     return found

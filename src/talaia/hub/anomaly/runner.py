@@ -192,7 +192,6 @@ class DetectorRunner(EpisodeRunner):
             The scores (n,), and what began and ended with them.
 
         """
-        scores, at = np.empty(len(values)), 0
         turns: list[AnomalyBegan | AnomalyEnded] = []
         # Magnitudes are those of the newest sample, so with a tail each is looked at by itself.
         one_by_one = self.tail is not None or bool(self.needs)
@@ -201,43 +200,48 @@ class DetectorRunner(EpisodeRunner):
             or not self.detector.faster_many
             or one_by_one
         ):
+            scores = np.empty(len(values))
             for place, pair in enumerate(zip(times.tolist(), values.tolist(), strict=True)):
                 turn = self.score_sample(*pair)
                 turns += [] if turn is None else [turn]
                 scores[place] = self.score
             return scores, turns
-        while at < len(values):
-            before = copy_detector(self.detector)
-            part = self.detector.see_many(times[at:], values[at:])
-            begins = self._pass_scores(times[at:], part, turns)
-            scores[at : at + begins] = part[:begins]
-            if begins < len(part):
-                # Why it begins is said of the very moment: go back to just before it.
-                self.detector = before
-                if begins:
-                    self.detector.see_many(times[at : at + begins], values[at : at + begins])
-                time_us, value = int(times[at + begins]), float(values[at + begins])
-                scores[at + begins] = score = self.detector.see(time_us, value)
-                turn = self.update_score(time_us, score)
-                turns += [] if turn is None else [turn]
-            at += begins + 1
-        if len(times):
-            self._newest_us, self.changed = int(times[-1]), True
+        if not len(times):
+            return np.empty(0), turns
+        before, at = copy_detector(self.detector), 0
+        scores = self.detector.see_many(times, values)
+        while (begins := at + self._pass_scores(times[at:], scores[at:], turns)) < len(scores):
+            # Why it begins is said of the very moment: the copy is brought there.
+            if begins > at:
+                before.see_many(times[at:begins], values[at:begins])
+            time_us = int(times[begins])
+            scores[begins] = before.see(time_us, float(values[begins]))
+            self.detector, after = before, self.detector
+            turn = self.update_score(time_us, float(scores[begins]))
+            turns += [] if turn is None else [turn]
+            self.detector, at = after, begins + 1
+        self._newest_us, self.changed = int(times[-1]), True
         return scores, turns
 
     def _pass_scores(
         self, times: NDArray[np.int64], scores: Floats, turns: list[AnomalyBegan | AnomalyEnded]
     ) -> int:
         """Take scores in up to where an anomaly begins; give how many."""
-        if self.episodes.began_us < 0 and float(scores.max()) < self.episodes.bar:
-            self.pass_calm(float(scores[-1]), len(scores))
-            return len(scores)
-        for at, (time_us, score) in enumerate(zip(times.tolist(), scores.tolist(), strict=True)):
-            if self.episodes.would_begin(score):
-                return at
-            turn = self.update_score(time_us, score)
-            turns += [] if turn is None else [turn]
-        return len(scores)
+        at = 0
+        while at < len(scores):
+            if self.episodes.began_us < 0 and float(scores[at:].max()) < self.episodes.bar:
+                self.pass_calm(float(scores[-1]), len(scores) - at)
+                return len(scores)
+            for time_us, score in zip(times[at:].tolist(), scores[at:].tolist(), strict=True):
+                if self.episodes.would_begin(score):
+                    return at
+                turn = self.update_score(time_us, score)
+                at += 1
+                if turn is not None:
+                    # Over: all that follows may be calm.
+                    turns.append(turn)
+                    break
+        return at
 
     def score_silence(self, time_us: int) -> AnomalyBegan | AnomalyEnded | None:
         """Look at the clock: some detectors are about what does not come."""

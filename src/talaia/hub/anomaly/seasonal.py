@@ -34,12 +34,16 @@ _SLOT_US = 300_000_000
 _DAY = 288
 # Days that are compared with.
 _DAYS = 3
+# So many slots ago those days had the same hour, one day in each row.
+_BACK = _DAY * np.arange(1, _DAYS + 1)[:, None]
 # Hours that are compared.
 _HOURS = 4
 _WINDOW = _HOURS * 12
 _KEPT = (_DAYS + 1) * _DAY
 # So few samples of a slot are looked at one by one.
 _FEW = 8
+# As NumPy adds up: in so many lanes.
+_LANES = 8
 # With fewer slots in common two stretches are not compared.
 _LEAST = 2
 
@@ -69,6 +73,11 @@ class Season(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score the newest hours with this sample in them."""
+        off = self._measure_newest(time_us, value)
+        return self.rarity.rate_magnitude(off) if off >= 0.0 else 0.0
+
+    def _measure_newest(self, time_us: int, value: float) -> float:
+        """Take the newest sample; give how far off the hours are, below 0 without a day before."""
         value = clamp_value(value)
         slot = time_us // _SLOT_US
         self._move_slot(slot)
@@ -77,10 +86,9 @@ class Season(AnomalyDetector, kw_only=True):
         mean = self.means[at]
         self.means[at] = value if np.isnan(mean) else mean + (value - mean) / self.counts[at]
         self._compare_days()
-        if self.off < 0.0:
-            return 0.0
-        self.peak = max(self.off, self.peak * 0.98)
-        return self.rarity.rate_magnitude(self.off)
+        if self.off >= 0.0:
+            self.peak = max(self.off, self.peak * 0.98)
+        return self.off
 
     def see_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
         """Score samples in their order (n,), as `see` does one by one; see `Rarity.rate_many`."""
@@ -92,21 +100,29 @@ class Season(AnomalyDetector, kw_only=True):
 
     def rate_many(self, times: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """See `AnomalyDetector.rate_many`."""
-        scores, rated = np.empty(len(values)), np.empty((len(values), 1))
+        offs = self.measure_many(times, values)
+        return self.rarity.rate_many(offs), np.maximum(offs, 0.0)[:, None]
+
+    def measure_many(self, times: NDArray[np.int64], values: Floats) -> Floats:
+        """Take samples as `see_many` does; give how far off the hours are, which nobody has rated.
+
+        Returns:
+            (n,), below 0 where there is no day to compare with.
+
+        """
+        offs = np.empty(len(values))
         slots = times // _SLOT_US
         # All of a slot are compared with the same hours.
         edges = [0, *(np.flatnonzero(np.diff(slots)) + 1).tolist(), len(values)]
         for first, upto in itertools.pairwise(edges):
             if upto - first < _FEW:
                 for at in range(first, upto):
-                    scores[at] = self.see(int(times[at]), float(values[at]))
-                    rated[at] = self.magnitudes()
+                    offs[at] = self._measure_newest(int(times[at]), float(values[at]))
                 continue
-            part = slice(first, upto)
-            scores[part], rated[part, 0] = self._see_slot(int(slots[first]), values[part])
-        return scores, rated
+            offs[first:upto] = self._measure_slot(int(slots[first]), values[first:upto])
+        return offs
 
-    def _see_slot(self, slot: int, values: Floats) -> tuple[Floats, Floats]:
+    def _measure_slot(self, slot: int, values: Floats) -> Floats:
         self._move_slot(slot)
         at = self.slot % _KEPT
         count, mean = float(self.counts[at]), float(self.means[at])
@@ -119,29 +135,31 @@ class Season(AnomalyDetector, kw_only=True):
         self.counts[at], self.means[at] = count, mean
         offs = self._compare_means(np.array(means))
         if self.off < 0.0:
-            return np.zeros(len(values)), np.zeros(len(values))
+            return np.full(len(values), -1.0)
         self.peak = fading_peak(self.peak, offs)
-        return self.rarity.rate_many(offs), offs
+        return offs
 
     def _compare_means(self, means: Floats) -> Floats:
         """Compare the hours with those of the days before, for each mean of the newest slot."""
         slots = np.arange(self.slot - _WINDOW + 1, self.slot + 1)
         now = self.means[slots % _KEPT]
+        thens = self.means[(slots - _BACK) % _KEPT]
+        boths = ~(np.isnan(now) | np.isnan(thens))
         offs = np.full(len(means), np.inf)
         self.off = -1.0
-        for day in range(1, _DAYS + 1):
-            then = self.means[(slots - day * _DAY) % _KEPT]
-            both = ~np.isnan(now) & ~np.isnan(then)
-            if int(both.sum()) < _LEAST:
+        for then, both, there in zip(thens, boths, boths.sum(axis=1).tolist(), strict=True):
+            if there < _LEAST:
                 continue
-            rows = np.tile(now[both], (len(means), 1))
+            hours = now[both]
             if both[-1]:
-                rows[:, -1] = means
-            mean_now, mean_then = rows.mean(axis=1), float(then[both].mean())
+                mean_now = _sums_ending(hours, means) / there
+            else:
+                mean_now = np.full(len(means), hours.mean())
+            mean_then = float(then[both].sum()) / there
             apart = np.abs(mean_now - mean_then)
             if apart[-1] < offs[-1]:
                 self.now, self.then, self.off = float(mean_now[-1]), mean_then, float(apart[-1])
-            offs = np.minimum(offs, apart)
+            np.minimum(offs, apart, out=offs)
         return offs
 
     def _move_slot(self, slot: int) -> None:
@@ -182,3 +200,18 @@ class Season(AnomalyDetector, kw_only=True):
         """Count such a distance as usual."""
         self.rarity.learn_magnitude(self.peak)
         return True
+
+
+def _sums_ending(values: Floats, last: Floats) -> Floats:
+    """Give the sums of up to 128 values, for each that may stand in place of the last one (n,).
+
+    They are added up in the order in which NumPy adds them, so the sums are the very same.
+    """
+    if len(values) % _LANES:
+        return float(values[:-1].sum()) + last
+    # Every eighth value in a lane, and the last one at the end of the last lane.
+    values[-1] = 0.0
+    lanes = values.reshape(-1, _LANES).sum(axis=0).tolist()
+    one, two, three, four, five, six, seven, eight = lanes
+    sums: Floats = ((one + two) + (three + four)) + ((five + six) + (seven + (eight + last)))
+    return sums

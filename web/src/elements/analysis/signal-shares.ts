@@ -29,7 +29,8 @@ export class SignalShares extends LitElement {
       }
       li {
         display: grid;
-        grid-template-columns: minmax(6rem, 14rem) minmax(3rem, 1fr) auto;
+        /* The last one of a fixed share: bars of several rows are compared with each other. */
+        grid-template-columns: minmax(6rem, 14rem) minmax(3rem, 1fr) minmax(0, 16rem);
         align-items: center;
         gap: var(--t-space-3);
       }
@@ -52,8 +53,12 @@ export class SignalShares extends LitElement {
         ${quietText}
       }
       @media (max-width: 34rem) {
+        ul {
+          gap: var(--t-space-2);
+        }
         li {
-          grid-template-columns: minmax(3rem, 1fr) auto;
+          row-gap: 0;
+          grid-template-columns: minmax(3rem, 1fr) minmax(0, 15rem);
         }
         .name {
           grid-column: 1 / -1;

@@ -19,6 +19,12 @@ export const forms = css`
   form.filter > :is(.time, .actions) {
     grid-column: span 2;
   }
+  @media (min-width: 45.01rem) {
+    /* Its words stand on one line. */
+    form.filter > label.tick {
+      grid-column: span 2;
+    }
+  }
   form.filter > t-button {
     justify-self: start;
   }

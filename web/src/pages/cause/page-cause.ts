@@ -20,6 +20,7 @@ import { formatNumber } from "../../format/number.js";
 import { formatClock } from "../../format/time.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
+import { signalLabels } from "../../state/signal-labels.js";
 import type { CauseShape, EventShape, KnownShape, LogLineShape, SeenShape, SimilarShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
@@ -27,6 +28,7 @@ import { momentQuery } from "../logbook/logbook-query.js";
 import { CauseApi } from "./cause-api.js";
 import { ALL, causeQuery, excessOf, knownText, momentOf, repeatable, repeatedComment, sortEvents, subjectsOf, verdictText, type Verdict } from "./cause-words.js";
 import "../../elements/analysis/sighting-card.js";
+import "../../elements/analysis/signal-shares.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
@@ -59,6 +61,9 @@ export class PageCause extends LitElement {
       }
       .rows li {
         grid-template-columns: minmax(0, 1fr) auto;
+      }
+      .rows t-signal-shares {
+        grid-column: 1 / -1;
       }
       .excess {
         inline-size: 8rem;
@@ -183,6 +188,7 @@ export class PageCause extends LitElement {
         </div>
       </div>
       <svg class="excess" viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true"><rect width=${100 * excessOf(one)} height="6"></rect></svg>
+      ${one.shares.length === 0 || this.detail.value === undefined ? nothing : html`<t-signal-shares .shares=${one.shares} .labels=${signalLabels(this.detail.value)}></t-signal-shares>`}
     </li>`;
   }
 

@@ -46,7 +46,7 @@ describe("a cause", () => {
   });
 
   it("has bars as long as scores are over what they are told from", () => {
-    const one = { address: "a/b", detector: "change", title: "B", at_us: 1, newest: true };
+    const one = { address: "a/b", detector: "change", title: "B", at_us: 1, newest: true, shares: [] };
     expect(excessOf({ ...one, score: 0.5, bar: 0.6 })).toBe(0);
     expect(excessOf({ ...one, score: 0.8, bar: 0.6 })).toBeCloseTo(0.5);
     expect(excessOf({ ...one, score: 1, bar: 1 })).toBe(0);

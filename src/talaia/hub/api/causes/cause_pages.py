@@ -23,6 +23,7 @@ from talaia.hub.api.causes.cause_schemas import (
 )
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
+from talaia.hub.api.sites.anomaly_views import share_shapes
 from talaia.hub.auth.permissions import Right, sees_signal
 from talaia.hub.live.detection.known_anomalies import MOST_KNOWN, KnownAnomaly, new_key
 from talaia.hub.store.audit import PART_OF_ANOMALY, AuditFilter
@@ -144,13 +145,11 @@ class CausePages:
         )
         found = []
         for runner, one in zip(runners, series, strict=True):
-            if not one.value.size:
+            if not one.value.size or one.value.max() < _LEAST_PART * runner.episodes.bar:
                 continue
             at = int(one.value.argmax())
-            at_us = int(one.time_us[at])
-            score = float(one.value[at])
-            if score < _LEAST_PART * runner.episodes.bar:
-                continue
+            at_us, score = int(one.time_us[at]), float(one.value[at])
+            newest = _is_newest(runner, at_us)
             found.append(
                 UnusualShape(
                     address=runner.address,
@@ -159,7 +158,8 @@ class CausePages:
                     score=score,
                     bar=runner.episodes.bar,
                     at_us=at_us,
-                    newest=_is_newest(runner, at_us),
+                    newest=newest,
+                    shares=share_shapes(runner, runner.shares if newest else ()),
                 )
             )
         # By how far beyond the bar, of what is left up to 1: bars differ from detector to detector.

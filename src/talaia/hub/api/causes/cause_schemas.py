@@ -6,6 +6,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field, StringConstraints
 
+# pydantic reads it at run time.
+from talaia.hub.api.schemas.anomaly_schemas import ShareShape  # noqa: TC001
 from talaia.hub.api.schemas.common import Schema
 
 __all__ = ["CauseShape", "KnownAsk", "KnownShape", "SimilarShape", "StateShape", "UnusualShape"]
@@ -23,6 +25,9 @@ class UnusualShape(BaseModel):
     bar: float = Field(description="a score from here on is an anomaly")
     at_us: int = Field(description="when that was (µs, UTC)")
     newest: bool = Field(description="its newest anomaly was then: what a person says is of that")
+    shares: list[ShareShape] = Field(
+        description="of a group whose newest anomaly was then: which signals made it so"
+    )
 
 
 class SimilarShape(BaseModel):

@@ -115,7 +115,7 @@ class SignalTrial:
         # Twice its learning, for a signal may come seldom.
         self.learns_us = 2 * runner.learning * self.step_us
         # Few milliseconds, whichever way it goes: nothing else is answered meanwhile.
-        self.rows_at_once = 256 if runner.detector.faster_many else 64
+        self.rows_at_once = 512 if runner.detector.faster_many else 64
 
     def see_rows(
         self, times: NDArray[np.int64], rows: NDArray[np.float64]
