@@ -262,7 +262,7 @@ def main() -> int:
     scores: dict[str, list[Score]] = {name: [] for name in planners}
     kept = 0
     for path in sorted(options.folder.glob(options.match)):
-        night = read_night(path.read_bytes())
+        night = read_night(path.read_bytes()).night
         kept += night.rules.resume
         if options.clear:
             night = clear_night(night)

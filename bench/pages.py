@@ -20,22 +20,12 @@ import numpy as np
 from playwright.async_api import Page, async_playwright, expect
 from stack import PASSWORD, Stack
 
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-# Draws in space by software, where there is no graphics hardware either: only what a page draws by
-# WebGL, as Chromium itself chooses there. With "--use-angle=swiftshader" it would take that program
-# for graphics hardware and have it draw all of each page, its 2D canvases too; then a frame of a
-# board takes half a second of a core, whatever the page does.
-SPACE_FLAGS = [
-    *(flag for flag in FLAGS if flag != "--disable-gpu"),
-    "--enable-unsafe-swiftshader",
-]
+# The tests' own list, which stands beside what finds their browser.
+sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))
+import browser_program
+
+FLAGS, SPACE_FLAGS = browser_program.FLAGS, browser_program.SPACE_FLAGS
+
 # Each paint leaves the age of the newest sample it drew, once the frame is on its way.
 NOTE_PAINTS = """
 window.__ages = [];

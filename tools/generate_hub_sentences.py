@@ -58,6 +58,7 @@ SPEAKING = (
     "gateway/night/arming.py",
     "gateway/night/executor.py",
     "gateway/night/night_service.py",
+    "model/interlocks/unguarded.py",
     "hub/alarms/condition_watch.py",
     "hub/alarms/conditions.py",
     "hub/alarms/state_machine.py",

@@ -37,15 +37,9 @@ ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "docs" / "pictures"
 WIDTHS = {"desktop": (1440, 900), "phone": (390, 844)}
 THEMES = ("light", "dark")
-FLAGS = [
-    "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync",
-]  # fmt: skip
-# Draws in space by software.
-SPACE_FLAGS = [
-    *(flag for flag in FLAGS if flag != "--disable-gpu"),
-    "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-]  # fmt: skip
+# The tests' own list, which stands beside what finds their browser.
+sys.path.append(str(ROOT / "tests"))
+from browser_program import FLAGS, SPACE_FLAGS  # noqa: E402
 
 
 def main(wanted: list[str]) -> int:

@@ -7,7 +7,7 @@ import os
 
 import pytest
 import pytest_asyncio
-from browser_program import find_browser
+from browser_program import FLAGS, find_browser
 from patience import PATIENCE_MS
 
 from talaia.web import static_dir
@@ -39,9 +39,7 @@ async def _browser():
     # Beside other work a page takes its time to open.
     expect.set_options(timeout=PATIENCE_MS)
     async with async_playwright() as play:
-        running = await play.chromium.launch(
-            executable_path=program, args=["--no-sandbox", "--disable-gpu"], env=clean
-        )
+        running = await play.chromium.launch(executable_path=program, args=FLAGS, env=clean)
         yield running
         await running.close()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import select
 import sys
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -109,6 +110,7 @@ COMMANDS = {
     "support-bundle": Subcommand(
         "talaia.cli.support.support_bundle", "gather what a helper needs, without secrets", ""
     ),
+    "docs": Subcommand("talaia.cli.examining.docs", "print a guide of the documentation", ""),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
     "completion": Subcommand(
         "talaia.cli.examining.completion",
@@ -169,7 +171,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             own_process()
         # A hub and a gateway are imported once their words are read.
         with _missing_parts(first, command):
-            return run(arguments[1:])
+            code = run(arguments[1:])
+            sys.stdout.flush()
+            return code
+    except BrokenPipeError:
+        if not _is_unread():
+            raise
+        return 0
     # On purpose, so a sentence is enough; all else is a mistake of ours, and shows its traceback.
     except TalaiaError as error:
         print(_mistakes_of(arguments, error) or f"talaia {first}: {error}", file=sys.stderr)
@@ -177,6 +185,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         # 128 and the number of SIGINT, as shells have it.
         return 130
+
+
+def _is_unread() -> bool:
+    """Tell whether whoever reads the output has had enough (``| head``); then no more is written.
+
+    A pipe or socket of another kind that broke is a mistake of ours.
+    """
+    output = select.poll()
+    output.register(sys.stdout.fileno(), 0)
+    if not output.poll(0):
+        return False
+    # Python flushes at its end once more.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return True
 
 
 def _mistakes_of(arguments: Sequence[str], error: TalaiaError) -> str:

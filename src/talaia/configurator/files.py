@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 from talaia.configurator.document import Document
 from talaia.configurator.errors import FileChanged, NotWritten
-from talaia.model.yaml_text.load import read_site
+from talaia.model.checks.text_checks import check_text
+from talaia.model.errors import DescriptionError
+from talaia.model.yaml_text.load import read_site, text_of, with_files
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["open_document", "save_document"]
+__all__ = ["open_document", "opening_problems", "save_document"]
 
 
 def open_document(file: Path) -> Document:
@@ -29,6 +31,23 @@ def open_document(file: Path) -> Document:
     if file.suffix == ".json":
         return Document(whole)
     return Document.of_text(file.read_text(), whole.devices)
+
+
+def opening_problems(file: Path) -> list[str]:
+    """Say all that is wrong in a file that `open_document` refuses, each with its line.
+
+    Empty where it is no text of a description: then the refusal says all there is.
+    """
+    if file.suffix == ".json":
+        return []
+    try:
+        report = check_text(text_of(file), complete=lambda site: with_files(site, file.parent))
+    except DescriptionError:
+        return []
+    return [
+        f"line {one.line}: {one.problem}" + (f"; {one.remedy}" if one.remedy else "")
+        for one in report.mistakes
+    ]
 
 
 def save_document(document: Document, file: Path, *, over: bool = False) -> None:

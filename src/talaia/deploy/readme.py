@@ -141,7 +141,7 @@ def _several_text(choice: DeployOptions) -> str:
 through and take over. HAProxy (`haproxy.cfg`) lets TLS pass through to any that is ready. All \
 have the volume `hub-data`, where `seal.key`, the certificate, {kept} are.{bucket_text} \
 On one machine this bears a hub that dies or is replaced, and no machine that dies: for that, \
-Kubernetes (below), or several machines by hand (docs/how-to/scale.md of Talaia).
+Kubernetes (below), or several machines by hand (`talaia docs scale`).
 
 A new version, hub by hub:
 

@@ -18,7 +18,7 @@ SettingsT = TypeVar("SettingsT", bound=msgspec.Struct)
 
 
 def read_settings_file(
-    path: Path, kind: type[SettingsT], *, option: str, about: str, page: str, most: int
+    path: Path, kind: type[SettingsT], *, option: str, about: str, guide: str, most: int
 ) -> SettingsT:
     """Read a file of YAML as ``kind``; whether what it asks for is safe is the caller's to judge.
 
@@ -27,7 +27,7 @@ def read_settings_file(
         kind: what it says.
         option: by which it was named, such as ``--mqtt``.
         about: what such a file says, for people.
-        page: of the docs that tells how it is written.
+        guide: of the documentation that tells how it is written; see `talaia docs`.
         most: how long it may be (bytes).
 
     Raises:
@@ -40,11 +40,11 @@ def read_settings_file(
     except OSError as error:
         raise CannotStart(
             f"{option} {path} cannot be read: {error.strerror or error}",
-            f"name a file that says {about}; see {page}",
+            f"name a file that says {about}; see: talaia docs {guide}",
         ) from error
     if len(text) > most:
         raise CannotStart(f"{option} {path} is over {most} bytes", "name the right file")
     try:
         return msgspec.convert(yaml.safe_load(text), kind)
     except (yaml.YAMLError, msgspec.ValidationError, RecursionError, ValueError) as error:
-        raise CannotStart(f"{option} {path}: {error}", f"see {page}") from error
+        raise CannotStart(f"{option} {path}: {error}", f"see: talaia docs {guide}") from error

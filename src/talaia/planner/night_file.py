@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import msgspec
 from msgspec import Meta
@@ -25,10 +25,10 @@ from talaia.planner.sky import TelescopePlace, compute_sky
 __all__ = [
     "NightFile",
     "NightRequest",
+    "ReadNight",
     "make_problem",
     "make_visits",
     "read_night",
-    "unknown_keys",
     "what_is_wrong",
 ]
 
@@ -113,7 +113,21 @@ class NightFile(msgspec.Struct, frozen=True, kw_only=True):
     truth: _Truth = _Truth()
 
 
-def read_night(text: bytes) -> NightFile:
+class ReadNight(NamedTuple):
+    """A file of a night.
+
+    Attributes:
+        night: what its format has of it.
+        unknown: keys that the format does not have, and nobody reads: how often each stands there,
+            by its place: ``requests[].min_altitude``.
+
+    """
+
+    night: NightFile
+    unknown: dict[str, int]
+
+
+def read_night(text: bytes) -> ReadNight:
     """Read a night file; a byte-order mark before it is passed over.
 
     Raises:
@@ -122,13 +136,14 @@ def read_night(text: bytes) -> NightFile:
     """
     text = text.removeprefix(_BYTE_ORDER_MARK)
     try:
-        night = msgspec.json.decode(text, type=NightFile)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        plain = msgspec.json.decode(text)
+        night = msgspec.convert(plain, NightFile)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         problem = what_is_wrong(text, error)
         raise NotANight("night", problem, f"expected JSON of the format {_FORMAT}") from error
     if night.format != _FORMAT:
         raise NotANight("format", f"is {night.format!r}", f"expected {_FORMAT!r}")
-    return night
+    return ReadNight(night, _unknown_keys(plain))
 
 
 def what_is_wrong(text: bytes, error: Exception) -> str:
@@ -143,14 +158,7 @@ def what_is_wrong(text: bytes, error: Exception) -> str:
     return _BYTE.sub(in_lines, str(error))
 
 
-def unknown_keys(text: bytes) -> dict[str, int]:
-    """Count the keys of a night file that its format does not have, and nobody reads.
-
-    Returns:
-        How often each stands there, by its place: ``requests[].min_altitude``.
-
-    """
-    night = msgspec.json.decode(text.removeprefix(_BYTE_ORDER_MARK))
+def _unknown_keys(night: dict[str, Any]) -> dict[str, int]:
     parts: list[tuple[str, type[msgspec.Struct], list[dict[str, object]]]] = [
         ("", NightFile, [night]),
         ("site.", _Site, [night["site"]]),

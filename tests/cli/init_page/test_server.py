@@ -33,7 +33,9 @@ class Visit:
         self.problems = problems or []
         self.address: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         questions = questions_of(MADE, "site.yaml")
-        self.page = InitPage(questions, lambda: {"base/speed": 0.5}, self.finish)
+        self.page = InitPage(
+            questions, lambda: {"base/speed": 0.5}, {"front/view": b"jpeg"}.get, self.finish
+        )
         self.served = asyncio.ensure_future(serve_page(self.page, self.address.set_result))
         self.cookie = ""
 
@@ -71,12 +73,17 @@ class Visit:
 async def test_the_address_is_good_once_and_what_it_gives_opens_all_the_rest() -> None:
     visit = Visit()
     assert (await visit.ask("/questions")).status == 403
+    assert (await visit.ask("/pictures/front/view")).status == 403
     told = await visit.enter()
     assert (told.status, told.headers["location"]) == (303, "/")
     assert "HttpOnly" in told.headers["set-cookie"]
     assert "SameSite=Strict" in told.headers["set-cookie"]
     assert json.loads((await visit.ask("/questions")).body)["name"] == "Fork"
     assert json.loads((await visit.ask("/values")).body) == {"base/speed": 0.5}
+    picture = await visit.ask("/pictures/front/view")
+    assert (picture.status, picture.headers["content-type"]) == (200, "image/jpeg")
+    # There may be one later.
+    assert (await visit.ask("/pictures/rear/view")).status == 204
     assert (await visit.ask("/?" + (await visit.address).partition("?")[2])).status == 403
     visit.served.cancel()
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_program import find_browser
+from browser_program import FLAGS, find_browser
 from patience import PATIENCE_MS, PATIENCE_S
 
 pytest.importorskip("playwright.sync_api")
@@ -111,9 +111,7 @@ def test_from_an_empty_window_to_live_charts_in_a_browser(
     assert "/setup#" in opened_pages[0]
     with sync_playwright() as play:
         clean = {key: each for key, each in os.environ.items() if key != "LD_LIBRARY_PATH"}
-        browser = play.chromium.launch(
-            executable_path=chromium, args=["--no-sandbox", "--disable-gpu"], env=clean
-        )
+        browser = play.chromium.launch(executable_path=chromium, args=FLAGS, env=clean)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         page.set_default_timeout(PATIENCE_MS)
         page.add_init_script(

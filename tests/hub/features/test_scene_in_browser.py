@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from browser_program import SPACE_FLAGS
 from described_robot import found_of, read_robot
 from patience import PATIENCE_S, until_answered
 from playwright.async_api import async_playwright, expect
@@ -216,9 +217,8 @@ def house():
 async def space():
     """Give a Chromium that draws in space by software."""
     program = program_or_skip()
-    args = ["--no-sandbox", "--enable-unsafe-swiftshader"]
     async with async_playwright() as play:
-        running = await play.chromium.launch(executable_path=program, args=args)
+        running = await play.chromium.launch(executable_path=program, args=SPACE_FLAGS)
         yield running
         await running.close()
 

@@ -36,6 +36,7 @@ class Types:
                 "four": FieldKind("float64", many=True, length=4),
             }
         ],
+        "std_msgs/msg/String": [{"data": FieldKind("string")}],
         "std_srvs/srv/SetBool_Request": [{"data": FieldKind("bool")}],
         "nav/action/Go_Goal": [{"x": FieldKind("float64")}],
         "nav/action/Go_Feedback": [{"left": FieldKind("float64")}],
@@ -165,3 +166,24 @@ def test_they_stand_among_the_mistakes_of_a_text_with_their_lines() -> None:
         "the unit 'm/z' is shown as written; Talaia does not know what it measures"
     ]
     assert report.site is None
+
+
+def test_a_number_that_is_read_from_a_text_is_noted() -> None:
+    wrong, notes = told(signal("data", "std_msgs/msg/String"))
+    assert wrong == []
+    assert notes == [
+        f"{AT}.field: data of std_msgs/msg/String is a text, and the signal is a number: of a text "
+        "that is no number nothing is shown; if it holds words, write: type: text, or type: state "
+        "with its words as states"
+    ]
+
+
+def test_an_argument_that_fills_an_element_of_a_list_is_judged_by_the_element() -> None:
+    command = (
+        "    commands:\n      a: {name: A, target: /t, kind: topic, type: geometry_msgs/msg/Path, "
+        "arguments: {p: {type: number, field: 'points[0]'}}}\n"
+    )
+    assert told(command)[0] == [
+        "$.devices.base.commands.a.arguments.p.field: points[0] of geometry_msgs/msg/Path is more "
+        "than one value; write which of it: points[0].x, points[0].y, points[0].z"
+    ]

@@ -13,7 +13,8 @@ from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import RosSource, source_as
 from talaia.model.discovery.generate_description import DescriptionProposal, propose_description
 from talaia.model.discovery.probe_report import Found
-from talaia.model.site import Signal, SignalType
+from talaia.model.discovery.rules.stop_choice import StopAnswers
+from talaia.model.site import DeviceKind, Signal, SignalType
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
 
@@ -152,6 +153,50 @@ def test_names_are_plain_and_no_two_signals_of_a_device_have_one() -> None:
     assert speeds["platform_speed_2"].name == "Platform speed (filtered)"
 
 
+@pytest.mark.parametrize(("folder", "name"), [*CHOSEN, *JUDGES])
+def test_nothing_of_a_robot_is_called_as_something_else_beside_it(folder: str, name: str) -> None:
+    _, made = described(folder, name)
+    devices = [device.name for device in made.site.devices.values()]
+    assert len(set(devices)) == len(devices)
+    for device in made.site.devices.values():
+        for part in (device.signals, device.streams, device.commands):
+            names = [one.name for one in part.values()]
+            assert sorted(set(names)) == sorted(names), device.name
+
+
+def test_what_stops_a_robot_has_no_second_button_that_lets_go_of_it() -> None:
+    found = found_of(read_robot("chosen", "two_arms"))
+    answers = StopAnswers(topic="/emergency_stop")
+    made = propose_description(found, "duo", "Duo", "UTC", answers=answers)
+    assert "/emergency_stop" not in commands_of(made)
+    assert any(line.startswith("/emergency_stop: STOP of Vehicle base") for line in made.left_out)
+    assert silent_omissions(found, made) == []
+    # Nobody said that it is STOP.
+    assert "/emergency_stop" in commands_of(propose_description(found, "duo", "Duo", "UTC"))
+
+
+def test_two_arms_are_told_apart_by_their_buttons() -> None:
+    _, made = described("chosen", "two_arms")
+    jogs = {word: one.name for word, one in made.site.devices["joints"].commands.items()}
+    assert (jogs["jog_left"], jogs["jog_right"]) == ("Jog left", "Jog right")
+    _, made = described("chosen", "mobile_manipulator")
+    names = {one.name for one in made.site.devices["joints"].commands.values()}
+    assert "Move arm torso to home (torso controller)" in names
+
+
+def test_a_robots_own_parts_are_no_second_vehicle() -> None:
+    _, made = described("chosen", "husky")
+    vehicles = [one for one in made.site.devices.values() if one.kind is DeviceKind.VEHICLE]
+    (base,) = vehicles
+    assert base.drive is not None
+    assert base.signals["emergency_stop"].name == "Emergency stop"
+    # What drives is in a namespace, its odometry in none: its commands are on its page.
+    _, made = described("judges", "stretch")
+    (base,) = [one for one in made.site.devices.values() if one.kind is DeviceKind.VEHICLE]
+    assert base.drive is not None
+    assert "Stow the robot" in {one.name for one in base.commands.values()}
+
+
 def test_what_flies_is_not_driven_and_says_why() -> None:
     for name in ("mavros", "crazyflie", "px4"):
         found, made = described("chosen", name)
@@ -248,7 +293,10 @@ def test_parts_with_names_of_their_own_are_called_by_them() -> None:
     assert shown["Front voltage"] == "V"
     assert shown["Rear heatsink temperature"] == "°C"
     assert not any("driver states 0" in name for name in shown)
-    assert made.site.devices["panther_battery_power"].name == "Panther battery"
+    battery = made.site.devices["panther_battery"]
+    # What the charge stands in, and all else that is below that name.
+    assert (battery.name, battery.kind) == ("Battery", DeviceKind.POWER)
+    assert {"charge_level", "charging_status_current"} <= set(battery.signals)
 
 
 def test_whole_numbers_have_the_unit_of_a_topics_name_and_none_that_is_guessed() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from talaia.model.closed_lists import DeviceKind
 from talaia.model.discovery.device_places import place_of, place_order
 from talaia.model.discovery.probe_report import TopicFound
 from talaia.model.discovery.topic_words import free_word, path_in_words
@@ -28,6 +29,34 @@ def test_a_topic_is_put_on_the_device_of_its_type_or_else_of_its_namespace(
     topic: str, type_name: str, word: str
 ) -> None:
     assert place_of(topic, type_name, ()).word == word
+
+
+@pytest.mark.parametrize(
+    ("topic", "type_name", "word", "kind"),
+    [
+        # A dome that nobody took for one closes in no rain, and nobody would say so.
+        ("/dome/closed", "std_msgs/msg/Bool", "dome", DeviceKind.DOME),
+        ("/site/telescope/park", "std_srvs/srv/Trigger", "site_telescope", DeviceKind.TELESCOPE),
+        ("/weather/rain", "std_msgs/msg/Float64", "weather", DeviceKind.WEATHER),
+        ("/cctv/image", "sensor_msgs/msg/Image", "cctv", DeviceKind.CAMERA),
+        ("/cctv/status", "std_msgs/msg/String", "cctv", DeviceKind.CAMERA),
+        ("/pdu/on1", "std_msgs/msg/Bool", "pdu", DeviceKind.POWER),
+        ("/domestic/closed", "std_msgs/msg/Bool", "domestic", DeviceKind.OTHER),
+    ],
+)
+def test_a_namespace_that_says_what_is_in_it_makes_a_device_of_that_kind(
+    topic: str, type_name: str, word: str, kind: DeviceKind
+) -> None:
+    place = place_of(topic, type_name, ())
+    assert (place.word, place.kind) == (word, kind)
+
+
+def test_names_are_said_in_small_letters_but_for_abbreviations() -> None:
+    names = [
+        place_of(topic, "std_msgs/msg/Bool", ()).name
+        for topic in ("/platform/mcu/status/x", "/sensors/gps/gps/x", "/imu/x", "/cctv/x")
+    ]
+    assert names == ["Platform MCU status", "Sensors GPS", "IMU", "CCTV"]
 
 
 def test_a_service_without_a_namespace_belongs_to_what_is_driven() -> None:

@@ -288,3 +288,19 @@ def test_any_text_becomes_a_word_of_an_address_and_a_name(text: str) -> None:
     assert word == word.lower()
     assert len(word) <= 63
     assert "\n" not in readable_name(text)
+
+
+def test_an_altitude_in_the_sky_is_no_height_in_metres() -> None:
+    numbers = [
+        TopicFound(
+            topic=topic,
+            type="std_msgs/msg/Float64",
+            publishers=1,
+            fields=(FieldFound(path="data", type="number"),),
+        )
+        for topic in ("/mast/altitude", "/mast/azimuth", "/sky/sun_altitude", "/drone/altitude")
+    ]
+    site = propose_description(found(*numbers), "robot", "Robot", "UTC").site
+    assert site.devices["mast"].signals["altitude"].unit == ""
+    assert site.devices["sky"].signals["sun_altitude"].unit == ""
+    assert site.devices["drone"].signals["altitude"].unit == "m"

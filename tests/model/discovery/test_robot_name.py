@@ -16,11 +16,28 @@ def found(*robots: str, protocol: str = "ros2", **more: object) -> Found:
     return Found(1, protocol, "here", 1.0, topics=topics, **more)  # type: ignore[arg-type]
 
 
+ARMS = Found(
+    1,
+    "ros2",
+    "here",
+    1.0,
+    topics=(
+        TopicFound(topic="/base/cmd_vel", type="geometry_msgs/msg/Twist", subscribers=1),
+        *(
+            TopicFound(topic=f"/{part}/state", type="std_msgs/msg/String", publishers=1)
+            for part in ("left", "right", "head")
+        ),
+    ),
+)
+
+
 @pytest.mark.parametrize(
     ("robot", "name"),
     [
         (found("/rover", domain=7), "rover"),
         (found("/rover/base", domain=0), "rover"),
+        # What drives is a part of it, beside arms and a head.
+        (ARMS, "lab"),
         # Several are one site, of the machine that they are seen from.
         (found("/rover", "/scout", domain=0), "lab"),
         (found("", domain=0), "lab"),

@@ -17,6 +17,12 @@ interface Pattern {
   readonly text: Sentence[1];
 }
 
+/** A sentence is looked for without the point at its end, and given one again. */
+function withoutStop(sentence: Sentence): Sentence {
+  const [said, text] = sentence;
+  return said.endsWith(".") ? [said.slice(0, -1), (...values) => text(...values).replace(/\.$/, "")] : sentence;
+}
+
 /** Recognises sentences by their templates. */
 export class HubSentences {
   private readonly plain = new Map<string, Sentence[1]>();
@@ -24,7 +30,7 @@ export class HubSentences {
   private readonly patterns: readonly Pattern[];
 
   constructor(sentences: readonly Sentence[]) {
-    const filled = sentences.filter(([said]) => said.includes("{}"));
+    const filled = sentences.filter(([said]) => said.includes("{}")).map(withoutStop);
     for (const [said, text] of sentences) if (!said.includes("{}")) this.plain.set(said, text);
     this.patterns = [...filled].sort(([a], [b]) => b.length - a.length).map(([said, text]) => ({ matcher: matcherOf(said), text }));
   }

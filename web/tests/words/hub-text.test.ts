@@ -9,6 +9,7 @@ const own = new HubSentences([
   ["the name cannot be used", () => "el nom no es pot fer servir"],
   ["take another", () => "tria'n un altre"],
   ["{} needs its power: {}", (device, why) => `${device} necessita corrent: ${why}`],
+  ["{} does not close by itself: {}. The guide says how.", (device, why) => `${device} no es tanca sol: ${why}. La guia diu com.`],
   ["it still moves", () => "encara es mou"],
 ]);
 
@@ -43,4 +44,8 @@ test("no sentence of the hub is taken for another", () => {
   const marked = new HubSentences(SENTENCES.map(([said]) => [said, (...values: readonly string[]) => `${said} ← ${values.join("/")}`]));
   const mistaken = SENTENCES.map(([said]) => [said, marked.textOf(said.replaceAll("{}", "7"))] as const).filter(([said, text]) => !text.startsWith(`${said} ← `));
   expect(mistaken).toEqual([]);
+});
+
+test("knows a sentence of several that ends with a point", () => {
+  expect(own.textOf("Dome does not close by itself: there is no such site. The guide says how.")).toBe("Dome no es tanca sol: no hi ha aquest lloc. La guia diu com.");
 });

@@ -19,6 +19,8 @@ function spoken(text) {
 
 const answers = { name: "", unwanted: new Set(), names: {}, units: {}, stop_topic: "", confirmed: new Set() };
 const values = new Map();
+const pictures = new Map();
+let asking = 0;
 let asked = null;
 let reading = 0;
 
@@ -33,8 +35,29 @@ function tick(path, label, changed) {
   return make("label", { className: "tick" }, box);
 }
 
+/** A name is one line to who writes it, and as many as it needs to who reads it. */
+function keepOneLine(field) {
+  const fit = () => {
+    // Browsers that do not size a field by its content.
+    if (CSS.supports("field-sizing", "content")) return;
+    field.style.blockSize = "auto";
+    field.style.blockSize = `${String(field.scrollHeight + 2)}px`;
+  };
+  field.addEventListener("keydown", (event) => {
+    if (event.key !== "Enter") return;
+    event.preventDefault();
+    field.blur();
+  });
+  field.addEventListener("input", () => {
+    if (field.value.includes("\n")) field.value = field.value.replace(/\s*\n\s*/g, " ");
+    fit();
+  });
+  new ResizeObserver(fit).observe(field);
+  return field;
+}
+
 function nameField(path, name) {
-  const field = make("input", { type: "text", value: name, ariaLabel: `Name of ${name}`, maxLength: 100 });
+  const field = keepOneLine(make("textarea", { rows: 1, value: name, ariaLabel: `Name of ${name}`, maxLength: 100 }));
   field.addEventListener("change", () => {
     answers.names[path] = field.value.trim();
   });
@@ -53,16 +76,36 @@ function unitField(path, { unit, name }) {
 function row(device, part, one) {
   const path = `${device}/${part}/${one.id}`;
   const line = make("div", { className: "row" });
-  const value = make("span", { className: "value none" }, part === "signals" ? "…" : part === "streams" ? "camera" : "command");
+  const value = make("span", { className: "value none" }, part === "signals" ? "…" : part === "streams" ? "no picture yet" : "command");
   if (part === "signals") values.set(one, value);
+  const measured = part === "signals" && one.measured;
+  // Only numbers have a unit: the others' names have its room.
+  if (!measured) line.classList.add("plain");
   line.append(
     tick(path, one.name, (on) => line.classList.toggle("off", !on)),
     nameField(path, one.name),
-    part === "signals" && one.measured ? unitField(path, one) : make("span"),
+    ...(measured ? [unitField(path, one)] : []),
     value,
     make("span", { className: "source" }, one.source ?? one.target ?? ""),
   );
+  if (part === "streams") {
+    const preview = make("img", { className: "preview", alt: `Picture of ${one.name}`, hidden: true });
+    preview.addEventListener("load", () => {
+      preview.hidden = false;
+      value.textContent = "";
+    });
+    pictures.set(preview, { address: `${device}/${one.id}`, line });
+    line.append(preview);
+  }
   return line;
+}
+
+/** A camera is asked for its next picture while it can be seen; the address is new each time. */
+function readPictures() {
+  asking += 1;
+  for (const [preview, { address, line }] of pictures) {
+    if (line.offsetParent !== null) preview.src = `/pictures/${address}?${String(asking)}`;
+  }
 }
 
 function deviceCard(device) {
@@ -78,6 +121,7 @@ function deviceCard(device) {
   );
   if (device.drive !== "") {
     const line = make("div", { className: "row" });
+    line.classList.add("plain");
     line.append(tick(`${device.id}/drive`, `driving of ${device.name}`, (on) => line.classList.toggle("off", !on)), make("span", {}, `Driven by ${device.drive}`));
     card.append(line);
   }
@@ -161,6 +205,7 @@ function textOf(signal, newest) {
 }
 
 async function readValues() {
+  readPictures();
   try {
     const answer = await fetch("/values");
     if (!answer.ok) return;
@@ -212,7 +257,7 @@ async function send(event) {
 }
 
 asked = await (await fetch("/questions")).json();
-byId("title").value = asked.name;
+keepOneLine(byId("title")).value = asked.name;
 byId("title").addEventListener("change", () => {
   answers.name = byId("title").value.trim();
 });

@@ -16,7 +16,7 @@ from talaia.model.units.unit import UNITS
 
 if TYPE_CHECKING:
     from talaia.model.discovery.generate_description import DescriptionProposal
-    from talaia.model.site import Device, Drive, Signal
+    from talaia.model.site import Device, Drive, Signal, Stream
 
 __all__ = ["questions_of"]
 
@@ -54,7 +54,10 @@ def _device(word: str, device: Device) -> dict[str, Any]:
         "kind": device.kind.value,
         "drive": "" if device.drive is None else drive_words(device.drive),
         "signals": [_signal(word, *one) for one in device.signals.items()],
-        "streams": [{"id": name, "name": one.name} for name, one in device.streams.items()],
+        "streams": [
+            {"id": name, "name": one.name, "source": _source_of(one)}
+            for name, one in device.streams.items()
+        ],
         "commands": [
             {"id": name, "name": one.name, "target": one.target}
             for name, one in device.commands.items()
@@ -73,8 +76,12 @@ def _signal(device: str, word: str, signal: Signal) -> dict[str, Any]:
         "primary": signal.primary,
         "measured": signal.type is SignalType.NUMBER,
         "channels": [f"{address}.{part}" if part else address for part in parts_of(signal)],
-        "source": getattr(signal.source, "topic", "") or getattr(signal.source, "parameter", ""),
+        "source": _source_of(signal) or getattr(signal.source, "parameter", ""),
     }
+
+
+def _source_of(one: Signal | Stream) -> str:
+    return str(getattr(one.source, "topic", ""))
 
 
 def drive_words(drive: Drive) -> str:

@@ -36,6 +36,7 @@ _FILES = {
 }
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+    "img-src 'self'; "
     "form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
 _HEADERS = [
@@ -62,6 +63,7 @@ class InitPage:
         self,
         questions: bytes,
         newest: Callable[[], Mapping[str, float | str]],
+        picture: Callable[[str], bytes | None],
         finish: Callable[[ProposalAnswers], list[str]],
     ) -> None:
         """Serve one person.
@@ -69,10 +71,12 @@ class InitPage:
         Args:
             questions: JSON of what is asked.
             newest: gives the newest values by channel.
+            picture: gives a camera's newest picture (JPEG) by its address; none so far.
             finish: writes the file; gives what is wrong with the answers, and then writes nothing.
 
         """
-        self._questions, self._newest, self._finish = questions, newest, finish
+        self._questions, self._finish = questions, finish
+        self._newest, self._picture = newest, picture
         # Good for the first visit; empty afterwards.
         self.token = secrets.token_urlsafe(24)
         self._session = secrets.token_urlsafe(24)
@@ -109,6 +113,12 @@ class InitPage:
             return _Answer(200, "application/json", self._questions)
         if method == "GET" and path == "/values":
             return _Answer(200, "application/json", msgspec.json.encode(self._newest()))
+        if path == "/favicon.ico":
+            # Browsers ask for it by themselves.
+            return _Answer(204)
+        if method == "GET" and path.startswith("/pictures/"):
+            picture = self._picture(path.removeprefix("/pictures/"))
+            return _Answer(204) if picture is None else _Answer(200, "image/jpeg", picture)
         if method == "POST" and path == "/answers":
             return await self._write_file(headers, receive)
         return _Answer(404, body=b"there is nothing of this name")

@@ -44,7 +44,8 @@ def ask_in_page(
     async def run() -> None:
         with tempfile.TemporaryDirectory(prefix="talaia-init-") as folder:
             async with reading_values(made.site, Path(folder), domain) as values:
-                page = InitPage(questions_of(made, output), lambda: values.newest, finish)
+                questions = questions_of(made, output)
+                page = InitPage(questions, lambda: values.newest, values.picture_of, finish)
                 await serve_page(page, lambda address: _show_address(address, browse=browse))
 
     try:

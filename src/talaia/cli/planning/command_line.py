@@ -6,7 +6,6 @@ So ``--help`` and wrong words are answered at once.
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,12 +39,4 @@ def main(argv: Sequence[str]) -> int:
     fairness = EVEN_HANDED if options.fair else INDIFFERENT
     if options.word == "drive":
         return answer_lines(sys.stdin.buffer, sys.stdout.buffer, fairness)
-    try:
-        done = print_night(options.file, fairness)
-        sys.stdout.flush()
-    except BrokenPipeError:
-        # Whoever reads has had enough (`| head`), and Python flushes at its end once more. The
-        # commands of scripts have this, too, but need the extra `client`, which planning does not.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    return done
+    return print_night(options.file, fairness)

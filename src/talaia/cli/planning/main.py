@@ -13,7 +13,7 @@ import msgspec
 from talaia.planner.bound import bound_value
 from talaia.planner.drive import DrivenNight
 from talaia.planner.errors import NotANight, UnknownRequest
-from talaia.planner.night_file import make_problem, read_night, unknown_keys
+from talaia.planner.night_file import make_problem, read_night
 from talaia.planner.outlook import CERTAIN
 from talaia.planner.session import PlanningSession
 from talaia.planner.why_not import clock_words
@@ -56,14 +56,13 @@ def print_night(path: Path, fairness: FairnessRule) -> int:
 
     """
     try:
-        text = path.read_bytes()
-        night = read_night(text)
+        night, unknown = read_night(path.read_bytes())
         problem = make_problem(night)
     except OSError as error:
         raise NotANight(str(path), f"cannot be read: {error.strerror}") from error
     except NotANight as error:
         raise NotANight(str(path), f"{error.where}: {error.problem}", error.remedy) from error
-    for key, count in sorted(unknown_keys(text).items()):
+    for key, count in sorted(unknown.items()):
         # Beside the plan, not in it: a constraint with a slip in its name would hold nothing back.
         times = "" if count == 1 else f" ({count} times)"
         print(

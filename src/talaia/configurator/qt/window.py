@@ -27,7 +27,7 @@ from PySide6.QtWidgets import (
 from talaia.configurator.document import Document
 from talaia.configurator.edits import new_site
 from talaia.configurator.errors import FileChanged, NotWritten
-from talaia.configurator.files import open_document, save_document
+from talaia.configurator.files import open_document, opening_problems, save_document
 from talaia.configurator.qt.ai_page import AiPage
 from talaia.configurator.qt.devices_page import DevicesPage
 from talaia.configurator.qt.editor import Editor
@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 __all__ = ["ConfiguratorWindow", "Means"]
 
 _STEPS = ("AI services", "Sensors", "Services", "Devices and commands", "Generate")
+# Of one file; the rest is told after these are mended.
+_MOST_PROBLEMS = 8
 _FILTER = "Site description (*.yaml *.yml);;Observatory's command file (*.json)"
 
 
@@ -248,7 +250,11 @@ class ConfiguratorWindow(QMainWindow):
         try:
             document = open_document(file)
         except DescriptionError as error:
-            self._show_message(f"{file.name} cannot be opened: {error}")
+            wrong = opening_problems(file)
+            if len(wrong) > _MOST_PROBLEMS:
+                wrong[_MOST_PROBLEMS:] = [f"and {len(wrong) - _MOST_PROBLEMS} more"]
+            said = "\n".join(wrong) or str(error)
+            self._show_message(f"{file.name} cannot be opened: {said}")
             return False
         self._show_message("")
         # A command file of an observatory is only read: what comes of it is saved elsewhere.

@@ -95,7 +95,7 @@ class ConditionHolds:
     def override_problem(self, name: str, now_ns: int) -> str:
         """Say why a condition may not be overridden while the interlock is locked, if so."""
         if not longest_override(self._rule):
-            return f"{self._rule.name} may be overridden never"
+            return f"{self._rule.name} may never be overridden"
         if name not in self._held:
             known = ", ".join(self._held)
             return f"{self._rule.name} has no condition {name!r}; it has {known}"

@@ -182,9 +182,10 @@ class InterlockStateMachine:
             self.end_override(now_ns)
             return ""
         longest = longest_override(self._rule)
+        if not longest:
+            return f"{self._rule.name} may never be overridden"
         if not 0 < seconds <= longest:
-            most = f"at most {longest:g} s" if longest else "never"
-            return f"{self._rule.name} may be overridden {most}"
+            return f"{self._rule.name} may be overridden for at most {longest:g} s"
         if not reason.strip():
             return "say why it is overridden"
         if not self._locked:

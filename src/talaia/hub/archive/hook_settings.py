@@ -47,7 +47,7 @@ def read_archive_hook(path: Path) -> ArchiveHookSettings:
         CannotStart: it cannot be read, or names neither or both.
 
     """
-    advice = "see docs/how-to/the-archive.md"
+    advice = "see: talaia docs the-archive"
     try:
         with path.open("rb") as file:
             text = file.read(_MOST_FILE)

@@ -76,7 +76,7 @@ def read_oidc_settings(path: Path) -> OidcSettings:
         OidcSettings,
         option="--oidc",
         about="which provider",
-        page="docs/how-to/openid-connect.md",
+        guide="openid-connect",
         most=_MOST_FILE,
     )
     found = urlsplit(read.issuer)

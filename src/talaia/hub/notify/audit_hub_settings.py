@@ -51,7 +51,7 @@ def read_audit_hub_settings(path: Path) -> AuditHubSettings:
         AuditHubSettings,
         option="--audit-hub",
         about="which hub",
-        page="docs/how-to/run-a-hub.md",
+        guide="run-a-hub",
         most=_MOST_FILE,
     )
     found = urlsplit(read.url)

@@ -14,6 +14,8 @@ _REMEDIES = {
     # Powers, of which there are none: a unit to a power that a signal has could not be checked.
     "*": "multiply a value with itself for its square",
     "^": "multiply a value with itself for its square",
+    # Behind a number it is most often a share; a remainder there is none.
+    "%": "leave the sign out: 80 is compared with what is in %",
     # As templates of other programs have them.
     "{": "write a signal in one pair of braces: {device/signal}",
     "}": "write a signal in one pair of braces: {device/signal}",

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from talaia.model.boards.board import DESKTOP_COLUMNS, PHONE_COLUMNS
+from talaia.model.boards.tile_types import TILE_TYPES
 from talaia.model.checks.identifiers import Finding, finding_of, id_fits, name_fits
 from talaia.model.errors import UnknownWord
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from talaia.model.boards.board import Board, BoardTile, TilePlace, TileSetting
     from talaia.model.site import Site
 
-__all__ = ["board_findings", "board_notes", "boards_findings"]
+__all__ = ["board_findings", "board_notes", "boards_findings", "tile_type_findings"]
 
 # Each tile asks the hub for what it shows.
 MOST_TILES = 100
@@ -51,6 +52,14 @@ def boards_findings(site: Site) -> Iterator[Finding]:
             yield Finding(f"{where}.device", problem, "name a device of the description")
 
 
+def tile_type_findings(site: Site) -> Iterator[Finding]:
+    """List tiles whose type no page knows."""
+    for where, tile in _tiles_of(site):
+        # What can be no type at all has its own finding.
+        if tile.type not in TILE_TYPES and _TYPE.match(tile.type):
+            yield finding_of(UnknownWord(f"{where}.type", "tile", tile.type, TILE_TYPES))
+
+
 def board_notes(site: Site) -> Iterator[Finding]:
     """Name what tiles show and this site has not: another site, chosen above them, may have it."""
     known: dict[str, list[str]] = {"signal": [], "camera": [], "command": []}
@@ -58,20 +67,34 @@ def board_notes(site: Site) -> Iterator[Finding]:
         known["signal"] += [f"{device_id}/{signal_id}" for signal_id in device.signals]
         known["camera"] += [f"{device_id}/{stream_id}" for stream_id in device.streams]
         known["command"] += [f"{device_id}/{command_id}" for command_id in device.commands]
+    for at, tile in _tiles_of(site):
+        for where, what, word in _addresses_in(at, tile):
+            if word not in known[what]:
+                yield finding_of(UnknownWord(where, what, word, known[what]))
+
+
+def _tiles_of(site: Site) -> Iterator[tuple[str, BoardTile]]:
     for name, board in site.boards.items():
         for index, tile in enumerate(board.tiles):
-            for key, setting in tile.settings.items():
-                what = _ADDRESSES.get(key, "")
-                at = f"$.boards.{name}.tiles[{index}].settings.{key}"
-                listed = isinstance(setting, tuple)
-                words = setting if isinstance(setting, tuple) else (setting,)
-                for place, word in enumerate(words if what else ()):
-                    # By the board's device, or by its role: that is found where it is shown.
-                    if not isinstance(word, str) or word[:1] in ("$", "@", ""):
-                        continue
-                    if word not in known[what]:
-                        where = f"{at}[{place}]" if listed else at
-                        yield finding_of(UnknownWord(where, what, word, known[what]))
+            yield f"$.boards.{name}.tiles[{index}]", tile
+
+
+def _addresses_in(at: str, tile: BoardTile) -> Iterator[tuple[str, str, str]]:
+    """Give each address in a tile's settings: where it stands, of what it is, and itself."""
+    for key, setting in tile.settings.items():
+        what = _ADDRESSES.get(key)
+        if what is None:
+            continue
+        where = f"{at}.settings.{key}"
+        words = (
+            [(f"{where}[{place}]", word) for place, word in enumerate(setting)]
+            if isinstance(setting, tuple)
+            else [(where, setting)]
+        )
+        for place_of_word, word in words:
+            # By the board's device, or by its role: that is found where it is shown.
+            if isinstance(word, str) and word[:1] not in ("$", "@", ""):
+                yield place_of_word, what, word
 
 
 def board_findings(where: str, board: Board) -> Iterator[Finding]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.alarms.cause_parts import cause_parts, watched_signals
+from talaia.model.alarms.constant_parts import ZERO_REMEDY, zero_division_problem
 from talaia.model.alarms.expression import ExpressionError, parse_condition
 from talaia.model.alarms.signal_groups import groups_of
 from talaia.model.checks.identifiers import (
@@ -327,3 +328,5 @@ def _check_expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterato
         return
     if not found.signals:
         yield Finding(f"{where}.expression", "there is no signal in it", "write {device/signal}")
+    if problem := zero_division_problem(found):
+        yield Finding(f"{where}.expression", problem, ZERO_REMEDY)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.model.alarms.constant_parts import ZERO_REMEDY, zero_division_problem
 from talaia.model.alarms.expression import ExpressionError, ValueKind, parse_expression
 from talaia.model.checks.identifiers import Finding
 from talaia.model.closed_lists import SignalType, Visibility
@@ -50,6 +51,8 @@ def derivation_findings(site: Site) -> Iterator[Finding]:
         except ExpressionError as error:
             yield Finding(f"{where}.source.expression", str(error), error.remedy)
             continue
+        if problem := zero_division_problem(found):
+            yield Finding(f"{where}.source.expression", problem, ZERO_REMEDY)
         expressions[address] = found
         yield from _check_result(where, signal, found, units)
         yield from _check_inputs(site, where, signal, found, far=far)

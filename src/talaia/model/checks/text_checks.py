@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.boards.board_checks import board_notes
+from talaia.model.boards.board_checks import board_notes, tile_type_findings
 from talaia.model.checks.connection_checks import NO_CONNECTION
 from talaia.model.checks.extension_rules import NO_RULES
 from talaia.model.checks.identifiers import finding_of
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.checks.identifiers import Finding
-    from talaia.model.checks.ros_types.ros_type_checks import KnownTypes
+    from talaia.model.checks.ros_types.field_walk import KnownTypes
     from talaia.model.site import Site
 
 __all__ = ["Mistake", "TextReport", "check_text", "place_findings"]
@@ -113,6 +113,7 @@ def check_text(
         found = [] if read.is_joined else check_site(site, rules)
         notes += unit_notes(site)
         notes += board_notes(site)
+        found += tile_type_findings(site)
         if known is not None:
             of_types = ros_type_findings(site, known)
             found += of_types.mistakes
@@ -171,6 +172,8 @@ def place_findings(findings: Iterable[Finding], text: str) -> list[Mistake]:
 
 
 _WORD = re.compile(r"\w+")
+# Of what is unsafe, each of these says all: where it is wrong, no signal is missing beside it.
+_WHOLE_CONDITIONS = {"all", "link_lost", "sun"}
 # What a device, or a part of one, is called by others.
 _ADDRESSED = re.compile(
     r"\$\.devices(?:\.(?P<device>[^.]+)(?:\.(?:signals|streams|commands)(?:\.(?P<part>[^.]+))?)?)?\Z"
@@ -186,7 +189,8 @@ def _follows(finding: Finding, wrong: list[str], follows: list[str]) -> bool:
     said = set(_WORD.findall(f"{finding.problem} {finding.remedy}"))
     for where in wrong:
         above, _, key = where.rpartition(".")
-        if key in said and finding.where in (above, f"{above}.{finding.where.rpartition('.')[2]}"):
+        beside = finding.where in (above, f"{above}.{finding.where.rpartition('.')[2]}")
+        if beside and (key in said or key in _WHOLE_CONDITIONS):
             return True
     return any(
         finding.where.startswith(where)

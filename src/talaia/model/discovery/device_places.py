@@ -7,6 +7,7 @@ under one namespace comes together on one page.
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.connections.ros import DIAGNOSTICS
@@ -27,6 +28,7 @@ __all__ = [
     "place_of",
     "place_order",
     "robot_namespace",
+    "spoken_space",
 ]
 
 PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -49,6 +51,27 @@ _NO_BASE = re.compile(
 )
 
 
+# What people write in capitals, where a topic has small letters.
+_ABBREVIATIONS = {
+    *("bms", "can", "cctv", "cpu", "dvl", "ekf", "fmu", "gnss", "gps", "hmi", "imu", "io", "led"),
+    *("mcu", "pdu", "ptz", "rc", "rgb", "rov", "rtk", "tcp", "ups", "usb", "usv", "utm"),
+}
+# Namespaces that say what is in them, whatever its type: `/rov/camera/tilt` is of the camera.
+_KINDS_OF_SPACES = {
+    "allsky": DeviceKind.CAMERA,
+    "battery": DeviceKind.POWER,
+    "camera": DeviceKind.CAMERA,
+    "cctv": DeviceKind.CAMERA,
+    "dome": DeviceKind.DOME,
+    "pdu": DeviceKind.POWER,
+    "telescope": DeviceKind.TELESCOPE,
+    "weather": DeviceKind.WEATHER,
+    "weather_station": DeviceKind.WEATHER,
+}
+# Of topics in a namespace, so many in a hundred are in the robot's own if it has one.
+_OWN_SHARE = 80
+
+
 class DevicePlace(NamedTuple):
     """A device that something belongs to: its word in addresses, its name, its kind."""
 
@@ -68,6 +91,8 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
     """
     spaces = topic.strip("/").split("/")[:-1]
     if type_name in PICTURES or type_name == "sensor_msgs/msg/CameraInfo":
+        if spaces and _KINDS_OF_SPACES.get(spaces[-1]) is DeviceKind.CAMERA:
+            return _named_place("", "", DeviceKind.CAMERA, spaces)
         # A camera's topics share its namespace (`/front/image_raw`, `/front/camera_info`), and
         # that names the picture; what stands before it names the device.
         return _named_place("camera", "Camera", DeviceKind.CAMERA, spaces[:-1])
@@ -90,15 +115,16 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
     if spaces:
         if _is_robot("/".join(spaces), found):
             # Its namespace is the robot's: an IMU in it is a part of what drives.
-            return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
-        return _named_place("", "", DeviceKind.OTHER, spaces)
+            driven = _driven_space(spaces, found)
+            return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, driven)
+        return _named_place("", "", _KINDS_OF_SPACES.get(spaces[-1], DeviceKind.OTHER), spaces)
     package = type_name.split("/", 1)[0]
     if "/srv/" in type_name or "/action/" in type_name:
         # A service without a namespace belongs to what drives: it is the robot as a whole.
-        driven = [other.topic for other in found if _is_driven_by(other)]
-        if not driven:
+        velocities = [other.topic for other in found if _is_driven_by(other)]
+        if not velocities:
             return _named_place("robot", "Robot", DeviceKind.OTHER, ())
-        return place_of(driven[0], "geometry_msgs/msg/Twist", found)
+        return place_of(velocities[0], "geometry_msgs/msg/Twist", found)
     if package in _COMMON_PACKAGES:
         return _named_place("sensors", "Sensors", DeviceKind.OTHER, ())
     # A package of the maker's own is named after the device: `gripper_msgs`.
@@ -120,13 +146,32 @@ def place_order(place: DevicePlace) -> tuple[int, str]:
 def _named_place(word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) -> DevicePlace:
     # The namespace goes before: two bases of one robot have different pages.
     parts = [space for space in spaces if space]
-    whole = "_".join([*parts, word] if word else parts)
-    named = [readable_name(part) for part in parts]
-    if named and named[-1].lower() == name.lower():
+    # None twice: `/gps/gps`, `/imu/imu`.
+    parts = [part for part, after in pairwise([*parts, ""]) if part != after]
+    named = [spoken_space(part) for part in parts]
+    if named and _is_said(name, named[-1]):
         # `/robot/battery/status` is of its battery, and not of its battery's battery.
-        named.pop()
-    title = " ".join([*named, name.lower() if named else name])
-    return DevicePlace(word_of(whole), title.strip(), kind)
+        if len(name.split()) > len(named[-1].split()):
+            named[-1] = name.lower()
+        name = word = ""
+    whole = "_".join([*parts, word] if word else parts)
+    title = " ".join([*named, name.lower()] if name and named else named or [name])
+    return DevicePlace(word_of(whole), title[:1].upper() + title[1:], kind)
+
+
+def spoken_space(part: str) -> str:
+    """Say a part of a namespace as within a name: in small letters, but for abbreviations."""
+    words = readable_name(part).split()
+    return " ".join(
+        word.upper() if word.lower() in _ABBREVIATIONS else word if word.isupper() else word.lower()
+        for word in words
+    )
+
+
+def _is_said(name: str, part: str) -> bool:
+    """Tell whether the last word of a device's name is in a part before it: `/front_camera`."""
+    last = name.lower().rpartition(" ")[2]
+    return bool(last) and last in part.lower().replace("cameras", "camera").split()
 
 
 def _driven_space(spaces: list[str], found: Iterable[TopicFound]) -> list[str]:
@@ -156,10 +201,20 @@ def _is_robot(space: str, found: Iterable[TopicFound]) -> bool:
 
 
 def robot_namespace(found: Iterable[TopicFound]) -> str:
-    """Give the namespace of the one robot that was found; empty for none and for several."""
+    """Give the namespace of the one robot that was found; empty for none and for several.
+
+    It holds what the robot says as a whole: that of what drives alone, beside others of its arms
+    and its head, is none.
+    """
     topics = tuple(found)
-    first = {topic.topic.strip("/").split("/", 1)[0] for topic in topics if _drives(topic, topics)}
-    return first.pop() if len(first) == 1 else ""
+    driving = {
+        topic.topic.strip("/").split("/", 1)[0] for topic in topics if _drives(topic, topics)
+    }
+    if len(driving) != 1:
+        return ""
+    space = driving.pop()
+    spaces = [topic.topic.split("/")[1] for topic in topics if topic.topic.count("/") > 1]
+    return space if spaces.count(space) * 100 >= len(spaces) * _OWN_SHARE else ""
 
 
 def _drives(topic: TopicFound, found: Iterable[TopicFound]) -> bool:

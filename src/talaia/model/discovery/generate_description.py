@@ -56,6 +56,7 @@ from talaia.model.discovery.rules.stop_choice import (
     StopChoice,
     choices_of,
     with_answers,
+    without_commands,
 )
 from talaia.model.discovery.rules.unwanted_devices import without_devices
 from talaia.model.discovery.rules.unwanted_fields import hidden_reason
@@ -66,6 +67,7 @@ from talaia.model.site import (
     CommandKind,
     CommandRole,
     Device,
+    DeviceKind,
     Drive,
     DriveMessage,
     SignalType,
@@ -96,7 +98,10 @@ CAREFUL_STEERING = 0.3
 # Leaving out what the checks refuse can break what refers to it; a few rounds end that.
 MAX_ROUNDS = 5
 # Last parts of camera topics (image_transport's) that say nothing of the camera.
-_PICTURE_ENDINGS = ("image_raw", "image", "images", "compressed", "image_color")
+_PICTURE_ENDINGS = (
+    *("image_raw", "image", "images", "compressed", "image_color"),
+    *("image_rect_raw", "image_rect", "image_rect_color", "image_mono"),
+)
 # In which a tool's steps are meant, until the owner names the arm's own frame.
 JOG_FRAME = "base_link"
 
@@ -173,6 +178,11 @@ def propose_description(
             stop = with_answers(device.drive.stop, answers, choice)
             drive = msgspec.structs.replace(device.drive, stop=stop)
             devices[choice.device] = msgspec.structs.replace(device, drive=drive)
+            if stop.topic:
+                left_out.append(
+                    f"{stop.topic}: STOP of {device.name} sends it, and no command does"
+                )
+                devices = without_commands(devices, stop.topic)
     # Last: which tiles there are goes by what the checks have left.
     boards = robot_boards(found, devices)
     proposed = msgspec.structs.replace(proposed, devices=devices, boards=boards)
@@ -258,6 +268,7 @@ class _ProposedDevices:
                 self._add_listener(topic)
             elif topic.subscribers and not topic.publishers:
                 self.left_out.append(f"{topic.topic}: {hidden_reason(topic.topic)}")
+        self._join_bases()
         # Last: a node that is called as a device there is belongs to it.
         for node in self._found.nodes:
             self._add_node(node)
@@ -349,6 +360,19 @@ class _ProposedDevices:
         """Give the devices that there are so far."""
         return {*self._signals.by_place, *self._streams, *self._commands, *self._drives}
 
+    def _join_bases(self) -> None:
+        """Let what drives have the commands of its namespace, where its odometry has another."""
+        driven = [place for place in self._drives if place.kind is DeviceKind.VEHICLE]
+        if len(driven) != 1:
+            return
+        for place in list(self._commands):
+            if place.kind is not DeviceKind.VEHICLE or place in self._signals.by_place:
+                continue
+            if place != driven[0]:
+                commands = self._commands.setdefault(driven[0], {})
+                for word, command in self._commands.pop(place).items():
+                    commands[free_word(word, commands)] = command
+
     def _add_node(self, node: NodeFound) -> None:
         place = place_of_node(node, self._found.topics)
         # By its word: two of one word would be one device in the end, and one of them lost.
@@ -374,7 +398,8 @@ class _ProposedDevices:
             self._add_joints(topic)
         elif is_servo(topic):
             commands = self._commands.setdefault(self._arm_of(topic.topic), {})
-            commands[free_word("jog", commands)] = jog_command(topic, JOG_FRAME)
+            jog = jog_command(topic, JOG_FRAME)
+            commands[free_word(word_of(jog.name), commands)] = jog
         elif topic.topic in self._driven.left_out:
             self.left_out.append(f"{topic.topic}: {self._driven.left_out[topic.topic]}")
         elif self._is_keys(topic):

@@ -14,7 +14,13 @@ import msgspec
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
 from talaia.model.discovery.ros_units import readable_name, unit_in_name, word_of
-from talaia.model.discovery.rules.field_names import JOINTS, joint_title, name_of_field, plain_name
+from talaia.model.discovery.rules.field_names import (
+    FORM_PARTS,
+    JOINTS,
+    joint_title,
+    name_of_field,
+    plain_name,
+)
 from talaia.model.discovery.rules.unwanted_fields import wanted_fields
 from talaia.model.discovery.rules.whole_topics import LEVELS
 from talaia.model.discovery.topic_words import free_word, last_part
@@ -135,7 +141,7 @@ class ProposedSignals:
         if not topic.stamped or topic.latched:
             # What is latched is as old as it likes when somebody comes to hear it.
             return
-        name = f"{plain_name(last_part(topic.topic))} delay"
+        name = f"{plain_name(last_part(topic.topic, FORM_PARTS))} delay"
         signals[free_word(word_of(name), signals)] = Signal(
             name=name,
             unit="s",
@@ -169,13 +175,25 @@ class ProposedSignals:
                 if signal.primary is not wanted:
                     signals[word] = msgspec.structs.replace(signal, primary=wanted)
 
+    def _is_of_the_sky(self, topic: str) -> bool:
+        """Tell whether an altitude is an angle, of whose unit its name says nothing.
+
+        It is one of the Sun or the Moon, or stands beside an azimuth.
+        """
+        above, _, last = topic.rpartition("/")
+        words = last.lower().split("_")
+        if not {"altitude", "alt"} & {*words}:
+            return False
+        beside = {f"{above}/azimuth", f"{above}/az"}
+        return bool({"sun", "moon"} & {*words}) or any(one.topic in beside for one in self._topics)
+
     def _signal_of(self, topic: TopicFound, field: FieldFound, name: str) -> Signal:
         if topic.type == JOINTS:
             return _joint_signal(topic, field, self._joints.get(field.name), modelled=self._joints)
         if field.path.startswith("data") and not field.unit and field.type in _MEASURED:
             # Of std_msgs only the topic's name tells what the number is.
             said = unit_in_name(last_part(topic.topic, ("data",)))
-            if said is not None:
+            if said is not None and not self._is_of_the_sky(topic.topic):
                 field = msgspec.structs.replace(field, unit=said.unit, scale=said.scale)
         return _signal_of(topic, field, name)
 

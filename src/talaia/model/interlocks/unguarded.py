@@ -40,17 +40,26 @@ def unguarded_notice(site: Site) -> str:
     names = [site.devices[name].name for name in unguarded_devices(site)]
     if not names:
         return ""
-    many = len(names) > 1
-    who = f"{', '.join(names[:-1])} and {names[-1]} do" if many else f"{names[0]} does"
-    themselves, them = ("themselves", "them") if many else ("itself", "it")
-    if site.enclosures:
-        lacks = f"no enclosure of the description is about {them}"
-    elif site.interlocks:
-        lacks = "the description's interlocks close no roof, and it has no enclosure"
-    else:
-        lacks = "the description has no interlocks and no enclosure"
+    # Whole sentences, not pieces of one: pages know them by their words in other languages.
+    if len(names) == 1:
+        lacks = _what_is_missing(site, "no enclosure of the description is about it")
+        return (
+            f"{names[0]} does not close or park by itself: {lacks}. In rain, in wind or without "
+            "weather data only a person closes or parks it. `talaia docs interlocks` says how to "
+            "change that."
+        )
+    who = f"{', '.join(names[:-1])} and {names[-1]}"
+    lacks = _what_is_missing(site, "no enclosure of the description is about them")
     return (
-        f"{who} not close or park by {themselves}: {lacks}. In rain, in wind or without weather "
-        f"data only a person closes or parks {them}. docs/how-to/interlocks.md shows how to "
-        "change that."
+        f"{who} do not close or park by themselves: {lacks}. In rain, in wind or without weather "
+        "data only a person closes or parks them. `talaia docs interlocks` says how to change that."
     )
+
+
+def _what_is_missing(site: Site, of_others: str) -> str:
+    """Say what is missing; ``of_others`` where there is an enclosure of something else."""
+    if site.enclosures:
+        return of_others
+    if site.interlocks:
+        return "the description's interlocks close no roof, and it has no enclosure"
+    return "the description has no interlocks and no enclosure"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from talaia.model.alarms.constant_parts import ZERO_REMEDY, zero_division_problem
 from talaia.model.alarms.expression import ExpressionError, parse_condition
 from talaia.model.arguments import fields_of, unit_problem
 from talaia.model.checks.identifiers import Finding, name_fits
@@ -85,9 +86,12 @@ def site_findings(mission: Mission, site: Site) -> Iterator[Finding]:
             yield from _command_findings(where, step, site)
         elif step.kind is StepKind.UNTIL:
             try:
-                parse_condition(step.condition, channel_kinds(site))
+                waited_for = parse_condition(step.condition, channel_kinds(site))
             except ExpressionError as error:
                 yield Finding(f"{where}.condition", str(error), error.remedy)
+                continue
+            if problem := zero_division_problem(waited_for):
+                yield Finding(f"{where}.condition", problem, ZERO_REMEDY)
 
 
 def _command_findings(where: str, step: MissionStep, site: Site) -> Iterator[Finding]:

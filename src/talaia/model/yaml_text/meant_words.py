@@ -82,6 +82,8 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "range": ("limit",),
     "timeout": ("stale",),
     "condition": ("expression",),
+    **dict.fromkeys(("formula", "calculation", "compute", "template"), ("expression",)),
+    **dict.fromkeys(("value_template", "lambda", "equation"), ("expression",)),
     # Keys, as other programs call them.
     "max": ("maximum",),
     "min": ("minimum",),

@@ -32,6 +32,8 @@ MOST_ERRORS = 100
 # What people write at a signal instead of in its source.
 _OF_SOURCES = {"topic", "field", "parameter", "expression", "property", "run", "pattern", "url"}
 _GLUED = re.compile(r"(?P<key>[A-Za-z_]\w*):(?P<value>\S+)\Z")
+# Only what stands among the words that people bring along.
+_NO_LIKENESS = 1.0
 # Which keys may stand beside these goes by their value.
 _DECIDING = ("kind", "type")
 
@@ -72,6 +74,8 @@ def list_shape_errors(document: dict[str, object], most: int = MOST_ERRORS) -> S
         errors.append(found.error)
         if isinstance(found.error, UnknownWord) and _is_of_source(found.steps):
             found.error.remedy = f"it belongs into source: {{{found.steps[-1]}: …}}"
+        if found.steps[-2:-1] == ("source",) and isinstance(found.error, UnknownWord):
+            _offer_expression(found.error)
         if not found.steps or ANY_KEY in found.steps:
             break
         # Nothing is lost of what stands in it, and the next run tells what is wrong there.
@@ -171,6 +175,13 @@ def _rename(document: dict[str, object], found: ShapeError, renamed: dict[str, s
     holder[meant] = holder.pop(last)
     renamed[path_of((*way, meant))] = error.where
     return True
+
+
+def _offer_expression(error: UnknownWord) -> None:
+    """Mean the key of another source than the connection's, so not among those that are offered."""
+    if meant_word(error.word, ["expression"], _NO_LIKENESS):
+        error.meant = "expression"
+        error.remedy = "did you mean 'expression'?"
 
 
 def _is_of_source(steps: Sequence[Step]) -> bool:

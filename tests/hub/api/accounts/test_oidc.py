@@ -330,7 +330,7 @@ async def test_who_is_disabled_stays_out_and_the_role_asks_no_factor_of_who_the_
         ("issuer: https://login.example\nrole: ''", "neither groups nor role"),
         ("issuer: https://login.example\nrolle: guest", "rolle"),
         ("issuer: https://login.example\ndomains: ['@uni.example']", "domains"),
-        ("[", "docs/how-to/openid-connect.md"),
+        ("[", "talaia docs openid-connect"),
     ],
 )
 def test_file_that_asks_for_what_is_not_safe_is_refused_by_name(tmp_path, text, said) -> None:

@@ -99,6 +99,11 @@ export class CameraView extends LitElement {
       .aged canvas {
         filter: grayscale(1) brightness(0.55) contrast(0.8);
       }
+      .hud {
+        position: absolute;
+        inset: auto var(--t-space-2) calc(var(--t-touch) + 2 * var(--t-space-2));
+        pointer-events: none;
+      }
       .veil t-icon {
         font-size: 2.5rem;
         color: var(--t-muted);
@@ -111,6 +116,17 @@ export class CameraView extends LitElement {
         }
         div:not(.aged) > .veil t-icon {
           font-size: 1.5rem;
+        }
+        /* Without a picture the numbers stand in the foot, beside its button, and the words above. */
+        .bare > .veil {
+          gap: var(--t-space-1);
+          padding-block: calc(var(--t-touch) + var(--t-space-2));
+        }
+        .bare > .veil p {
+          font-size: var(--t-size-s);
+        }
+        .bare > .hud {
+          inset: auto calc(var(--t-touch) + 2 * var(--t-space-2)) var(--t-space-2) var(--t-space-2);
         }
       }
       /* Stripes over an old picture: grey alone is easily missed on a grey scene. */
@@ -172,11 +188,6 @@ export class CameraView extends LitElement {
         max-block-size: calc(100% - var(--t-touch) - var(--t-space-3));
         display: grid;
         grid-template-rows: minmax(0, 1fr);
-        pointer-events: none;
-      }
-      .hud {
-        position: absolute;
-        inset: auto var(--t-space-2) calc(var(--t-touch) + 2 * var(--t-space-2));
         pointer-events: none;
       }
       .badge svg {
@@ -253,7 +264,7 @@ export class CameraView extends LitElement {
   override render(): TemplateResult {
     const live = !this.still && this.drawn && this.link === "open" && this.age <= LIVE_MS;
     const exposure = this.still && this.drawn;
-    return html`<div class=${this.drawn && !live && !exposure ? "aged" : ""}>
+    return html`<div class=${this.drawn ? (live || exposure ? "" : "aged") : "bare"}>
       ${this.renderZoomed(live)} ${this.drawn ? html`<div class="tint"></div>` : nothing}
       ${this.drawn && this.overlays.length > 0 && !this.editing
         ? html`<t-model-overlay .overlays=${this.overlays} .picture=${this.picture} .zoom=${this.zoom}></t-model-overlay>`

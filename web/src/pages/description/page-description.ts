@@ -19,6 +19,7 @@ import { apiContext, routerContext, sitesContext } from "../../state/contexts.js
 import { DescriptionsApi } from "../../wire/descriptions-api.js";
 import type { ChangeAnswer, DescriptionList, DifferenceAnswer, VersionShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { hubText } from "../../words/hub-text.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -179,7 +180,7 @@ export class PageDescription extends LitElement {
         <div class="name">${msg(str`Version ${row.number}`)} ${row.current ? html`<span class="chip">${msg("now")}</span>` : nothing}</div>
         <div class="facts">
           <t-time us=${row.time_us} zone=${known.zone}></t-time>
-          <span>${row.who === "" ? row.note : `${row.who} · ${row.note}`}</span>
+          <span>${row.who === "" ? hubText(row.note) : `${row.who} · ${row.note}`}</span>
           <span>${msg(str`gateway ${row.gateway}`)}</span>
           <span title=${row.digest}>${msg(html`SHA-256 <code>${row.digest.slice(0, 12)}…</code>`)}</span>
         </div>

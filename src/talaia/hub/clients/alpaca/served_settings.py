@@ -54,7 +54,7 @@ def read_alpaca_serving(path: Path) -> AlpacaServing:
         CannotStart: it cannot be read, or says no address.
 
     """
-    advice = "see docs/how-to/alpaca.md"
+    advice = "see: talaia docs alpaca"
     try:
         with path.open("rb") as file:
             text = file.read(_MOST_FILE)

@@ -138,7 +138,7 @@ def read_broker_settings(path: Path) -> BrokerSettings:
         BrokerSettings,
         option="--mqtt",
         about="which broker",
-        page="docs/how-to/mqtt.md",
+        guide="mqtt",
         most=_MOST_FILE,
     )
     _refuse_unsafe(path, read)
@@ -172,7 +172,7 @@ def _refuse_unsafe(path: Path, read: BrokerSettings) -> None:
     if not read.sites:
         raise CannotStart(
             f"--mqtt {path}: no sites are named, so nothing would be published",
-            "name sites and their signals; see docs/how-to/mqtt.md",
+            "name sites and their signals; see: talaia docs mqtt",
         )
 
 

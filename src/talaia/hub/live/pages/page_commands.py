@@ -281,8 +281,9 @@ def _no_override(live: LiveSite, rule: Interlock, asked: page.PageOverride) -> s
     """Say why an override is not even asked of the gateway, which judges it again."""
     longest = longest_override(rule)
     if asked.seconds > longest:
-        most = f"at most {longest:g} s" if longest else "never"
-        return f"{rule.name} may be overridden {most}"
+        if not longest:
+            return f"{rule.name} may never be overridden"
+        return f"{rule.name} may be overridden for at most {longest:g} s"
     # 0 s ends an override, and that is always allowed.
     if not asked.seconds:
         return ""

@@ -8,24 +8,27 @@ from __future__ import annotations
 
 import re
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.checks.identifiers import FIELD, Finding
-from talaia.model.checks.ros_types.ros_value_checks import filled_findings, picture_findings
+from talaia.model.checks.ros_types.field_walk import field_ends, list_names, part_names
+from talaia.model.checks.ros_types.ros_value_checks import (
+    filled_findings,
+    picture_findings,
+    text_notes,
+)
 from talaia.model.closed_lists import CommandKind, PositionFrame, SignalType
 from talaia.model.connections.ros import RosSource
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator
 
+    from talaia.model.checks.ros_types.field_walk import FieldEnd, KnownTypes
     from talaia.model.site import Command, Device, Signal, Site
 
-__all__ = ["KnownTypes", "RosFieldShape", "RosTypeFindings", "ros_type_findings"]
+__all__ = ["RosTypeFindings", "ros_type_findings"]
 
 _TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*\Z")
-_INDEX = re.compile(r"\[(\d+)\]")
-# Names in one remedy.
-_MOST_NAMES = 8
 # What a position's field has in it, by its frame.
 _PLACE = {
     PositionFrame.WGS84: ("latitude", "longitude", "altitude"),
@@ -33,41 +36,6 @@ _PLACE = {
 }
 # What a command's arguments fill, by its kind.
 _ASKED = {CommandKind.SERVICE: "_Request", CommandKind.TOPIC: "", CommandKind.ACTION: "_Goal"}
-
-
-class RosFieldShape(Protocol):
-    """The type of a field; see `talaia.ros_type_library.FieldKind`."""
-
-    @property
-    def base(self) -> str:
-        """Give what it is of: ``float64``, ``string``, or ``package/msg/Name``."""
-        ...
-
-    @property
-    def many(self) -> bool:
-        """Tell whether it is a list."""
-        ...
-
-    @property
-    def length(self) -> int:
-        """Give how long such a list always is; 0 where that is open."""
-        ...
-
-
-class KnownTypes(Protocol):
-    """What knows types; see `talaia.ros_type_library.RosTypeLibrary`."""
-
-    def versions_of(self, type_name: str, part: str = "") -> Iterable[Mapping[str, RosFieldShape]]:
-        """Give the fields of each known version of a type, the installed one first."""
-        ...
-
-    def names_in(self, package: str, middle: str) -> list[str]:
-        """List the types of a package."""
-        ...
-
-    def packages(self) -> list[str]:
-        """List all packages."""
-        ...
 
 
 class RosTypeFindings(NamedTuple):
@@ -114,7 +82,7 @@ def ros_type_findings(site: Site, known: KnownTypes) -> RosTypeFindings:
             continue
         if names:
             near = get_close_matches(name, names, n=1, cutoff=0.6)
-            remedy = f"did you mean {near[0]}?" if near else f"it has: {_list_names(names)}"
+            remedy = f"did you mean {near[0]}?" if near else f"it has: {list_names(names)}"
             mistakes.append(Finding(named.where, f"no type {name} in {package}/{middle}", remedy))
         elif package not in notes:
             notes[package] = _package_note(known, named.where, package)
@@ -124,7 +92,7 @@ def ros_type_findings(site: Site, known: KnownTypes) -> RosTypeFindings:
             if command.type and command.kind in _ASKED:
                 where = f"$.devices.{device_id}.commands.{command_id}"
                 mistakes += filled_findings(where, command, _ASKED[command.kind], known)
-    return RosTypeFindings(mistakes, list(notes.values()))
+    return RosTypeFindings(mistakes, [*notes.values(), *text_notes(site, known)])
 
 
 def _package_note(known: KnownTypes, where: str, package: str) -> Finding:
@@ -207,14 +175,15 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
     for fields in known.versions_of(named.type, named.part):
         is_known = True
         for where, path in list(open_):
-            found = _follow_path(
-                known, fields, named.type, path.split("."), single=where == named.value_at
-            )
-            if found is None:
+            problems = [
+                end.wrong or (_value_problem(known, end) if where == named.value_at else None)
+                for end in field_ends(known, fields, named.type, path.split("."))
+            ]
+            if None in problems:
                 open_.remove((where, path))
             else:
                 # The first version is the installed one: what it lacks is told.
-                first.setdefault(where, found)
+                first.setdefault(where, next(filter(None, problems)))
         if not open_:
             break
     if not is_known:
@@ -228,62 +197,15 @@ def _field_problems(known: KnownTypes, named: _Named) -> list[Finding] | None:
     return [Finding(where, *first[where]) for where in dict(open_)]
 
 
-def _follow_path(
-    known: KnownTypes,
-    fields: Mapping[str, RosFieldShape],
-    owner: str,
-    steps: list[str],
-    *,
-    single: bool,
-) -> tuple[str, str] | None:
-    name, _, _ = steps[0].partition("[")
-    kind = fields.get(name)
-    if kind is None:
-        near = get_close_matches(name, fields, n=1, cutoff=0.5)
-        has = f"it has: {_list_names(fields)}" if fields else "it has none: leave it out"
-        return f"no field {name} in {owner}", f"did you mean {near[0]}?" if near else has
-    if (wrong := _index_problem(kind, steps[0])) is not None:
-        return f"{name} of {owner} {wrong[0]}", wrong[1]
-    if len(steps) == 1:
-        if single and kind.many and "[" not in steps[0]:
-            return f"{name} of {owner} is a list", f"write which of it: {name}[0], {name}[1], …"
-        return _whole_part_problem(known, kind, steps[0], owner) if single else None
-    below = ".".join(steps[1:])
-    if "/" not in kind.base:
-        return f"{name} of {owner} is a {kind.base} and has no fields", f"leave out .{below}"
-    if kind.many and "[" not in steps[0]:
-        return f"{name} of {owner} is a list", f"write {name}[0].{below}"
-    problem = None
-    for version in known.versions_of(kind.base):
-        found = _follow_path(known, version, kind.base, steps[1:], single=single)
-        # Any version that has it will do; and a part that nothing knows is no mistake.
-        if found is None:
-            return None
-        problem = problem or found
-    return problem
-
-
-def _whole_part_problem(
-    known: KnownTypes, kind: RosFieldShape, step: str, owner: str
-) -> tuple[str, str] | None:
-    """Tell of a part that is no one value; none where nothing knows what is in it."""
-    fields = next(iter(known.versions_of(kind.base)), None) if "/" in kind.base else None
-    if not fields:
+def _value_problem(known: KnownTypes, end: FieldEnd) -> tuple[str, str] | None:
+    """Tell of an end that is no one value; none where nothing knows what is in it."""
+    if end.kind is None:
         return None
-    problem = f"{step} of {owner} is more than one value"
-    return problem, f"write which of it: {_list_names([f'{step}.{name}' for name in fields])}"
-
-
-def _index_problem(kind: RosFieldShape, step: str) -> tuple[str, str] | None:
-    name, _, _ = step.partition("[")
-    indices = [int(index) for index in _INDEX.findall(step)]
-    if len(indices) > int(kind.many):
-        return "is no list of lists" if kind.many else "is no list", f"write {name}"
-    if indices and kind.length and indices[0] >= kind.length:
-        return f"has {kind.length} elements", f"write {name}[0] to {name}[{kind.length - 1}]"
-    return None
-
-
-def _list_names(names: Mapping[str, object] | Sequence[str]) -> str:
-    listed = list(names)
-    return ", ".join(listed[:_MOST_NAMES]) + (", …" if len(listed) > _MOST_NAMES else "")
+    if end.is_list:
+        remedy = f"write which of it: {end.step}[0], {end.step}[1], …"
+        return f"{end.step} of {end.owner} is a list", remedy
+    parts = part_names(known, end.kind, end.step)
+    if not parts:
+        return None
+    problem = f"{end.step} of {end.owner} is more than one value"
+    return problem, f"write which of it: {list_names(parts)}"

@@ -8,16 +8,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import FIELD, Finding
-from talaia.model.closed_lists import ArgumentType
+from talaia.model.checks.ros_types.field_walk import field_ends, list_names, part_names
+from talaia.model.closed_lists import ArgumentType, SignalType
 from talaia.model.connections.ros import RosSource
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
-    from talaia.model.checks.ros_types.ros_type_checks import KnownTypes, RosFieldShape
+    from talaia.model.checks.ros_types.field_walk import FieldEnd, KnownTypes
     from talaia.model.site import Command, Site
 
-__all__ = ["filled_findings", "picture_findings"]
+__all__ = ["filled_findings", "picture_findings", "text_notes"]
 
 _TRUTHS = {"bool", "boolean"}
 _TEXTS = {"string", "wstring"}
@@ -40,6 +41,25 @@ def picture_findings(site: Site, known: KnownTypes) -> Iterator[Finding]:
                 )
 
 
+def text_notes(site: Site, known: KnownTypes) -> Iterator[Finding]:
+    """Name numbers that are read from texts: that is right only where each text is a number."""
+    for device_id, device in site.devices.items():
+        for signal_id, signal in device.signals.items():
+            source = signal.source
+            if not isinstance(source, RosSource) or signal.type is not SignalType.NUMBER:
+                continue
+            end = _leaf_of(known, source.type, "", source.field)
+            # Of a topic that carries sensors by name, the name says which; there is no field.
+            if source.name or end is None or end.kind is None or end.kind.base not in _TEXTS:
+                continue
+            yield Finding(
+                f"$.devices.{device_id}.signals.{signal_id}.source.field",
+                f"{source.field} of {source.type} is a text, and the signal is a number: "
+                "of a text that is no number nothing is shown",
+                "if it holds words, write: type: text, or type: state with its words as states",
+            )
+
+
 def filled_findings(
     where: str, command: Command, part: str, known: KnownTypes
 ) -> Iterator[Finding]:
@@ -54,49 +74,32 @@ def filled_findings(
     """
     for name, argument in command.arguments.items():
         at = f"{where}.arguments.{name}.type"
-        leaf = _leaf_of(known, command.type, part, argument.field)
-        if leaf is None or leaf.many:
+        end = _leaf_of(known, command.type, part, argument.field)
+        if end is None or end.kind is None or end.is_list:
             continue
-        said = f"{argument.field} of {command.type}"
+        leaf, said = end.kind, f"{argument.field} of {command.type}"
         if leaf.base in _TRUTHS and argument.type is not ArgumentType.BOOLEAN:
             problem = f"{said} is true or false, and the argument is of type {argument.type}"
             yield Finding(at, problem, "write: type: boolean")
         elif "/" in leaf.base:
-            yield Finding(f"{where}.arguments.{name}.field", *_parts_of(known, leaf, said))
+            parts = list_names(part_names(known, leaf, argument.field))
+            remedy = f"write which of it: {parts}" if parts else ""
+            at = f"{where}.arguments.{name}.field"
+            yield Finding(at, f"{said} is more than one value", remedy)
         elif leaf.base not in _TEXTS and argument.type is ArgumentType.TEXT:
             kind = "number" if leaf.base.startswith(("float", "double")) else "integer"
             problem = f"{said} is a number, and the argument is of type text"
             yield Finding(at, problem, f"write: type: {kind}")
 
 
-def _parts_of(known: KnownTypes, leaf: RosFieldShape, said: str) -> tuple[str, str]:
-    fields = next(iter(known.versions_of(leaf.base)), {})
-    name = said.partition(" ")[0]
-    which = ", ".join(f"{name}.{field}" for field in list(fields)[:8])
-    return f"{said} is more than one value", f"write which of it: {which}" if which else ""
-
-
-def _leaf_of(known: KnownTypes, type_name: str, part: str, path: str) -> RosFieldShape | None:
-    """Follow a path in the first version that has it; none where that is not known."""
+def _leaf_of(known: KnownTypes, type_name: str, part: str, path: str) -> FieldEnd | None:
+    """Follow a path to the first end that is there; none where that is not known."""
     # A type or a path that is none has its own finding.
     if type_name.count("/") != 2 or not FIELD.match(path):
         return None
-    for fields in known.versions_of(type_name, part):
-        if (leaf := _follow(known, fields, path.split("."))) is not None:
-            return leaf
-    return None
-
-
-def _follow(
-    known: KnownTypes, fields: Mapping[str, RosFieldShape], steps: list[str]
-) -> RosFieldShape | None:
-    kind = fields.get(steps[0].partition("[")[0])
-    # An element of a list is what the list is of.
-    if kind is None or (kind.many and "[" in steps[0] and len(steps) == 1):
-        return None
-    if len(steps) == 1:
-        return kind
-    for version in known.versions_of(kind.base) if "/" in kind.base else ():
-        if (leaf := _follow(known, version, steps[1:])) is not None:
-            return leaf
-    return None
+    ends = (
+        end
+        for fields in known.versions_of(type_name, part)
+        for end in field_ends(known, fields, type_name, path.split("."))
+    )
+    return next((end for end in ends if end.kind is not None), None)

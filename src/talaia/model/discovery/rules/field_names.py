@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from talaia.model.discovery.probe_report import FieldFound, TopicFound
 
-__all__ = ["JOINTS", "joint_title", "name_of_field", "plain_name"]
+__all__ = ["FORM_PARTS", "JOINTS", "joint_title", "name_of_field", "plain_name"]
 
 JOINTS = "sensor_msgs/msg/JointState"
 _TWIST = {
@@ -55,7 +55,7 @@ _TWISTS = tuple(name for name in _NAMES if "/Twist" in name)
 # Of what is one of a robot, its topic's name says no more: `/odom`, `/imu/data`.
 _NO_NAME = {"odom", "odometry", "data", "data_raw", "state", "status", "filtered", "out", "raw"}
 # These say it of a single number or text, too, whose `state` is what it is.
-_FORM = ("data", "data_raw", "raw", "out")
+FORM_PARTS = ("data", "data_raw", "raw", "out")
 # Names that drivers give, and what people say.
 _SPOKEN = {
     "odom": "Odometry",
@@ -124,7 +124,7 @@ def name_of_field(topic: TopicFound, field: FieldFound, topics: Iterable[TopicFo
     numbers = [one for one in topic.fields if one.type != "text"]
     if field.path == "data" or (len(numbers) == 1 and field.type != "text"):
         # `data` of std_msgs says nothing; the topic does.
-        return plain_name(last_part(topic.topic, _FORM))
+        return plain_name(last_part(topic.topic, FORM_PARTS))
     words = _axis_words(topic, field) or _path_words(field.path)
     if field.path.startswith("data["):
         # People count from 1.

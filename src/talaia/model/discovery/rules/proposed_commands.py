@@ -140,8 +140,10 @@ def jog_command(topic: TopicFound, frame: str) -> Command:
         for part, unit, most, verb in axes
         for axis in "xyz"
     }
+    sides = [side for side in ("left", "right") if side in topic.topic.lower()]
     return Command(
-        name="Jog",
+        # Which arm moves stands on the button.
+        name=" ".join(["Jog", *sides]),
         target=topic.topic,
         type=topic.type,
         kind=CommandKind.TOPIC,

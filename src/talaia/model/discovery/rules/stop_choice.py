@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+import msgspec
+
 from talaia.model.connection import RosSource
 from talaia.model.discovery.rules.field_names import JOINTS
 from talaia.model.discovery.topic_words import last_part
@@ -28,6 +30,7 @@ __all__ = [
     "question_of_signal",
     "question_of_topic",
     "with_answers",
+    "without_commands",
 ]
 
 _STOP_TOPICS = ("stop", "e_stop", "estop", "emergency_stop", "soft_stop", "software_stop")
@@ -130,3 +133,22 @@ def with_answers(stop: Stop, answers: StopAnswers, choice: StopChoice) -> Stop:
     confirmed = tuple(one for one in answers.confirmed_by if one in choice.signals)
     topic = answers.topic if answers.topic in choice.topics else ""
     return Stop(topic=topic, confirmed_by=confirmed, below=stop.below)
+
+
+def without_commands(devices: Mapping[str, Device], topic: str) -> dict[str, Device]:
+    """Leave out the commands that write to a topic: what stops the robot has no second button.
+
+    A device that had nothing else goes with them.
+    """
+    made = {
+        word: msgspec.structs.replace(
+            device,
+            commands={name: one for name, one in device.commands.items() if one.target != topic},
+        )
+        for word, device in devices.items()
+    }
+    return {
+        word: device
+        for word, device in made.items()
+        if device.commands or device.signals or device.streams or device.drive
+    }
