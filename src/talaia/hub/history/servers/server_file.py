@@ -53,7 +53,7 @@ def read_history_servers(path: Path) -> HistoryServersFile:
         HistoryServersFile,
         option="--history-servers",
         about="which databases have histories",
-        page="docs/how-to/scale.md",
+        guide="scale",
         most=_MOST_FILE,
     )
     if OWN in read.servers:
