@@ -182,7 +182,8 @@ async def test_storage_says_what_each_signal_takes_and_how_long_it_is_kept(store
     await gateway.hello(changed, boot="boot-2")
     store = stored.hub.history.store
     # Few samples make a block.
-    store._ledger._limits = store._ledger._limits._replace(block=256, largest=256)
+    choice = store._ledger._choice
+    choice._limits = choice._limits._replace(block=256, largest=256)
     rows = [(at, NOW + i * 1000, i / 7) for i in range(500) for at in (0, 1)]
     for first in range(0, 10_000, 1_000):
         await store.append_samples(

@@ -90,8 +90,12 @@ def write_backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
 def histories_elsewhere(backup: Path) -> dict[str, list[str]]:
     """Give by server the sites whose history was on it, and is not in a backup."""
     with closing(sqlite3.connect(f"file:{backup / DATABASE}?mode=ro", uri=True)) as database:
-        rows = database.execute("SELECT server, site FROM history_homes ORDER BY server, site")
         found: dict[str, list[str]] = {}
+        # A version before this one has no such table, and all histories in its own database.
+        known = "SELECT name FROM sqlite_master WHERE type = 'table' AND name = 'history_homes'"
+        if database.execute(known).fetchone() is None:
+            return found
+        rows = database.execute("SELECT server, site FROM history_homes ORDER BY server, site")
         for server, site in rows:
             if server != OWN:
                 found.setdefault(server, []).append(site)
