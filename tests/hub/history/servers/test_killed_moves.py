@@ -63,8 +63,9 @@ async def test_kill_minus_nine_within_moves_loses_nothing_that_was_acknowledged(
             await assert_whole(history, "agv", below)
             await history.move_sites()
             home = await homes.find_home("agv")
-            assert (home.moving_to, home.erase_at) == ("", "")
+            # On a slow machine it is killed before its first move is asked for.
+            assert home is None or (home.moving_to, home.erase_at) == ("", "")
             await assert_whole(history, "agv", below)
             await assert_whole(history, "other", 40)
-            left = OWN if home.server == "east" else "east"
+            left = OWN if home is not None and home.server == "east" else "east"
             assert not history.places.store_named(left).transfer.has_site("agv")
