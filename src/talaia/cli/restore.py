@@ -45,10 +45,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 async def _migrate_database(settings: Settings) -> None:
-    from talaia.hub.store.database import Database
+    from talaia.hub.store.database import open_migrated
 
-    database = Database(settings.url)
-    try:
-        await database.migrate()
-    finally:
-        await database.close()
+    async with open_migrated(settings.url):
+        pass

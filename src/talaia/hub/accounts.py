@@ -13,7 +13,7 @@ from talaia.hub.store.accounts.mfa import SecondFactors
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit
-from talaia.hub.store.database import Database
+from talaia.hub.store.database import open_migrated
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
     from talaia.hub.store.audit import Chain
+    from talaia.hub.store.database import Database
 
 __all__ = [
     "append_audit_record",
@@ -158,10 +159,5 @@ async def append_audit_record(database: Database, kind: str, message: str, site:
 async def _open_database(settings: Settings) -> AsyncIterator[Database]:
     # A command may be the first thing ever run on this folder.
     make_data_folder(settings)
-    database = Database(settings.url)
-    try:
-        # A hub of another version may have used it last.
-        await database.migrate()
+    async with open_migrated(settings.url) as database:
         yield database
-    finally:
-        await database.close()

@@ -14,7 +14,7 @@ from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history
 from talaia.hub.history.servers.history_servers import HistoryServers
 from talaia.hub.lock import HubRuns, hub_lock
-from talaia.hub.store.database import Database
+from talaia.hub.store.database import open_migrated
 from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.history_servers.history_homes import HistoryHomes
 from talaia.hub.store.history_servers.home_tables import OWN
@@ -22,9 +22,10 @@ from talaia.hub.store.lead.only_hub import hold_only_hub
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import Callable
 
     from talaia.hub.settings import Settings
+    from talaia.hub.store.database import Database
     from talaia.hub.store.history_servers.history_homes import HistoryHome
 
 __all__ = ["list_histories", "move_history"]
@@ -40,7 +41,7 @@ async def list_histories(settings: Settings, tell: Callable[[str], None]) -> Non
         HubError: the database cannot be opened.
 
     """
-    async with _open_database(settings) as database:
+    async with open_migrated(settings.url) as database:
         homes = {home.site: home for home in await HistoryHomes(database).list_homes()}
         sites = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
     for site in sorted(sites | homes.keys()):
@@ -58,7 +59,7 @@ async def move_history(
         CliError: there is no such site.
 
     """
-    async with _open_database(settings) as database:
+    async with open_migrated(settings.url) as database:
         homes = HistoryHomes(database)
         known = {known.site for known in await SiteRegistry(database, SystemClock()).list_sites()}
         if site not in known and await homes.find_home(site) is None:
@@ -115,13 +116,3 @@ def _line_of(home: HistoryHome) -> str:
     elif home.erase_at:
         said += f", what was left at {home.erase_at} is being erased"
     return f"{said}; it waits: {home.problem}" if home.problem else said
-
-
-@contextlib.asynccontextmanager
-async def _open_database(settings: Settings) -> AsyncIterator[Database]:
-    database = Database(settings.url)
-    try:
-        await database.migrate()
-        yield database
-    finally:
-        await database.close()

@@ -14,7 +14,7 @@ from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.servers.build_history import build_history, check_homes
 from talaia.hub.live.files.import_inbox import BAD, ImportInbox, ImportResult, answer_of
 from talaia.hub.lock import HubRuns, hub_lock
-from talaia.hub.store.database import Database
+from talaia.hub.store.database import Database, open_migrated
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 if TYPE_CHECKING:
@@ -72,12 +72,8 @@ def known_description(settings: Settings, site: str) -> str | None:
     """
 
     async def read_known_site() -> str | None:
-        database = Database(settings.url)
-        try:
-            await database.migrate()
+        async with open_migrated(settings.url) as database:
             known = await SiteRegistry(database, SystemClock()).list_sites()
-        finally:
-            await database.close()
         return next(
             (known_site.description for known_site in known if known_site.site == site), None
         )

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.database_url import OnConnect, Reach
 
-__all__ = ["Database"]
+__all__ = ["Database", "open_migrated"]
 
 ScalarT = TypeVar("ScalarT")
 
@@ -203,3 +203,19 @@ def _last_migration() -> str:
     files = (_MIGRATIONS / "versions").glob("[0-9]*_*.py")
     # Names begin with four digits, so the greatest name is the last step's.
     return max(file.name.partition("_")[0] for file in files)
+
+
+@asynccontextmanager
+async def open_migrated(url: str) -> AsyncIterator[Database]:
+    """Open a database for one command; a hub of another version may have used it last.
+
+    Raises:
+        StoreError: it cannot be opened, or a step of the migration failed.
+
+    """
+    database = Database(url)
+    try:
+        await database.migrate()
+        yield database
+    finally:
+        await database.close()

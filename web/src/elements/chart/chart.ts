@@ -34,8 +34,9 @@ declare global {
   }
 }
 
-/** Properties that change the picture. */
 const NEVER = (): boolean => false;
+
+/** Properties that change the picture. */
 const DRAWN: readonly (keyof Chart)[] = [
   "series",
   "marks",
@@ -256,11 +257,14 @@ export class Chart extends LitElement implements Paintable {
   /** What is written around it has changed with what is drawn now: drawn as large as it is, it need not be drawn again. */
   private adoptSize(view: UplotView): void {
     this.wasHeld = false;
-    const box = this.place.getBoundingClientRect();
-    const [width, height] = [Math.floor(box.width), Math.floor(box.height)];
-    if (width === this.size.width && height === this.size.height) return;
-    this.size = { width, height };
-    view.resize(this.size);
+    if (this.changeSize(this.place.getBoundingClientRect())) view.resize(this.size);
+  }
+
+  /** Gives whether it is another size, in whole pixels. */
+  private changeSize(box: DOMRectReadOnly): boolean {
+    const before = this.size;
+    this.size = { width: Math.floor(box.width), height: Math.floor(box.height) };
+    return this.size.width !== before.width || this.size.height !== before.height;
   }
 
   /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */
@@ -288,9 +292,8 @@ export class Chart extends LitElement implements Paintable {
     inView.observe(this);
     const sized = new ResizeObserver(([entry]) => {
       if (entry === undefined) return;
-      const { width, height } = this.size;
-      this.size = { width: Math.floor(entry.contentRect.width), height: Math.floor(entry.contentRect.height) };
-      if (this.view !== null && width === this.size.width && height === this.size.height) return;
+      const changed = this.changeSize(entry.contentRect);
+      if (this.view !== null && !changed) return;
       if (this.view === null) void this.createView();
       else this.view.resize(this.size);
       this.markDirty();

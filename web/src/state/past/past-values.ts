@@ -111,8 +111,9 @@ export class PastValues implements ReadingSource {
     const count = (this.counts.get(channel) ?? 0) + change;
     if (count > 0) this.counts.set(channel, count);
     else this.counts.delete(channel);
-    this.chunks.wantChannels([...this.counts.keys()]);
-    this.moment.wantChannels([...this.counts.keys()]);
+    const wanted = [...this.counts.keys()];
+    this.chunks.wantChannels(wanted);
+    this.moment.wantChannels(wanted);
     this.wishChanged();
   }
 }
