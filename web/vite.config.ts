@@ -16,7 +16,21 @@ const FIRST_PAINT_LIMIT = 200_000;
 const WORKER = "worker.js";
 /** Of `public/`, what the offline page is made of. */
 const PLAIN_SHELL = ["offline.html", "offline.css", "offline.js", "icon.svg"];
-const FIRST_PAGES = ["src/pages/shell/app.ts", "src/pages/sign-in/page-sign-in.ts", "src/pages/home/page-home.ts"];
+/** What stands around every page. */
+const FRAME = "src/pages/shell/app.ts";
+const FIRST_PAGES = [FRAME, "src/pages/sign-in/page-sign-in.ts", "src/pages/home/page-home.ts"];
+
+/**
+ * Few files instead of many small ones: a browser asks a hub for six at a time, and each round is a
+ * way to the hub and back. What only some pages share stays in files of its own.
+ */
+const GROUPS = [
+  // Words are made of it, and come before anything that has words in its constants.
+  { name: "lit", test: /[\\/]node_modules[\\/]@?lit/, priority: 4 },
+  { name: "words", test: /[\\/]src[\\/]words[\\/]language\.ts$/, priority: 3 },
+  { name: "frame", test: (id: string) => id.endsWith(FRAME), priority: 2 },
+  { name: "common", test: /[\\/]src[\\/]/, minShareCount: 10, priority: 1 },
+];
 
 /** Puts a .gz beside each text file, so that the hub compresses nothing while it serves. */
 function precompress(): Plugin {
@@ -31,6 +45,10 @@ function precompress(): Plugin {
       }
     },
   };
+}
+
+function holdsFirstPage(chunk: { readonly moduleIds: readonly string[] }): boolean {
+  return chunk.moduleIds.some((id) => FIRST_PAGES.some((page) => id.endsWith(page)));
 }
 
 /** Prints what sign-in and home cost over the wire, and fails over the limit. */
@@ -48,8 +66,7 @@ function firstPaint(): Plugin {
       };
       for (const chunk of Object.values(bundle)) {
         if (chunk.type !== "chunk") continue;
-        const facade = chunk.facadeModuleId ?? "";
-        if (chunk.isEntry || FIRST_PAGES.some((page) => facade.endsWith(page))) visit(chunk.fileName);
+        if (chunk.isEntry || holdsFirstPage(chunk)) visit(chunk.fileName);
       }
       const total = [...sizes.values()].reduce((sum, size) => sum + size, 0);
       const tell = (language: string, bytes: number, files: number): void => {
@@ -69,6 +86,34 @@ function firstPaint(): Plugin {
   };
 }
 
+/**
+ * Fails where a constant with words could be made before its words are there: with what is loaded
+ * before all words, no other module may be loaded than those that it imports.
+ */
+function wordsFirst(): Plugin {
+  return {
+    name: "talaia-words-first",
+    apply: "build",
+    generateBundle(_options, bundle) {
+      const visit = (name: string, next: (name: string) => readonly string[], seen = new Set<string>()): Set<string> => {
+        if (!seen.has(name)) next(seen.add(name) && name).forEach((other) => visit(other, next, seen));
+        return seen;
+      };
+      const loaded = (file: string): readonly string[] => (bundle[file]?.type === "chunk" ? bundle[file].imports : []);
+      for (const chunk of Object.values(bundle)) {
+        if (chunk.type !== "chunk") continue;
+        const first = chunk.moduleIds.find((id) => /\/src\/main\.ts$|virtual:catalogue\/.+\/first$/.test(id) || id.endsWith(FRAME));
+        if (first === undefined) continue;
+        const imported = visit(first, (id) => this.getModuleInfo(id)?.importedIds ?? []);
+        for (const file of visit(chunk.fileName, loaded)) {
+          const more = bundle[file]?.type === "chunk" ? bundle[file].moduleIds.find((id) => /\/src\/.*\.ts$/.test(id) && !imported.has(id)) : undefined;
+          if (more !== undefined) this.error(`${file} comes with ${first} and has ${more}, whose words are not there yet`);
+        }
+      }
+    },
+  };
+}
+
 /** Lets browsers fetch the pages' frame while they still look which language is wanted. */
 function preloadFrame(): Plugin {
   return {
@@ -77,15 +122,17 @@ function preloadFrame(): Plugin {
     transformIndexHtml: {
       order: "post",
       handler(_html, { bundle = {} }) {
+        // What the first file imports is announced by the builder itself.
         const files = new Set<string>();
         const visit = (name: string): void => {
           const chunk = bundle[name];
-          if (chunk?.type !== "chunk" || chunk.isEntry || files.has(name)) return;
+          if (chunk?.type !== "chunk" || chunk.isEntry || announced.has(name) || files.has(name)) return;
           files.add(name);
           chunk.imports.forEach(visit);
         };
+        const announced = new Set(Object.values(bundle).flatMap((chunk) => (chunk.type === "chunk" && chunk.isEntry ? chunk.imports : [])));
         for (const chunk of Object.values(bundle)) {
-          if (chunk.type === "chunk" && (chunk.facadeModuleId ?? "").endsWith(FIRST_PAGES[0] ?? "")) visit(chunk.fileName);
+          if (chunk.type === "chunk" && chunk.moduleIds.some((id) => id.endsWith(FRAME))) visit(chunk.fileName);
         }
         return [...files].map((file) => ({ tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `/${file}` }, injectTo: "head" as const }));
       },
@@ -114,8 +161,7 @@ function fillWorker(): Plugin {
         for (const file of Object.values(bundle)) {
           if (file.type === "asset" && file.fileName.endsWith(".css")) files.add(file.fileName);
           if (file.type !== "chunk" || file === worker) continue;
-          const facade = file.facadeModuleId ?? "";
-          if (file.isEntry || FIRST_PAGES.some((page) => facade.endsWith(page))) visit(file.fileName);
+          if (file.isEntry || holdsFirstPage(file)) visit(file.fileName);
         }
         const version = createHash("sha256").update(worker.code);
         // Names of the others hold a hash already.
@@ -141,7 +187,10 @@ export default defineConfig({
     modulePreload: { polyfill: false },
     rolldownOptions: {
       input: { index: fileURLToPath(new URL("index.html", import.meta.url)), worker: fileURLToPath(new URL("src/worker/worker.ts", import.meta.url)) },
-      output: { entryFileNames: ({ name }) => (name === "worker" ? WORKER : "assets/[name]-[hash].js") },
+      output: {
+        entryFileNames: ({ name }) => (name === "worker" ? WORKER : "assets/[name]-[hash].js"),
+        codeSplitting: { groups: GROUPS },
+      },
     },
   },
   plugins: [
@@ -149,6 +198,7 @@ export default defineConfig({
     preloadFrame(),
     fillWorker(),
     firstPaint(),
+    wordsFirst(),
     precompress(),
   ],
   server: {

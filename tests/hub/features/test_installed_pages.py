@@ -121,7 +121,7 @@ async def test_another_version_takes_over_at_once_and_keeps_only_the_one_before(
 async def test_nothing_that_a_sign_in_is_needed_for_is_kept(hub, chromium) -> None:
     gateway = await hub.gateway()
     await gateway.hello()
-    page = await sign_in(chromium, hub, "admin")
+    page = await sign_in(chromium, hub, "admin", workers="allow")
     await page.evaluate(CONTROLLED)
     await page.goto(f"{hub.origin}/sites/agv/live")
     await expect(page.get_by_role("heading", name="Speed")).to_be_visible()
