@@ -38,7 +38,17 @@ _PREFIXED = {
     *("hertz", "newton", "pascal", "joule", "watt", "volt", "farad", "ohm", "siemens", "weber"),
     *("tesla", "henry", "lumen", "lux", "becquerel", "gray", "sievert", "rem", "curie", "liter"),
     *("bar", "torr", "byte", "bit", "baud", "electron_volt", "watt_hour"),
-    *("ampere_hour", "calorie", "poise", "stokes", "parsec", "year", "pixel", "count", "force_gram"),
+    *(
+        "ampere_hour",
+        "calorie",
+        "poise",
+        "stokes",
+        "parsec",
+        "year",
+        "pixel",
+        "count",
+        "force_gram",
+    ),
     *("kilogram_force", "pound_force", "watt_peak"),
 }
 # Short words that mean something else on a robot: points, charges, gas constants.
