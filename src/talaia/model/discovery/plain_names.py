@@ -10,6 +10,7 @@ import msgspec
 from talaia.model.connection import RosSource
 from talaia.model.discovery.device_places import robot_namespace, spoken_space
 from talaia.model.discovery.ros_units import readable_name
+from talaia.model.discovery.rules.spoken_names import spoken_name
 from talaia.model.discovery.topic_words import last_part
 
 if TYPE_CHECKING:
@@ -27,20 +28,51 @@ def with_plain_names(found: Found, devices: Mapping[str, Device]) -> dict[str, D
     space = robot_namespace(found.topics)
     said = spoken_space(space) if space else ""
     robot = f"{said[:1].upper()}{said[1:]} " if said else ""
-    plain = {word: _without_robot(device.name, robot) for word, device in devices.items()}
+    plain = {
+        word: spoken_name(_without_robot(device.name, robot)) for word, device in devices.items()
+    }
     # Two that would be called the same keep what tells them apart.
     count = Counter(plain.values())
-    names = {word: plain[word] if count[plain[word]] == 1 else devices[word].name for word in plain}
+    whole = {word: spoken_name(device.name) for word, device in devices.items()}
+    names = {word: plain[word] if count[plain[word]] == 1 else whole[word] for word in plain}
     count = Counter(names.values())
     return {
         word: msgspec.structs.replace(
             device,
             name=names[word] if count[names[word]] == 1 else f"{names[word]} ({word})",
-            signals=_told_apart(device.signals),
-            commands=_commands_apart(device.commands),
+            signals=_told_apart(_spoken_signals(device.signals)),
+            commands=_commands_apart(_spoken_commands(device.commands)),
+            streams={
+                stream: msgspec.structs.replace(one, name=spoken_name(one.name))
+                for stream, one in device.streams.items()
+            },
         )
         for word, device in devices.items()
     }
+
+
+def _spoken_signals(signals: Mapping[str, Signal]) -> dict[str, Signal]:
+    return {
+        word: msgspec.structs.replace(one, name=spoken_name(one.name, one.unit))
+        for word, one in signals.items()
+    }
+
+
+def _spoken_commands(commands: Mapping[str, Command]) -> dict[str, Command]:
+    return {word: _spoken_command(one) for word, one in commands.items()}
+
+
+def _spoken_command(command: Command) -> Command:
+    arguments = {
+        word: msgspec.structs.replace(one, name=spoken_name(one.name or word, one.unit))
+        if one.name
+        else one
+        for word, one in command.arguments.items()
+    }
+    # One that sets a single value has its unit in its own name, too.
+    unit = next((one.unit for one in arguments.values()), "") if len(arguments) == 1 else ""
+    name = spoken_name(command.name, unit)
+    return msgspec.structs.replace(command, name=name, arguments=arguments)
 
 
 def _without_robot(name: str, robot: str) -> str:
