@@ -18,16 +18,6 @@ __all__ = ["numbers_without_unit", "unit_lines"]
 _ANGLES = (
     *("azimuth", "altitude", "elevation", "heading", "bearing", "yaw", "pitch", "roll", "angle"),
 )
-    "azimuth",
-    "altitude",
-    "elevation",
-    "heading",
-    "bearing",
-    "yaw",
-    "pitch",
-    "roll",
-    "angle",
-)
 _SKY = {"ra", "dec", "axis_ra", "axis_dec", "rotation", "right_ascension", "declination"}
 # A line of the file's head.
 _WIDTH = 92
