@@ -51,7 +51,7 @@ def run_release(
         folder.leave_candidate(f"it cannot be started: {error}")
         return 1
     signals.pass_to(gateway)
-    return _watch_trial(folder, slot, gateway, signals, link_s)
+    return _watch_trial(folder, slot, gateway, signals=signals, link_s=link_s)
 
 
 class PassedSignals:
@@ -87,6 +87,7 @@ def _watch_trial(
     folder: SlotFolder,
     slot: RunnableSlot,
     gateway: subprocess.Popen[bytes],
+    *,
     signals: PassedSignals,
     link_s: float,
 ) -> int:
