@@ -28,38 +28,44 @@ def with_plain_names(found: Found, devices: Mapping[str, Device]) -> dict[str, D
     space = robot_namespace(found.topics)
     said = spoken_space(space) if space else ""
     robot = f"{said[:1].upper()}{said[1:]} " if said else ""
-    plain = {
-        word: spoken_name(_without_robot(device.name, robot)) for word, device in devices.items()
+    # Drivers that say themselves what they are (INDI, Alpaca, ONVIF) have names by people.
+    theirs = {device.word for device in found.devices if device.described is not None}
+    spoken = {
+        word: device if word in theirs else _spoken_device(device)
+        for word, device in devices.items()
     }
+    # Of `spot_ros2` of the robot spot its first word is left out, and the second said.
+    short = {word: _without_robot(device.name, robot) for word, device in devices.items()}
+    plain = {word: name if word in theirs else spoken_name(name) for word, name in short.items()}
     # Two that would be called the same keep what tells them apart.
     count = Counter(plain.values())
-    whole = {word: spoken_name(device.name) for word, device in devices.items()}
-    names = {word: plain[word] if count[plain[word]] == 1 else whole[word] for word in plain}
+    names = {word: plain[word] if count[plain[word]] == 1 else spoken[word].name for word in plain}
     count = Counter(names.values())
     return {
         word: msgspec.structs.replace(
             device,
             name=names[word] if count[names[word]] == 1 else f"{names[word]} ({word})",
-            signals=_told_apart(_spoken_signals(device.signals)),
-            commands=_commands_apart(_spoken_commands(device.commands)),
-            streams={
-                stream: msgspec.structs.replace(one, name=spoken_name(one.name))
-                for stream, one in device.streams.items()
-            },
+            signals=_told_apart(device.signals),
+            commands=_commands_apart(device.commands),
         )
-        for word, device in devices.items()
+        for word, device in spoken.items()
     }
 
 
-def _spoken_signals(signals: Mapping[str, Signal]) -> dict[str, Signal]:
-    return {
-        word: msgspec.structs.replace(one, name=spoken_name(one.name, one.unit))
-        for word, one in signals.items()
-    }
-
-
-def _spoken_commands(commands: Mapping[str, Command]) -> dict[str, Command]:
-    return {word: _spoken_command(one) for word, one in commands.items()}
+def _spoken_device(device: Device) -> Device:
+    return msgspec.structs.replace(
+        device,
+        name=spoken_name(device.name),
+        signals={
+            word: msgspec.structs.replace(one, name=spoken_name(one.name, one.unit))
+            for word, one in device.signals.items()
+        },
+        commands={word: _spoken_command(one) for word, one in device.commands.items()},
+        streams={
+            word: msgspec.structs.replace(one, name=spoken_name(one.name))
+            for word, one in device.streams.items()
+        },
+    )
 
 
 def _spoken_command(command: Command) -> Command:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import pytest
 from described_robot import found_of, read_robot
 
+from talaia.model.connection import RosSource
 from talaia.model.discovery.generate_description import propose_description
+from talaia.model.discovery.plain_names import with_plain_names
+from talaia.model.discovery.probe_report import DeviceFound, Found
 from talaia.model.discovery.rules.spoken_names import spoken_name
+from talaia.model.site import Device, Signal
 
 pytestmark = pytest.mark.pure
 
@@ -51,3 +55,19 @@ def test_a_description_has_such_names_and_its_addresses_stay() -> None:
     assert (stop.name, stop.commands["hard"].name) == ("Emergency stop", "Hard")
     cameras = [(word, s.name) for one in site.devices.values() for word, s in one.streams.items()]
     assert ("frontleft", "Front left") in cameras
+
+
+def test_what_a_driver_calls_itself_stays_as_its_maker_wrote_it() -> None:
+    signal = Signal(name="Estop temp", source=RosSource(topic="/a"))
+    device = Device(name="Fl wheel", signals={"a": signal})
+    found = Found(
+        talaia_probe=1,
+        protocol="indi",
+        where="here",
+        seconds=1,
+        devices=(DeviceFound(device="Fl wheel", word="wheel", described=device),),
+    )
+    said = with_plain_names(found, {"wheel": device, "other": device})
+    assert said["wheel"].name == "Fl wheel"
+    assert said["wheel"].signals["a"].name == "Estop temp"
+    assert said["other"].signals["a"].name == "Emergency stop temperature"
